@@ -15,7 +15,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 20] = [
+const NOT_RUN: [(&str, &str); 21] = [
     ("linestereo-lab", "the laboratory, which has tests of its own"),
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
@@ -24,6 +24,7 @@ const NOT_RUN: [(&str, &str); 20] = [
     ("probe-rs", "a board and a probe"),
     ("dfu-util", "a board"),
     ("cargo xtask", "compilers and emulators of boards: `.ci/run` calls it"),
+    ("robot.mcap", "a detector's messages: `recordings` writes some and reads them"),
     ("cargo test", "runs this test"),
     ("cargo +nightly fuzz", "hours; `fuzz` of `linestereo-tests` runs the same for seconds"),
     ("cargo install", "builds the program anew"),

@@ -227,7 +227,7 @@ fn nothing_that_was_asked_for_is_passed_over() {
     // A folder that has a file for some of the frames alone says so.
     fs::write(at.join("empty/0001_left.csv"), "10,10,90,90\n").unwrap();
     let said = stderr(&linestereo(at, &["sequence", ".", "--objects", "empty"]));
-    assert!(said.contains("1 frames without a file of objects"), "{said}");
+    assert!(said.contains("1 frames without a file or a message of objects"), "{said}");
     for frame in 1..=2 {
         fs::write(at.join(format!("{frame:04}_left.png")), b"no image").unwrap();
     }

@@ -1,6 +1,6 @@
 """Recordings by an independent implementation of ROS 2's messages (`pip install rosbags`), for recordings.rs.
 
-write FOLDER JOB.json   images as a bag: {"pairs": [[left, right, left_ns, right_ns]], "encoding", "compression", "rig", "topics", "scramble"}
+write FOLDER JOB.json   images as a bag: {"pairs": [[left, right, left_ns, right_ns]], "encoding", "compression", "rig", "topics", "scramble", "detections"}
 foxglove FILE JOB.json  the same as Foxglove's own messages (`pip install foxglove-schemas-protobuf mcap-protobuf-support`)
 read FILE.mcap          every message as a line of JSON, by the official definitions; the file's own definitions have to equal them
 """
@@ -15,6 +15,21 @@ from rosbags.rosbag2.enums import CompressionFormat, CompressionMode, StoragePlu
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
+# vision_msgs 4, which the store lacks: https://github.com/ros-perception/vision_msgs.
+VISION = {
+    'Point2D': 'float64 x\nfloat64 y\n',
+    'Pose2D': 'vision_msgs/Point2D position\nfloat64 theta\n',
+    'BoundingBox2D': 'vision_msgs/Pose2D center\nfloat64 size_x\nfloat64 size_y\n',
+    'BoundingBox3D': 'geometry_msgs/Pose center\ngeometry_msgs/Vector3 size\n',
+    'ObjectHypothesis': 'string class_id\nfloat64 score\n',
+    'ObjectHypothesisWithPose': 'vision_msgs/ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose\n',
+    'Detection2D': 'std_msgs/Header header\nvision_msgs/ObjectHypothesisWithPose[] results\nvision_msgs/BoundingBox2D bbox\nstring id\n',
+    'Detection2DArray': 'std_msgs/Header header\nvision_msgs/Detection2D[] detections\n',
+    'Detection3D': 'std_msgs/Header header\nvision_msgs/ObjectHypothesisWithPose[] results\nvision_msgs/BoundingBox3D bbox\nstring id\n',
+    'Detection3DArray': 'std_msgs/Header header\nvision_msgs/Detection3D[] detections\n',
+}
+for name, text in VISION.items():
+    STORE.register(get_types_from_msg(text, f'vision_msgs/msg/{name}'))
 TYPES = STORE.types
 
 
@@ -46,6 +61,9 @@ def image(path, ns, frame, encoding):
         rows = wide.astype('>u2' if big else '<u2').view(np.uint8)
     elif name in ('rgb8', 'bgr8'):
         rows = np.repeat(grey, 3, axis=1)
+    elif name.startswith('yuv422'):
+        colour = np.full_like(grey, 77)
+        rows = np.stack([grey, colour] if name == 'yuv422_yuy2' else [colour, grey], axis=2)
     else:
         rows = grey
     # Rows that are longer than their pixels.
@@ -66,6 +84,23 @@ def camera_info(rig, ns, frame, is_right):
         d=np.array(rig.get('lens', [0] * 5), float), k=k, r=np.eye(3).reshape(-1), p=p, binning_x=0, binning_y=0, roi=roi)
 
 
+def detections(boxes, ns):
+    def kind(name):
+        return TYPES[f'vision_msgs/msg/{name}']
+
+    def found(x, y, w, h, name):
+        pose, zero = TYPES['geometry_msgs/msg/Pose'], TYPES['geometry_msgs/msg/Point'](x=0.0, y=0.0, z=0.0)
+        pose = pose(position=zero, orientation=TYPES['geometry_msgs/msg/Quaternion'](x=0.0, y=0.0, z=0.0, w=1.0))
+        pose = TYPES['geometry_msgs/msg/PoseWithCovariance'](pose=pose, covariance=np.zeros(36))
+        said = [kind('ObjectHypothesis')(class_id=f'not {name}', score=0.1), kind('ObjectHypothesis')(class_id=name, score=0.8)]
+        results = [kind('ObjectHypothesisWithPose')(hypothesis=one, pose=pose) for one in said]
+        centre = kind('Pose2D')(position=kind('Point2D')(x=float(x), y=float(y)), theta=0.0)
+        box = kind('BoundingBox2D')(center=centre, size_x=float(w), size_y=float(h))
+        return kind('Detection2D')(header=header(ns, 'left_optical'), results=results, bbox=box, id='track')
+
+    return kind('Detection2DArray')(header=header(ns, 'left_optical'), detections=[found(*box) for box in boxes])
+
+
 def write(folder, job):
     writer = Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP)
     if job['compression'] == 'zstd':
@@ -81,6 +116,9 @@ def write(folder, job):
                     topic = job['topics'][side].removesuffix('/compressed').rsplit('/', 1)[0] + '/camera_info'
                     info = camera_info(job['rig'], ns, frame, side == 1)
                     messages.append((ns, topic, 'sensor_msgs/msg/CameraInfo', info))
+            if job.get('detections'):
+                said = detections(job['detections']['boxes'], stamps[0])
+                messages.append((stamps[0], job['detections']['topic'], 'vision_msgs/msg/Detection2DArray', said))
         if job.get('scramble'):
             messages.reverse()
         for ns, topic, kind, message in messages:

@@ -2,6 +2,10 @@
 
 use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
 use linestereo_frames::load_gray;
+use linestereo_recordings::mcap::{McapFault, Reader, Record, Writer};
+use linestereo_recordings::ros::cdr;
+use linestereo_recordings::ros::messages::{Detection2D, Detection2DArray, Header, ObjectHypothesisWithPose};
+use linestereo_recordings::ros::sent::Stamp;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
@@ -101,6 +105,8 @@ fn a_bag_gives_what_its_files_give() {
         ("mono16be", "none", false),
         ("rgb8", "zstd", true),
         ("bgr8", "none", false),
+        ("yuv422", "none", false),
+        ("yuv422_yuy2", "zstd", false),
         ("file", "none", false),
     ] {
         let (file, suffix) = if encoding == "file" { ("png", "/compressed") } else { ("pgm.raw", "") };
@@ -223,6 +229,182 @@ fn raw_images_are_rectified_by_their_own_calibration() {
     let output = linestereo(at, &["sequence", &bag]);
     assert!(stderr(&output).contains("raw, rectified by their CameraInfo"), "{}", stderr(&output));
     assert!(records(core::str::from_utf8(&output.stdout).unwrap()) == expected);
+}
+
+/// The drawn pairs as two files of a folder, as `ros2 bag record` splits them.
+fn bag_folder(at: &Path) {
+    let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--with", "images"];
+    fs::create_dir(at.join("bag")).unwrap();
+    succeed(at, &[&["sequence", "rec", "--frames", "1..3", "--out", "all.mcap"], &known[..]].concat());
+    for (frames, out) in [("0..1", "bag/bag_0.mcap"), ("2..2", "bag/bag_1.mcap")] {
+        succeed(at, &["sequence", "all.mcap", "--frames", frames, "--out", out, "--with", "images"]);
+    }
+    let metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
+    fs::write(at.join("bag/metadata.yaml"), metadata).unwrap();
+}
+
+#[test]
+fn a_folder_of_ros_is_one_recording() {
+    let folder = drawn();
+    let at = folder.path();
+    bag_folder(at);
+    let expected = records(&succeed(at, &["sequence", "all.mcap", "--max-disparity", "48"]));
+    assert_eq!(expected.len(), 3);
+    for path in ["bag", "bag/", "./bag"] {
+        assert!(records(&succeed(at, &["sequence", path, "--max-disparity", "48"])) == expected, "{path}");
+    }
+    // Other commands take it, and nothing is written over its files.
+    succeed(at, &["report", "bag", "-o", "report.html"]);
+    all_refused(at, &[(&["sequence", "bag", "--out", "bag/bag_1.mcap"], "is one of the files that are read")]);
+    // Without what ROS says of it it is read where that is clear.
+    fs::remove_file(at.join("bag/metadata.yaml")).unwrap();
+    all_refused(at, &[(&["sequence", "bag"], "it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them")]);
+    fs::remove_file(at.join("bag/bag_1.mcap")).unwrap();
+    assert!(records(&succeed(at, &["sequence", "bag", "--max-disparity", "48"])) == expected[..2]);
+}
+
+#[test]
+fn other_bags_say_how_they_are_converted() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    fs::write(at.join("x.db3"), [&b"SQLite format 3\0"[..], &[0; 100]].concat()).unwrap();
+    fs::write(at.join("x.bag"), "#ROSBAG V2.0\n").unwrap();
+    fs::write(at.join("x.mcap.zstd"), [0x28, 0xb5, 0x2f, 0xfd]).unwrap();
+    fs::write(at.join("x.svo"), "SVO").unwrap();
+    fs::create_dir(at.join("bag")).unwrap();
+    fs::copy(at.join("x.db3"), at.join("bag/bag_0.db3")).unwrap();
+    fs::write(at.join("bag/metadata.yaml"), "rosbag2_bagfile_information:\n").unwrap();
+    for command in ["sequence", "quality"] {
+        let cases: [(&[&str], &str); 5] = [
+            (&[command, "x.db3"], "x.db3: it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`"),
+            (&[command, "x.bag"], "x.bag: it is no MCAP file; convert"),
+            (&[command, "x.mcap.zstd"], "unpack it with `zstd -d`"),
+            (&[command, "bag"], "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`"),
+            (&[command, "x.svo"], "x.svo is n"),
+        ];
+        all_refused(at, &cases);
+    }
+}
+
+/// Messages of a detector that found the same two things in each frame, a box that is no object, and nothing in the last.
+fn detections(at: &Path, out: &str, topic: &str, stamps: &[u64]) {
+    let mut writer = Writer::new(fs::File::create(at.join(out)).unwrap(), "test").unwrap();
+    let channel = writer.channel(topic, "vision_msgs/msg/Detection2DArray", "").unwrap();
+    let found = |class: &str, center: [f64; 3], id: &str| Detection2D {
+        results: vec![ObjectHypothesisWithPose { class_id: class.to_owned(), score: 0.75, ..Default::default() }],
+        center,
+        size_x: 100.0,
+        size_y: 80.0,
+        id: id.to_owned(),
+        ..Default::default()
+    };
+    for (number, &ns) in stamps.iter().enumerate() {
+        let header = Header::from(Stamp { ns, frame_id: "left" });
+        let all = vec![found("box", [100.0, 80.0, 0.0], "4"), found("out", [900.0, 80.0, 0.0], ""), found("cup", [200.0, 160.0, 0.0], "9")];
+        let detections = if number + 1 < stamps.len() { all } else { Vec::new() };
+        writer.message(channel, ns, &cdr::write(&Detection2DArray { header, detections }).unwrap()).unwrap();
+    }
+    writer.finish().unwrap();
+}
+
+#[test]
+fn objects_of_a_recording_are_those_of_their_time() {
+    let folder = drawn();
+    let at = folder.path();
+    let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12"];
+    succeed(at, &[&["sequence", "rec", "--out", "all.mcap", "--with", "images"], &known[..]].concat());
+    let boxes = "x0,y0,x1,y1,name\n50,40,150,120,box\n850,40,950,120,out\n150,120,250,200,cup\n";
+    fs::write(at.join("boxes.csv"), boxes).unwrap();
+    let of_files = records(&succeed(at, &["sequence", "rec", "--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--objects", "boxes.csv"]));
+    // Pairs of a folder are 0.1 s apart; the second message is 2 ms late, and so is no other.
+    detections(at, "found.mcap", "/yolo/detections", &[100 * MS, 202 * MS, 300 * MS]);
+    let output = linestereo(at, &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap"]);
+    assert!(stderr(&output).contains("2 objects skipped, 0 frames whose objects cannot be read\n"), "{}", stderr(&output));
+    let found = records(core::str::from_utf8(&output.stdout).unwrap());
+    for i in 0..2 {
+        assert_eq!(found[i]["objects"], of_files[i]["objects"], "{i}");
+        assert!(found[i]["objects"][0]["depth_m"].is_number() && found[i]["objects"][1]["name"] == "cup", "{}", found[i]["objects"]);
+    }
+    assert_eq!(found[2]["objects"], json!([]));
+    // Messages out, with the places of the objects.
+    succeed(at, &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap", "--only-objects", "--out", "out.mcap"]);
+    let placed = placed(&at.join("out.mcap"));
+    assert_eq!(placed.len(), 3);
+    for (i, line) in found.iter().enumerate() {
+        let objects: Vec<&Value> = line["objects"].as_array().unwrap().iter().filter(|object| object["depth_m"].is_number()).collect();
+        assert_eq!(placed[i].len(), objects.len(), "{i}");
+        for (object, (class, score, [x, y, z], [width, height, deep], id)) in objects.into_iter().zip(&placed[i]) {
+            let depth = object["depth_m"].as_f64().unwrap();
+            let (name, track, centre) = if *class == "box" { ("box", "4", [99.5, 79.5]) } else { ("cup", "9", [199.5, 159.5]) };
+            assert_eq!((object["name"].as_str(), &**id, *score, *deep), (Some(name), track, 0.75, 0.0));
+            for (value, expected) in [
+                (z, depth),
+                (x, (centre[0] - 159.5) * depth / 288.0),
+                (y, (centre[1] - 119.5) * depth / 288.0),
+                (width, 100.0 * depth / 288.0),
+                (height, 80.0 * depth / 288.0),
+            ] {
+                assert!((value - expected).abs() < 2e-3 * depth, "{name} of {i}: {value} is not {expected}");
+            }
+        }
+    }
+    let cases: [(&[&str], &str); 3] = [
+        (&["sequence", "all.mcap", "--objects", "boxes.csv"], "give their topic, as in --objects /detections, or a recording of them"),
+        (&["sequence", "all.mcap", "--objects", "/yolo"], "it has no topic of vision_msgs/msg/Detection2DArray"),
+        (&["sequence", "all.mcap", "--objects", "all.mcap"], "it has no topic of vision_msgs/msg/Detection2DArray"),
+    ];
+    all_refused(at, &cases);
+    // No message within the window of a pair: counted, and not those of another time.
+    detections(at, "late.mcap", "/a", &[111 * MS, 400 * MS]);
+    let output = linestereo(at, &["sequence", "all.mcap", "--objects", "late.mcap", "--max-disparity", "48"]);
+    assert!(stderr(&output).contains("3 frames without a file or a message of objects"), "{}", stderr(&output));
+}
+
+type Placed = (String, f64, [f64; 3], [f64; 3], String);
+
+/// Class, score, place, size and track of what each message of `/linestereo/detections` holds.
+fn placed(path: &Path) -> Vec<Vec<Placed>> {
+    type Result = (String, f64, [f64; 7], [[f64; 18]; 2]);
+    type Detection = (Header, Vec<Result>, [f64; 7], [f64; 3], String);
+    let mut reader = Reader::open(path).unwrap();
+    let (mut channel_id, mut found) = (None, Vec::new());
+    reader
+        .scan(|record, _| -> core::result::Result<(), McapFault> {
+            match record {
+                Record::Channel(channel) if channel.topic == "/linestereo/detections" => channel_id = Some(channel.id),
+                Record::Message { header, data } if Some(header.channel_id) == channel_id => {
+                    let (_, list): (Header, Vec<Detection>) = cdr::read(&data).unwrap();
+                    let one = |(_, results, pose, size, id): Detection| {
+                        let (class, score, of_result, _) = results.into_iter().next().unwrap();
+                        assert_eq!(of_result, pose);
+                        (class, score, [pose[0], pose[1], pose[2]], size, id)
+                    };
+                    found.push(list.into_iter().map(one).collect());
+                }
+                _ => {}
+            }
+            Ok(())
+        })
+        .unwrap();
+    found
+}
+
+#[test]
+fn a_topic_of_the_recording_itself_gives_its_objects() {
+    let folder = drawn();
+    let at = folder.path();
+    let mut job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "compression": "none", "rig": rig(), "topics": TOPICS});
+    job["detections"] = json!({"topic": "/boxes", "boxes": [[100, 80, 100, 80, "box"], [200, 160, 100, 80, "cup"]]});
+    let Some(bag) = bag(at, &job) else { return };
+    fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n50,40,150,120,box\n150,120,250,200,cup\n").unwrap();
+    let known = ["--max-disparity", "48"];
+    let of_files = ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12", "--objects", "boxes.csv"];
+    let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
+    for path in [bag.as_str(), "bag"] {
+        let found = records(&succeed(at, &[&["sequence", path, "--objects", "/boxes"], &known[..]].concat()));
+        assert!(found == expected, "{path}");
+    }
+    all_refused(at, &[(&["sequence", "bag", "--objects", "/cats"], "is in /cats, but in /boxes")]);
 }
 
 #[test]

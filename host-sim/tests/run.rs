@@ -1,6 +1,6 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
-use crate::support::{all_refused, json, refused, succeed, with_scene};
+use crate::support::{all_refused, json, linestereo, refused, stderr, succeed, with_scene};
 use serde_json::Value;
 use std::fs;
 use tempfile::TempDir;
@@ -126,6 +126,73 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
     }
     refused(folder.path(), &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat());
     assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
+}
+
+/// The pair of a scene as cameras deliver it that are exchanged, mirrored, or hang upside down; and one with nothing in it.
+fn with_bad_pairs() -> TempDir {
+    let folder = with_scene("demo", "320x240", "good");
+    let at = folder.path();
+    let open = |name: &str| image::open(at.join("good").join(name)).unwrap().into_luma8();
+    let [left, right] = [open("left.png"), open("right.png")];
+    let soft = image::GrayImage::from_fn(320, 240, |x, _| image::Luma([60 + (x / 2) as u8]));
+    for (name, pair) in [
+        ("exchanged", [right.clone(), left.clone()]),
+        ("mirrored", [image::imageops::flip_horizontal(&left), image::imageops::flip_horizontal(&right)]),
+        ("upside_down", [image::imageops::rotate180(&left), right]),
+        ("empty", [soft.clone(), soft]),
+    ] {
+        fs::create_dir(at.join(name)).unwrap();
+        for (image, side) in pair.iter().zip(["left.png", "right.png"]) {
+            image.save(at.join(name).join(side)).unwrap();
+        }
+    }
+    folder
+}
+
+const BAD: [&str; 4] = ["exchanged", "mirrored", "upside_down", "empty"];
+
+#[test]
+fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
+    let folder = with_bad_pairs();
+    let at = folder.path();
+    for name in BAD {
+        let [left, right] = ["left.png", "right.png"].map(|side| format!("{name}/{side}"));
+        let output = linestereo(at, &["run", &left, &right, "--json", "out.json"]);
+        let (told, said) = (String::from_utf8_lossy(&output.stdout).into_owned(), stderr(&output));
+        assert_eq!(output.status.code(), Some(2), "{name}: {told} {said}");
+        assert!(said.starts_with("linestereo: ") && said.lines().count() == 1, "{name}: {said}");
+        // What was found is written, and the first thing that is told is what the line says.
+        assert!(at.join("out.json").is_file() && told.contains("wrote out.json"), "{name}: {told}");
+        let first = told.lines().find_map(|line| line.strip_prefix("health: "));
+        let is_told = first.is_some_and(|flag| said.contains(flag));
+        assert!(is_told || said.contains("nothing is matched"), "{name}: {told} {said}");
+        assert!(!first.is_some_and(|flag| flag.starts_with("segments_dropped")), "{name}: {told}");
+        fs::remove_file(at.join("out.json")).unwrap();
+        let report = linestereo(at, &["report", &left, &right, "-o", "page.html"]);
+        assert_eq!(report.status.code(), Some(2), "{name}: {}", stderr(&report));
+        assert!(at.join("page.html").is_file() && stderr(&report).contains("no pair can be used"), "{name}");
+        let sequence = linestereo(at, &["sequence", name, "--out", "lines.jsonl"]);
+        assert_eq!(sequence.status.code(), Some(2), "{name}: {}", stderr(&sequence));
+        assert!(at.join("lines.jsonl").is_file() && stderr(&sequence).contains("no frame can be used"), "{name}");
+    }
+    // Some of many are counted, and are no failure.
+    let output = linestereo(at, &["sequence", ".", "--out", "lines.jsonl"]);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && told.contains("4 not fit to be used or without a match"), "{told}");
+}
+
+#[test]
+fn a_narrow_pair_is_searched_as_far_as_it_can_be_and_that_is_said() {
+    let folder = with_scene("boxes", "64x48", "out");
+    let at = folder.path();
+    let run = ["run", "out/left.png", "out/right.png"];
+    let output = linestereo(at, &run);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("disparities below 63: "));
+    assert!(stderr(&output).contains("disparities below 63 are searched: images of 64x48 have no more"));
+    // What is asked for is not changed.
+    all_refused(at, &[(&[&run[..], &["--max-disparity", "64"]].concat(), "64 does not fit an image of 64x48")]);
+    assert!(stderr(&linestereo(at, &[&run[..], &["--max-disparity", "32"]].concat())).is_empty());
 }
 
 #[test]

@@ -181,7 +181,9 @@ static LinestereoStatus pair_print(Write write, const uint8_t *const files[2], c
     LinestereoMatcher *matcher;
     LinestereoStatus status = linestereo_init(memory_of(size), size, config, &matcher);
     if (status == LINESTEREO_STATUS_OK) status = linestereo_run(matcher, &images[0], &images[1], 0);
-    return status == LINESTEREO_STATUS_OK ? results_print(write, matcher, config) : status;
+    /* Of a pair that is not fit to be used the health says why. */
+    if (status != LINESTEREO_STATUS_OK && status != LINESTEREO_STATUS_PAIR_UNFIT) return status;
+    return results_print(write, matcher, config);
 }
 
 #endif

@@ -25,7 +25,7 @@ impl Config {
             height,
             segments: 1024,
             min_disparity,
-            max_disparity,
+            max_disparity: if width >= MIN_SIDE && max_disparity >= width { width - 1 } else { max_disparity },
             anchor_gradient,
             edge_gradient,
             min_extent,
@@ -123,8 +123,9 @@ impl Engine {
         // Not `map_err`, which copies all of a result.
         match self.matcher.run(pair, areas, scratch, &mut ()) {
             Ok(matched) => {
+                let is_fit = matched.health().flags.is_fit();
                 self.matched = Ok(matched);
-                Ok(())
+                if is_fit { Ok(()) } else { Err(Status::PairUnfit) }
             }
             Err(error) => {
                 let status = error.into();

@@ -152,7 +152,8 @@ pub extern "C" fn linestereo_config(width: u16, height: u16) -> Config {
     Config::new(width, height)
 }
 
-/// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. QVGA: some 130 KiB.
+/// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. For a static:
+/// `LINESTEREO_MEMORY_WORDS`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_scratch_size(config: *const Config) -> usize {
     // SAFETY: as this function's.
@@ -190,7 +191,8 @@ pub unsafe extern "C" fn linestereo_init(
     status(make())
 }
 
-/// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null.
+/// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null. A pair that is
+/// not fit to be used is `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_run(
     matcher: *mut Matcher,

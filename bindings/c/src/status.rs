@@ -26,6 +26,8 @@ pub enum Status {
     NoSuchSegment = 7,
     /// More elements than memory can hold.
     TooMany = 8,
+    /// The pair was looked at and is not fit to be used: `linestereo_health` says why.
+    PairUnfit = 9,
     /// A size outside 16x16 to 1280x1280.
     ImageSize = 10,
     /// A stride shorter than a row.
@@ -100,7 +102,7 @@ pub enum Status {
 
 impl Status {
     /// Every code.
-    pub(crate) const ALL: [Self; 44] = [
+    pub(crate) const ALL: [Self; 45] = [
         Self::Ok,
         Self::Null,
         Self::Misaligned,
@@ -110,6 +112,7 @@ impl Status {
         Self::NoPair,
         Self::NoSuchSegment,
         Self::TooMany,
+        Self::PairUnfit,
         Self::ImageSize,
         Self::Stride,
         Self::ImageTooShort,
@@ -159,6 +162,7 @@ impl Status {
             Self::NoPair => c"no pair has been matched yet",
             Self::NoSuchSegment => c"there are not so many segments",
             Self::TooMany => c"more elements than memory can hold",
+            Self::PairUnfit => c"the pair is not fit to be used: linestereo_health says why",
             Self::ImageSize => c"an image is outside 16x16 to 1280x1280",
             Self::Stride => c"a stride is shorter than a row",
             Self::ImageTooShort => c"an image ends before its last row does",

@@ -31,7 +31,21 @@ int main(void) {
         pixels[1][i] = (uint8_t)((((x + 5) * (x + 5) / 40 + y / 9) % 2 ? 190 : 60) + ((x + 5) * 7 + y * 13) % 9);
     }
     LinestereoConfig config = linestereo_config(WIDTH, HEIGHT);
+    CHECK(config.max_disparity == WIDTH - 1 && linestereo_config(320, 240).max_disparity == 64);
     config.max_disparity = 32;
+
+    /* Sizes: the macro has room for every matcher, and wastes little. */
+    static const uint16_t sizes[][4] = {{16, 16, 1, 8}, {64, 48, 64, 20}, {160, 120, 1024, 20}, {320, 240, 1024, 20}, {320, 240, 640, 8},
+                                        {333, 251, 1024, 20}, {640, 480, 4096, 20}, {752, 480, 2048, 256}, {1280, 1280, 4096, 8}};
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        LinestereoConfig sized = linestereo_config(sizes[i][0], sizes[i][1]);
+        sized.segments = sizes[i][2], sized.cell = sizes[i][3];
+        size_t needed = linestereo_scratch_size(&sized);
+        size_t given = 8 * LINESTEREO_MEMORY_WORDS_FOR(sizes[i][0], sizes[i][1], sizes[i][2], sizes[i][3]);
+        CHECK(needed > 0 && needed <= given && given <= needed + needed / 16 + 2048);
+    }
+    CHECK(LINESTEREO_MEMORY_WORDS(320, 240) == LINESTEREO_MEMORY_WORDS_FOR(320, 240, 1024, 20));
+    CHECK(LINESTEREO_VERSION[0] == '0' + LINESTEREO_VERSION_MAJOR && LINESTEREO_VERSION[2] == '0' + LINESTEREO_VERSION_MINOR);
 
     /* Parameters. */
     LinestereoMatcher *matcher = 0;
@@ -136,7 +150,8 @@ int main(void) {
     int32_t xyz[3];
     REFUSED(linestereo_position(matcher, 0, 0, 64, xyz), NO_RIG);
     uint64_t times_us[2] = {0, 5000};
-    REFUSED(linestereo_run(matcher, &left, &right, times_us), OK);
+    REFUSED(linestereo_run(matcher, &left, &right, times_us), PAIR_UNFIT);
+    REFUSED(linestereo_run_areas(matcher, &left, &right, times_us, &area, 0), PAIR_UNFIT);
     REFUSED(linestereo_health(matcher, &health), OK);
     CHECK(health.is_refused && !health.is_fit && (health.faults & LINESTEREO_FAULT_SKEW));
     area.left = 8, area.top = 8, area.right = 56, area.bottom = 40;

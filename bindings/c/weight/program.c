@@ -2,7 +2,7 @@
 #include "program.h"
 #include "linestereo.h"
 
-static uint64_t memory[120 * 1024 / 8];
+static uint64_t memory[LINESTEREO_MEMORY_WORDS_FOR(320, 240, 640, 20)];
 
 static void add_point(void *context, const LinestereoPoint *point) {
     uint32_t *total = context;
@@ -70,6 +70,6 @@ void program(const Settings *settings, const Input *input) {
         } else {
             status = linestereo_run_areas(matcher, &left, &right, input->times_us, &area, 1);
         }
-        tell(status == LINESTEREO_STATUS_OK ? sum(matcher, input) : 0);
+        tell(status == LINESTEREO_STATUS_OK || status == LINESTEREO_STATUS_PAIR_UNFIT ? sum(matcher, input) : 0);
     }
 }

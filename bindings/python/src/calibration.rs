@@ -92,10 +92,9 @@ impl Calibration {
         Self::of(RigImage::decode(bytes).map_err(refused)?)
     }
 
-    /// For `pickle` and `copy`.
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let decode = py.get_type::<Self>().getattr("_decoded")?;
-        Ok((decode, (PyBytes::new(py, &self.image.encode(0)),)))
+    /// The bytes that boards keep.
+    fn _encoded<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.image.encode(0))
     }
 
     /// Columns and rows of rectified images.

@@ -1,11 +1,15 @@
 """Calls from numpy and OpenCV, right and wrong."""
 
+import copy
+import importlib.util
 import json
 import os
 import pathlib
+import pickle
 import shutil
 import statistics
 import subprocess
+import sys
 import threading
 import time
 
@@ -124,7 +128,9 @@ def test_any_strides_are_right(pair, result):
     (lambda image: np.zeros((0, 0), np.uint8), "left: an image of 0x0"),
     (lambda image: np.zeros((16, 70000), np.uint8), "left: an image of 65535x16"),
     (lambda image: image[:, :300], "planned for 300x240, the frame is 320x240"),
-    (lambda image: None, "left has"),
+    (lambda image: None, "left is None: cv2.imread gives that for a file that it cannot read"),
+    (lambda image: cv2.imread("there/is/no/such.png", cv2.IMREAD_GRAYSCALE), "left is None"),
+    (lambda image: (image / 255).astype(np.float32), "left has dtype float32: give uint8, 0 to 255; .255 . image..round.."),
 ])
 def test_what_is_no_image_is_refused(pair, make, text):
     with pytest.raises(ValueError, match=text):
@@ -158,6 +164,88 @@ def test_health_is_a_set_and_knows_the_pairs_before(pair):
     assert {Fault.LEFT_FROZEN, Fault.RIGHT_FROZEN} <= matcher.match(*pair).health
     assert Fault.SKEW in matcher.match(*pair, times_us=(0, 5000)).health
     assert len(matcher.match(*pair, times_us=(0, 5000)).points) == 0
+
+
+def test_every_fault_has_a_remedy(pair):
+    assert all(fault.remedy and fault.remedy.isprintable() for fault in Fault)
+    dead = linestereo.match(pair[0], np.full_like(pair[1], 90))
+    assert "right_dead: right image has one grey level: check the camera's cable and power" in dead.advice
+    assert len(dead.advice) == len(dead.health) and linestereo.match(*pair).advice == []
+
+
+def test_points_have_places_in_space(result):
+    xyz, points = result.xyz, result.points
+    assert xyz.shape == (len(points), 3) and xyz.dtype == np.float64
+    z = points["depth"]
+    assert np.allclose(xyz[:, 2], z)
+    assert np.allclose(xyz[:, 0], (points["x"] - 159.5) * z / 200, atol=2e-3) and np.allclose(xyz[:, 1], (points["y"] - 119.5) * z / 200, atol=2e-3)
+    with pytest.raises(ValueError, match="places in space need a rig"):
+        linestereo.match(wall(0), wall(12), max_disparity=32).xyz
+
+
+def test_nothing_is_matched_beyond_the_valid_pixels(pair):
+    mask = np.zeros((240, 320), bool)
+    mask[40:200, 60:300] = True
+    spans = np.zeros((240, 2), int)
+    spans[40:200] = 60, 300
+    by_mask, by_spans = (linestereo.match(*pair, max_disparity=32, valid=(valid, None)) for valid in (mask, spans))
+    assert same(by_mask, by_spans) and 500 < len(by_mask.points)
+    points = by_mask.points
+    assert points["x"].min() >= 60 and points["x"].max() < 300 and points["y"].min() >= 40 and points["y"].max() < 200
+    whole = np.ones((240, 320), bool)
+    assert same(linestereo.match(*pair, max_disparity=32, valid=(whole, whole)), linestereo.match(*pair, max_disparity=32))
+    holed = mask.copy()
+    holed[100, 150] = False
+    for valid, text in [
+        ((holed, None), "row 100 of the left image has valid pixels in more than one piece"),
+        ((None, mask[:9]), "valid of the right image has shape .9, 320. and dtype bool"),
+        ((mask.astype(float), None), "dtype float64"),
+        ((spans * 9, None), "valid"),
+        ((spans - 9, None), "outside 0 to 65535"),
+        ((mask,), "give two"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            linestereo.match(*pair, valid=valid)
+
+
+def test_what_is_not_said_fits_the_image(pair):
+    small = [np.ascontiguousarray(image[:48, :64]) for image in pair]
+    assert same(linestereo.match(*small), linestereo.match(*small, max_disparity=63))
+    with pytest.raises(ValueError, match="max_disparity is 64"):
+        linestereo.match(*small, max_disparity=64)
+    assert same(linestereo.match(*pair), linestereo.match(*pair, max_disparity=64))
+
+
+def test_results_and_parameters_can_be_pickled(pair, result, rig_file):
+    again = pickle.loads(pickle.dumps(result))
+    assert same(again, result) and (again.health, again.is_fit, again.size) == (result.health, result.is_fit, result.size)
+    assert (again.milliseconds, again.segments_found) == (result.milliseconds, result.segments_found)
+    with pytest.raises(ValueError, match="pickled"):
+        again.objects(boxes=[[60, 30, 120, 90]])
+    [found] = result.objects(boxes=[[60, 30, 120, 90]])
+    assert pickle.loads(pickle.dumps(found)) == found and pickle.loads(pickle.dumps(Fault.SKEW)) is Fault.SKEW
+    rig = linestereo.Rig(200.3, 0.0601, 1.5, (150, 100.25))
+    calibration = linestereo.Calibration.load(rig_file)
+    for parameters in (rig, calibration.rig, calibration):
+        copies = pickle.loads(pickle.dumps(parameters)), copy.deepcopy(parameters)
+        expected = linestereo.match(*pair, max_disparity=32, rig=parameters)
+        assert all(same(linestereo.match(*pair, max_disparity=32, rig=made), expected) for made in copies)
+    matcher = linestereo.Matcher(32, rig)
+    matcher.match(*pair)
+    assert same(pickle.loads(pickle.dumps(matcher)).match(*pair), linestereo.match(*pair, max_disparity=32, rig=rig))
+
+
+@pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="no mypy: pip install mypy")
+def test_arrays_have_types(tmp_path):
+    (tmp_path / "user.py").write_text(
+        "import numpy as np\nimport numpy.typing as npt\nimport linestereo\n"
+        "image: npt.NDArray[np.uint8] = np.zeros((48, 64), np.uint8)\n"
+        "result = linestereo.match(image, image, rig=linestereo.Rig(200, 0.1), valid=(image > 0, None))\n"
+        "points: npt.NDArray[np.void] = result.points\nplaces: npt.NDArray[np.float64] = result.xyz\n"
+        "reveal_type(result.health)\nresult.points.nonsense\n")
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "user.py"]
+    said = subprocess.run(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+    assert len(said) == 2 and "frozenset[linestereo.Fault]" in said[0] and "nonsense" in said[1], said
 
 
 def test_what_was_cut_is_said():
@@ -228,6 +316,9 @@ def test_a_calibration_rectifies(pair, rig_file):
     left, right = linestereo.rectify(*pair, calibration)
     assert left.shape == (240, 320) and left.dtype == np.uint8 and (left != pair[0]).any()
     raw = linestereo.match(*pair, max_disparity=32, rig=calibration)
+    assert same(raw, linestereo.match(left, right, max_disparity=32, rig=calibration.rig, valid=calibration.valid))
+    with pytest.raises(ValueError, match="leave valid out"):
+        linestereo.match(*pair, rig=calibration, valid=calibration.valid)
     assert raw.is_fit and same(raw, linestereo.match(left, right, max_disparity=32, rig=calibration.rig))
     small = linestereo.Calibration.load(str(rig_file), size=(160, 120))
     assert linestereo.rectify(*pair, small)[0].shape == (120, 160)

@@ -2,9 +2,9 @@
    images come from cameras, and `memory` is all that linestereo needs. */
 #include "../pair.h"
 
-/* QVGA: both images and their heads, and what linestereo_scratch_size says for them. */
+/* QVGA: both images and their heads, and a matcher for them. */
 static uint8_t files[2][320 * 240 + 64];
-static uint64_t memory[136 * 1024 / 8];
+static uint64_t memory[LINESTEREO_MEMORY_WORDS(320, 240)];
 
 static void *memory_of(size_t size) { return size <= sizeof memory ? memory : 0; }
 

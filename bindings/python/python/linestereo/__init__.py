@@ -13,6 +13,7 @@ reference; disparity is x_left - x_right; x grows right, y down, z forward; whol
 
 from __future__ import annotations
 
+import copyreg
 import enum
 from dataclasses import dataclass
 from typing import Any, Dict, FrozenSet, List, Optional, Tuple, Union
@@ -24,6 +25,12 @@ from . import _core
 from ._core import Calibration, Rig, __version__
 
 __all__ = ["Calibration", "Fault", "Matcher", "Object", "POINT", "Result", "Rig", "SEGMENT", "match", "rectify"]
+
+def _calibration(image: bytes) -> Calibration:
+    return Calibration._decoded(image)
+
+
+copyreg.pickle(Calibration, lambda calibration: (_calibration, (calibration._encoded(),)))
 
 POINT = np.dtype([("x", "<u2"), ("y", "<u2"), ("disparity", "<f4"), ("confidence", "<f4"), ("segment", "<i4"), ("depth", "<f8")])
 """A pixel of the left image: column and row in px, disparity in px, probability that it is within 1 px, index of its segment (-1: of a side that

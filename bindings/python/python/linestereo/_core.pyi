@@ -39,6 +39,9 @@ class Calibration:
     @property
     def rig(self) -> Rig:
         """The rig of the rectified images."""
+    @staticmethod
+    def _decoded(image: bytes) -> Calibration: ...
+    def _encoded(self) -> bytes: ...
     @property
     def valid(self) -> Tuple[npt.NDArray[np.uint16], npt.NDArray[np.uint16]]:
         """Of each row of the left and the right rectified image the first pixel with a source and the one behind the last."""
