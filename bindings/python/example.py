@@ -9,7 +9,7 @@ import linestereo
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("left")
 parser.add_argument("right")
-parser.add_argument("--max-disparity", type=int, default=64)
+parser.add_argument("--max-disparity", type=int)
 parser.add_argument("--focal-px", type=float)
 parser.add_argument("--baseline-m", type=float)
 parser.add_argument("--out", help="a picture instead of a window")
@@ -34,8 +34,8 @@ left, right = grey(arguments.left), grey(arguments.right)
 rig = linestereo.Rig(arguments.focal_px, arguments.baseline_m) if arguments.focal_px else None
 result = linestereo.match(left, right, max_disparity=arguments.max_disparity, rig=rig)
 print(result, f"{result.milliseconds:.1f} ms")
-for fault in result.health:
-    print(f"health: {fault.value}")
+for line in result.advice:
+    print(f"health: {line}")
 
 # %% Points by disparity, segments, and the points from above.
 figure, (image, above) = plt.subplots(1, 2, figsize=(12, 5))

@@ -327,7 +327,12 @@ mod tests {
             (true, vec![b'x', 0], false),
             (false, vec![0; 2 * MOST_ON_TERMINAL], true),
         ] {
-            assert_eq!(check_for_terminal(is_terminal, &contents).is_ok(), is_right, "{is_terminal} {}", contents.len());
+            assert_eq!(
+                check_for_terminal(is_terminal, &contents).is_ok(),
+                is_right,
+                "{is_terminal} {}",
+                contents.len()
+            );
         }
     }
 

@@ -239,7 +239,8 @@ fn bag_folder(at: &Path) {
     for (frames, out) in [("0..1", "bag/bag_0.mcap"), ("2..2", "bag/bag_1.mcap")] {
         succeed(at, &["sequence", "all.mcap", "--frames", frames, "--out", out, "--with", "images"]);
     }
-    let metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
+    let metadata =
+        "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
     fs::write(at.join("bag/metadata.yaml"), metadata).unwrap();
 }
 
@@ -258,7 +259,10 @@ fn a_folder_of_ros_is_one_recording() {
     all_refused(at, &[(&["sequence", "bag", "--out", "bag/bag_1.mcap"], "is one of the files that are read")]);
     // Without what ROS says of it it is read where that is clear.
     fs::remove_file(at.join("bag/metadata.yaml")).unwrap();
-    all_refused(at, &[(&["sequence", "bag"], "it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them")]);
+    all_refused(
+        at,
+        &[(&["sequence", "bag"], "it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them")],
+    );
     fs::remove_file(at.join("bag/bag_1.mcap")).unwrap();
     assert!(records(&succeed(at, &["sequence", "bag", "--max-disparity", "48"])) == expected[..2]);
 }
@@ -300,7 +304,11 @@ fn detections(at: &Path, out: &str, topic: &str, stamps: &[u64]) {
     };
     for (number, &ns) in stamps.iter().enumerate() {
         let header = Header::from(Stamp { ns, frame_id: "left" });
-        let all = vec![found("box", [100.0, 80.0, 0.0], "4"), found("out", [900.0, 80.0, 0.0], ""), found("cup", [200.0, 160.0, 0.0], "9")];
+        let all = vec![
+            found("box", [100.0, 80.0, 0.0], "4"),
+            found("out", [900.0, 80.0, 0.0], ""),
+            found("cup", [200.0, 160.0, 0.0], "9"),
+        ];
         let detections = if number + 1 < stamps.len() { all } else { Vec::new() };
         writer.message(channel, ns, &cdr::write(&Detection2DArray { header, detections }).unwrap()).unwrap();
     }
@@ -315,27 +323,64 @@ fn objects_of_a_recording_are_those_of_their_time() {
     succeed(at, &[&["sequence", "rec", "--out", "all.mcap", "--with", "images"], &known[..]].concat());
     let boxes = "x0,y0,x1,y1,name\n50,40,150,120,box\n850,40,950,120,out\n150,120,250,200,cup\n";
     fs::write(at.join("boxes.csv"), boxes).unwrap();
-    let of_files = records(&succeed(at, &["sequence", "rec", "--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--objects", "boxes.csv"]));
+    let of_files = records(&succeed(
+        at,
+        &[
+            "sequence",
+            "rec",
+            "--max-disparity",
+            "48",
+            "--focal-px",
+            "288",
+            "--baseline-m",
+            "0.12",
+            "--objects",
+            "boxes.csv",
+        ],
+    ));
     // Pairs of a folder are 0.1 s apart; the second message is 2 ms late, and so is no other.
     detections(at, "found.mcap", "/yolo/detections", &[100 * MS, 202 * MS, 300 * MS]);
     let output = linestereo(at, &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap"]);
-    assert!(stderr(&output).contains("2 objects skipped, 0 frames whose objects cannot be read\n"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("2 objects skipped, 0 frames whose objects cannot be read\n"),
+        "{}",
+        stderr(&output)
+    );
     let found = records(core::str::from_utf8(&output.stdout).unwrap());
     for i in 0..2 {
         assert_eq!(found[i]["objects"], of_files[i]["objects"], "{i}");
-        assert!(found[i]["objects"][0]["depth_m"].is_number() && found[i]["objects"][1]["name"] == "cup", "{}", found[i]["objects"]);
+        assert!(
+            found[i]["objects"][0]["depth_m"].is_number() && found[i]["objects"][1]["name"] == "cup",
+            "{}",
+            found[i]["objects"]
+        );
     }
     assert_eq!(found[2]["objects"], json!([]));
     // Messages out, with the places of the objects.
-    succeed(at, &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap", "--only-objects", "--out", "out.mcap"]);
+    succeed(
+        at,
+        &[
+            "sequence",
+            "all.mcap",
+            "--max-disparity",
+            "48",
+            "--objects",
+            "found.mcap",
+            "--only-objects",
+            "--out",
+            "out.mcap",
+        ],
+    );
     let placed = placed(&at.join("out.mcap"));
     assert_eq!(placed.len(), 3);
     for (i, line) in found.iter().enumerate() {
-        let objects: Vec<&Value> = line["objects"].as_array().unwrap().iter().filter(|object| object["depth_m"].is_number()).collect();
+        let objects: Vec<&Value> =
+            line["objects"].as_array().unwrap().iter().filter(|object| object["depth_m"].is_number()).collect();
         assert_eq!(placed[i].len(), objects.len(), "{i}");
         for (object, (class, score, [x, y, z], [width, height, deep], id)) in objects.into_iter().zip(&placed[i]) {
             let depth = object["depth_m"].as_f64().unwrap();
-            let (name, track, centre) = if *class == "box" { ("box", "4", [99.5, 79.5]) } else { ("cup", "9", [199.5, 159.5]) };
+            let (name, track, centre) =
+                if *class == "box" { ("box", "4", [99.5, 79.5]) } else { ("cup", "9", [199.5, 159.5]) };
             assert_eq!((object["name"].as_str(), &**id, *score, *deep), (Some(name), track, 0.75, 0.0));
             for (value, expected) in [
                 (z, depth),
@@ -349,7 +394,10 @@ fn objects_of_a_recording_are_those_of_their_time() {
         }
     }
     let cases: [(&[&str], &str); 3] = [
-        (&["sequence", "all.mcap", "--objects", "boxes.csv"], "give their topic, as in --objects /detections, or a recording of them"),
+        (
+            &["sequence", "all.mcap", "--objects", "boxes.csv"],
+            "give their topic, as in --objects /detections, or a recording of them",
+        ),
         (&["sequence", "all.mcap", "--objects", "/yolo"], "it has no topic of vision_msgs/msg/Detection2DArray"),
         (&["sequence", "all.mcap", "--objects", "all.mcap"], "it has no topic of vision_msgs/msg/Detection2DArray"),
     ];

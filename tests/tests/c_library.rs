@@ -126,6 +126,8 @@ fn the_header_is_what_cbindgen_makes_of_the_source() {
     let kept = std::fs::read_to_string(folder().join("include/linestereo.h")).unwrap();
     let how = "cd bindings/c && cargo run -p linestereo-c-header -- include/linestereo.h";
     assert!(String::from_utf8(made).unwrap() == kept, "include/linestereo.h is not up to date: {how}");
+    let version = format!("#define LINESTEREO_VERSION \"{}\"\n", env!("CARGO_PKG_VERSION"));
+    assert!(kept.contains(&version), "the library has another version than the core: {version}");
 }
 
 #[test]

@@ -361,6 +361,47 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
     assert_eq!(half_a_rig["error"], "metres need both, focal length and baseline; give the other one, or neither");
 }
 
+/// All that a mouse does keys do, and what is drawn is told in words; a single photo is no pair.
+#[test]
+fn a_visitor_without_mouse_or_eyes_gets_the_same() {
+    let Some((page, browser)) = page().zip(browser()) else { return };
+    let (name, images) = pairs().into_iter().find(|(name, _)| name == "drawn-320x240").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let [left, right] = files(folder.path(), &[(name, images.clone())]).remove(0);
+    const SHIFT: u32 = 8;
+    const CTRL: u32 = 2;
+    let steps = [
+        json!({"settings": {"focal": RIG[0], "baseline": RIG[1]}}),
+        json!({"files": [left]}),
+        json!({"settings": {"both": true}, "changes": true}),
+        json!({"settings": {"both": false}}),
+        json!({"files": [left, right]}),
+        // The first key puts a box into the middle.
+        json!({"keys": [["ArrowRight", 0], ["ArrowLeft", 0], ["ArrowUp", CTRL], ["ArrowDown", SHIFT], ["ArrowRight", SHIFT]]}),
+        json!({"keys": [["Enter", 0]], "tree": true}),
+        json!({"keys": [["ArrowDown", 0], ["Escape", 0], ["Enter", 0]]}),
+    ];
+    let (found, logged) = visit(page, &browser, &[], &steps);
+    assert_eq!(logged.len(), 1, "{logged:?}");
+    let refused = "one image of 320x240 is no pair; give the other one too, or say that it holds both";
+    assert!(found[1]["error"].as_str().unwrap().ends_with(refused), "{}", found[1]);
+    assert!(found[2]["names"].as_str().unwrap().contains("cut in the middle: left | right"), "{}", found[2]);
+    assert!(found[2]["summary"].as_str().unwrap().starts_with("160x240: "), "{}", found[2]);
+    assert_eq!(found[5]["box"], "Box: 120,95 to 192,151 px");
+    let area = Area { left: 120, top: 95, right: 192, bottom: 151 };
+    assert_eq!(found[6]["objects"], json!([said(&images, area)]));
+    assert_eq!((&found[7]["objects"], &found[7]["box"]), (&found[6]["objects"], &json!("")));
+    let tree: Vec<&str> = found[6]["tree"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    for node in [
+        "application: Left image with what was matched",
+        "image: Points seen from above",
+        "button: remove box 1",
+        "checkbox: One image holds both, left | right",
+    ] {
+        assert!(tree.contains(&node), "{node}: {tree:?}");
+    }
+}
+
 /// The browser's own camera for tests shows a drawn pair side by side.
 #[test]
 fn a_camera_is_followed() {

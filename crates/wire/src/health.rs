@@ -99,14 +99,20 @@ impl Health {
         ),
         ("exposures_differ", "one image is much brighter: give both cameras the same exposure and gain"),
         ("skew", "captured too far apart, not matched: trigger both cameras together"),
-        ("rows_off", "rows differ, and are corrected: were the images rectified? then the rig has moved: calibrate again"),
+        (
+            "rows_off",
+            "rows differ, and are corrected: were the images rectified? then the rig has moved: calibrate again",
+        ),
         ("rows_drift", "rows are moving against each other: tighten the mount, then calibrate again"),
         ("rows_uneven", "rows match in one part of the image only: were the images rectified? then calibrate again"),
         (
             "few_matches",
             "few edges find a partner: are the images swapped, far from rectified, the disparity range too small?",
         ),
-        ("beyond_infinity", "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again"),
+        (
+            "beyond_infinity",
+            "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again",
+        ),
         ("range_small", "something is nearer than the disparity range: search more disparities, or keep it away"),
         (
             "no_parallax",

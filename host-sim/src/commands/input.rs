@@ -299,7 +299,9 @@ impl InputArgs {
 fn default_range(dims: Dims) -> u16 {
     let most = dims.width.saturating_sub(1).max(LEAST_RANGE);
     if most < DEFAULT_MAX_DISPARITY {
-        note(&format!("disparities below {most} are searched: images of {dims} have no more; give --max-disparity for fewer"));
+        note(&format!(
+            "disparities below {most} are searched: images of {dims} have no more; give --max-disparity for fewer"
+        ));
     }
     most.min(DEFAULT_MAX_DISPARITY)
 }

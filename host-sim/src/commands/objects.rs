@@ -64,7 +64,9 @@ impl ObjectArgs {
     pub(super) fn open(&self, root: &Path, found: &Footage) -> Result<Objects<'_>> {
         let Some(path) = &self.objects else { return Ok(Objects { args: self, detections: None }) };
         if found.of_video().is_some() {
-            bail!("--objects go by the names of images or the stamps of a recording, which a video has not; give one of these");
+            bail!(
+                "--objects go by the names of images or the stamps of a recording, which a video has not; give one of these"
+            );
         }
         if let Some(recording) = found.of_recording() {
             return Ok(Objects { args: self, detections: Some(detections(path, root, recording.window_ms())?) });
@@ -113,7 +115,6 @@ struct OfPair {
 }
 
 impl Objects<'_> {
-
     /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
     pub(super) fn depths(
         &self,
@@ -149,7 +150,8 @@ impl Objects<'_> {
         let name = image.file_name().map(|name| name.to_string_lossy());
         let frame = Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
         if let Some(detections) = &self.detections {
-            let told = pair.images.time_ns().map(|time| detections.at(time)).transpose().map_err(|error| error.to_string())?;
+            let told =
+                pair.images.time_ns().map(|time| detections.at(time)).transpose().map_err(|error| error.to_string())?;
             let told = told.flatten();
             let is_missing = told.is_none();
             let told = told.unwrap_or_default();

@@ -156,7 +156,12 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
 }
 
 /// The left image as it was matched, the result, the time in words, and the depths of objects and pixels that were asked for.
-fn matched(setup: &Setup<'_>, (given, pair): (&StoredPair, &Pair), asked: &Objects<'_>, query: &[(u16, u16)]) -> Result<Found> {
+fn matched(
+    setup: &Setup<'_>,
+    (given, pair): (&StoredPair, &Pair),
+    asked: &Objects<'_>,
+    query: &[(u16, u16)],
+) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(asked.areas(setup, given));
     let matched = matcher.run(setup, pair, None)?;

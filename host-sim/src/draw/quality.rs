@@ -26,7 +26,8 @@ pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text
     let mut lines = wrapped(&key, TEXT, columns as f32);
     let keys = lines.len();
     lines.extend(text.lines().flat_map(|line| wrapped(line, TEXT, columns as f32)));
-    let mut sheet = Sheet::new([columns + 2 * MARGIN as u32, (below + LINE * (lines.len() as f32 + 1.0) + MARGIN) as u32]);
+    let mut sheet =
+        Sheet::new([columns + 2 * MARGIN as u32, (below + LINE * (lines.len() as f32 + 1.0) + MARGIN) as u32]);
     sheet.image([MARGIN as u32; 2], left, [0, 0, width, height], scale, 2);
     let place = |x: f64, y: f64| (MARGIN + x as f32 * scale as f32, MARGIN + y as f32 * scale as f32);
     for answer in answers {

@@ -8,8 +8,8 @@ use serde::Serialize;
 
 /// Flags with their remedies: first those by which the pair is not fit to be used, then warnings, then what only costs yield.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
-    let mut told: Vec<_> = Health::NAMES.into_iter().zip(Health::ADVICE)
-        .filter(|((flag, _), _)| health.contains(*flag)).collect();
+    let mut told: Vec<_> =
+        Health::NAMES.into_iter().zip(Health::ADVICE).filter(|((flag, _), _)| health.contains(*flag)).collect();
     told.sort_by_key(|&((flag, _), _)| (is_fit(flag), is_loss(flag)));
     told.into_iter().map(|(_, told)| told)
 }

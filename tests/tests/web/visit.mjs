@@ -1,5 +1,5 @@
 // A visit to the page in a browser without a window, by its debugging pipe: real files, real mouse events. On stdin JSON:
-// { browser, page, flags, steps }; a step is { files } | { settings } | { box } | { until } | { click } | { screenshot } and may ask for { text } of the page's result.
+// { browser, page, flags, steps }; a step is { files } | { settings } | { box } | { keys } | { tree } | { until } | { click } | { screenshot } and may ask for { text } of the page's result.
 // Prints for each step what the page shows then.
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -66,7 +66,7 @@ async function drawn([x0, y0, x1, y1]) {
 async function take(step) {
   const before = await done();
   if (step.settings) {
-    await evaluate(`Object.entries(${JSON.stringify(step.settings)}).forEach(([id, value]) => { document.getElementById(id).value = value; });
+    await evaluate(`Object.entries(${JSON.stringify(step.settings)}).forEach(([id, value]) => { document.getElementById(id)[typeof value === "boolean" ? "checked" : "value"] = value; });
       document.getElementById("settings").dispatchEvent(new Event("change"))`);
     if (step.changes) await after(before);
   }
@@ -77,6 +77,12 @@ async function take(step) {
     await after(before);
   }
   if (step.box) await drawn(step.box);
+  if (step.keys) {
+    await evaluate(`document.getElementById("left").focus()`);
+    for (const [key, modifiers] of step.keys) {
+      for (const type of ["keyDown", "keyUp"]) await call("Input.dispatchKeyEvent", { type, key, code: key, modifiers });
+    }
+  }
   if (step.until) {
     for (const start = Date.now(); !(await evaluate(step.until)); await new Promise(wait => setTimeout(wait, 20))) {
       if (Date.now() - start > 30000) throw new Error(`never: ${step.until}`);
@@ -91,6 +97,11 @@ async function take(step) {
     writeFileSync(step.screenshot, Buffer.from((await call("Page.captureScreenshot", {})).data, "base64"));
   }
   const found = await evaluate(shown);
+  if (step.keys) found.box = await evaluate(`document.getElementById("box").innerText`);
+  if (step.tree) {
+    const { nodes } = await call("Accessibility.getFullAXTree");
+    found.tree = nodes.filter(({ ignored }) => !ignored).map(({ role, name }) => `${role?.value}: ${name?.value}`);
+  }
   if (step.text) {
     found.text = await evaluate(`(${text})(linestereo.csv(), linestereo.result(), linestereo.box((${middle})(...linestereo.size())))`);
   }

@@ -32,7 +32,11 @@ const LIMIT: Duration = Duration::from_secs(300);
 /// Numbers are instructions that QEMU executed, never cycles. LINESTEREO_TOOLCHAIN=rustup or apt forces a way to the compiler;
 /// LINESTEREO_FRAMES names the folder of captured frames, whose folder qvga is measured when it is there.
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", max_term_width = 104, after_help = "cargo xtask web builds the page for browsers, bindings/web, into target/web/index.html.")]
+#[command(
+    name = "cargo xtask",
+    max_term_width = 104,
+    after_help = "cargo xtask web builds the page for browsers, bindings/web, into target/web/index.html."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -56,7 +56,8 @@ impl Detections {
                 match record {
                     Record::Schema { header, .. } => _ = schemas.insert(header.id, header.name == SCHEMA),
                     Record::Channel(channel) => {
-                        let is_ours = schemas.get(&channel.schema_id) == Some(&true) && channel.message_encoding == "cdr";
+                        let is_ours =
+                            schemas.get(&channel.schema_id) == Some(&true) && channel.message_encoding == "cdr";
                         if is_ours && channel.topic.len() <= MOST_NAME_BYTES {
                             found.entry(channel.topic.clone()).or_default();
                             channels.insert(channel.id, channel.topic);
@@ -83,8 +84,12 @@ impl Detections {
         let fault = |what: String| FrameError::Source(root.to_path_buf(), Box::new(RecordingFault::Topics(what)));
         let names = found.keys().cloned().collect::<Vec<_>>().join(", ");
         let (topic, mut list) = match topic {
-            _ if names.is_empty() => return Err(fault(format!("it has no topic of {SCHEMA}; record what the detector sends"))),
-            Some(name) => found.remove_entry(name).ok_or_else(|| fault(format!("no {SCHEMA} is in {name}, but in {names}")))?,
+            _ if names.is_empty() => {
+                return Err(fault(format!("it has no topic of {SCHEMA}; record what the detector sends")));
+            }
+            Some(name) => {
+                found.remove_entry(name).ok_or_else(|| fault(format!("no {SCHEMA} is in {name}, but in {names}")))?
+            }
             None if found.len() > 1 => return Err(fault(format!("{SCHEMA} is in {names}; name one by --objects"))),
             None => found.pop_first().ok_or_else(|| fault("it has no detections".to_owned()))?,
         };
@@ -112,7 +117,10 @@ impl Detections {
 }
 
 fn early(topic: &str) -> RecordingFault {
-    RecordingFault::Image(topic.to_owned(), format!("no {SCHEMA} as ROS 2 Humble and later define it; record it with one of these"))
+    RecordingFault::Image(
+        topic.to_owned(),
+        format!("no {SCHEMA} as ROS 2 Humble and later define it; record it with one of these"),
+    )
 }
 
 impl Detection {
@@ -147,7 +155,14 @@ mod tests {
             pose: PoseWithCovariance::default(),
         };
         let results = classes.iter().map(result).collect();
-        Detection2D { results, center: [x, 50.0, turned], size_x: 20.0, size_y: 10.0, id: "7".to_owned(), ..Detection2D::default() }
+        Detection2D {
+            results,
+            center: [x, 50.0, turned],
+            size_x: 20.0,
+            size_y: 10.0,
+            id: "7".to_owned(),
+            ..Detection2D::default()
+        }
     }
 
     fn recording(topics: &[&str]) -> (tempfile::TempDir, PathBuf) {
@@ -158,7 +173,8 @@ mod tests {
             let channel = writer.channel(topic, SCHEMA, "").unwrap();
             for (sec, x) in [(3, 30.0), (1, 10.0)] {
                 let header = Header { stamp: Time { sec, nanosec: 500 }, frame_id: "left".to_owned() };
-                let detections = vec![found(x, 0.0, &[("cup", 0.4), ("person", 0.9)]), found(x, core::f64::consts::FRAC_PI_2, &[])];
+                let detections =
+                    vec![found(x, 0.0, &[("cup", 0.4), ("person", 0.9)]), found(x, core::f64::consts::FRAC_PI_2, &[])];
                 let bytes = cdr::write(&Detection2DArray { header, detections }).unwrap();
                 writer.message(channel, 0, &bytes).unwrap();
             }
@@ -173,10 +189,15 @@ mod tests {
         let detections = Detections::open(&path, None, 1.0).unwrap();
         let at = |ns| detections.at(ns).unwrap();
         let found = at(1_000_000_500).unwrap();
-        assert_eq!(found[0], Detection { borders: [0.0, 45.0, 20.0, 55.0], class: "person".to_owned(), score: 0.9, id: "7".to_owned() });
+        assert_eq!(
+            found[0],
+            Detection { borders: [0.0, 45.0, 20.0, 55.0], class: "person".to_owned(), score: 0.9, id: "7".to_owned() }
+        );
         assert!(found[1].borders.iter().zip([5.0, 40.0, 15.0, 60.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
         assert_eq!(at(3_001_000_500).unwrap()[0].borders[0], 20.0, "the last one, 1 ms later");
-        assert!(at(3_001_000_501).is_none() && at(0).is_none() && at(2_000_000_000).is_none() && at(u64::MAX).is_none());
+        assert!(
+            at(3_001_000_501).is_none() && at(0).is_none() && at(2_000_000_000).is_none() && at(u64::MAX).is_none()
+        );
     }
 
     #[test]

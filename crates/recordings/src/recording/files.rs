@@ -158,7 +158,8 @@ mod tests {
     fn files_of_a_folder_come_in_the_order_of_their_numbers() {
         let bag = folder(&["bag_10.mcap", "bag_9.mcap", "bag_0.MCAP", "metadata.yaml", "notes.txt"]);
         assert!(is_recording(bag.path()));
-        let names: Vec<_> = paths(bag.path()).unwrap().iter().map(|path| path.file_name().unwrap().to_owned()).collect();
+        let names: Vec<_> =
+            paths(bag.path()).unwrap().iter().map(|path| path.file_name().unwrap().to_owned()).collect();
         assert_eq!(names, ["bag_0.MCAP", "bag_9.mcap", "bag_10.mcap"]);
         let alone = folder(&["one.mcap"]);
         assert!(is_recording(alone.path()) && paths(alone.path()).unwrap().len() == 1);
@@ -181,9 +182,12 @@ mod tests {
         says(&["bag_0.db3"], "x", "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`");
         says(&["bag_0.mcap.zstd"], "x", "unpack it with `zstd -d`");
         says(&["a.mcap", "b.mcap"], "", "it holds a.mcap, b.mcap without a metadata.yaml; give one of them");
-        let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
+        let listed =
+            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
         says(&["bag_0.mcap"], listed, "its metadata.yaml names bag_1.mcap, which is not there");
         assert!(paths(Path::new("x.mcap.zstd")).unwrap_err().to_string().contains("zstd -d"));
-        assert!(is_recording(Path::new("x.db3")) && is_recording(Path::new("x.BAG")) && !is_recording(Path::new("x.zstd")));
+        assert!(
+            is_recording(Path::new("x.db3")) && is_recording(Path::new("x.BAG")) && !is_recording(Path::new("x.zstd"))
+        );
     }
 }

@@ -38,7 +38,9 @@ fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
         "bgra8" | "8UC4" => PixelBytes::Colour { red: 2, blue: 0, bytes: 4 },
         other => {
             let other: String = other.chars().take(24).collect();
-            return Err(format!("the encoding \"{other}\" is not read; record mono8, mono16, rgb8, bgr8, bayer_rggb8 or yuv422"));
+            return Err(format!(
+                "the encoding \"{other}\" is not read; record mono8, mono16, rgb8, bgr8, bayer_rggb8 or yuv422"
+            ));
         }
     };
     let (width, height, step) = (image.width as usize, image.height as usize, image.step as usize);
@@ -73,7 +75,8 @@ mod tests {
 
     fn read(encoding: &str, [width, height]: [u32; 2], data: &[u8], step: u32) -> Result<Values, String> {
         let header = Header::default();
-        let image = Image { header, height, width, encoding: encoding.to_owned(), is_bigendian: 0, step, data: data.into() };
+        let image =
+            Image { header, height, width, encoding: encoding.to_owned(), is_bigendian: 0, step, data: data.into() };
         let message = crate::ros::cdr::write(&image).unwrap();
         grey(&message, Kind { content: Content::Image, is_foxglove: false }).map(|stored| stored.values)
     }
@@ -104,10 +107,14 @@ mod tests {
         ] {
             let at = |i: usize| square[2 * (i / 6 % 2) + i % 6 % 2];
             let pixels: Vec<u8> = (0..30).map(at).collect();
-            let Ok(Values::Eight(found)) = read(&format!("bayer_{order}8"), [6, 5], &pixels, 6) else { panic!("{order}") };
+            let Ok(Values::Eight(found)) = read(&format!("bayer_{order}8"), [6, 5], &pixels, 6) else {
+                panic!("{order}")
+            };
             assert!(found.iter().all(|&grey| u32::from(grey) == grey_of), "{order} {found:?}");
             let wide: Vec<u8> = pixels.iter().flat_map(|&value| (4 * u16::from(value)).to_le_bytes()).collect();
-            let Ok(Values::Sixteen(found)) = read(&format!("bayer_{order}16"), [6, 5], &wide, 12) else { panic!("{order}") };
+            let Ok(Values::Sixteen(found)) = read(&format!("bayer_{order}16"), [6, 5], &wide, 12) else {
+                panic!("{order}")
+            };
             assert!(found.iter().all(|&grey| u32::from(grey) == 4 * grey_of), "{order} {found:?}");
         }
         assert!(read("bayer_rgbg8", [2, 2], &[0; 4], 2).unwrap_err().contains("bayer_rgbg8"));

@@ -219,7 +219,13 @@ impl Topic {
         )
     }
 
-    fn take(&mut self, data: &[u8], log_time: u64, (file, place): (u16, Place), kind: Kind) -> Result<(), RecordingFault> {
+    fn take(
+        &mut self,
+        data: &[u8],
+        log_time: u64,
+        (file, place): (u16, Place),
+        kind: Kind,
+    ) -> Result<(), RecordingFault> {
         let header = kind.header(data).ok_or_else(|| self.broken())?;
         if self.images.is_empty() {
             self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();

@@ -129,8 +129,12 @@ mod tests {
     use crate::ros::kind::Kind;
 
     fn topics(names: &[&str]) -> Vec<Topic> {
-        let image =
-            Stored { file: 0, place: Place::default(), stamp_ns: 0, kind: Kind { content: Content::Image, is_foxglove: false } };
+        let image = Stored {
+            file: 0,
+            place: Place::default(),
+            stamp_ns: 0,
+            kind: Kind { content: Content::Image, is_foxglove: false },
+        };
         let topic = |name: &&str| {
             let content = match *name {
                 name if name.ends_with("info") => Content::Calibration,
