@@ -24,6 +24,7 @@ pub const MOST_BYTES: usize = 200 << 10;
 pub struct WebPage {
     /// `index.html`, all that a browser needs.
     pub page: PathBuf,
+    /// The core.
     pub matcher: PathBuf,
     /// The reader of images.
     pub images: PathBuf,
@@ -96,7 +97,7 @@ fn html(top: &Path, matcher: &Path, images: &Path) -> Result<String> {
         ("/*ADVICE*/", serde_json::to_string(&Health::ADVICE)?.replace('<', "\\u003c")),
         ("/*MATCHER*/", packed(matcher)?),
         ("/*IMAGES*/", packed(images)?),
-        ("/*SCRIPT*/", lean(&[&text("linestereo.js")?, &shared("drawing.js")?, &own].concat())),
+        ("/*SCRIPT*/", lean(&(text("linestereo.js")? + &shared("drawing.js")? + &own))),
     ];
     let mut html = text("index.html")?;
     for (place, part) in parts {

@@ -6,7 +6,7 @@ use crate::results::health;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use core::fmt::Write;
-use linestereo::{Area, ObjectDepth};
+use linestereo::Area;
 use linestereo_frames::StoredPair;
 use linestereo_frames::regions::{self, Frame, Object, ObjectsError, Skipped};
 use linestereo_recordings::{Detection, Detections, Footage, is_recording};

@@ -1,6 +1,5 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
-use super::engine_with;
 use super::input::{InputArgs, Matcher, Pair, Setup};
 use super::objects::{Asked, ObjectArgs, Objects};
 use super::sector_options::SectorArgs;

@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Result<()> {
             Ok(scene) => scene,
             Err(error) => return Ok(Err(error.context(pair.name.clone()))),
         };
-        rivals.compare(&scene, args.picture.is_some() && *place < DRAWN).map(|compared| Ok((pair, compared)))
+        rivals.compare(&scene, args.picture.is_some() && *place < DRAWN).map(|compared| Ok((*place, compared)))
     })?;
     let (mut compared, mut left_out) = (Vec::new(), Vec::new());
     for outcome in outcomes {
@@ -146,7 +146,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if !args.no_times {
         let progress = timed_bar(compared.len());
-        for (pair, compared) in &mut compared {
+        for (place, compared) in &mut compared {
+            let Some((_, pair)) = pairs.get(*place) else { continue };
             progress.set_message(format!("timing {}", pair.name));
             rivals.time(&args.load(pair)?, compared)?;
             progress.inc(1);
