@@ -12,6 +12,24 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Version of this header and of the library that it is made from. */
+#define LINESTEREO_VERSION "0.1.0"
+#define LINESTEREO_VERSION_MAJOR 0
+#define LINESTEREO_VERSION_MINOR 1
+#define LINESTEREO_VERSION_PATCH 0
+
+/* Number of uint64_t of a static that holds a matcher for images of this size, so many segments in each image and this cell, up to 6 % more than
+   linestereo_scratch_size says when the program runs: static uint64_t memory[LINESTEREO_MEMORY_WORDS(320, 240)]; is 112 KiB. */
+#define LINESTEREO_MEMORY_WORDS_FOR(width, height, segments, cell) \
+    (((size_t)16384 + (size_t)66 * (width) + (size_t)(width) * (height) / 8 + (size_t)24 * (segments) + \
+      (size_t)160 * LINESTEREO_CELLS_(width, height, cell) + (size_t)10 * ((width) / 8) * ((height) / 8)) / 8)
+/* The same with the defaults of linestereo_config. */
+#define LINESTEREO_MEMORY_WORDS(width, height) LINESTEREO_MEMORY_WORDS_FOR(width, height, 1024, 20)
+/* Squares of which one segment each is matched. */
+#define LINESTEREO_CELLS_(width, height, cell) \
+    (LINESTEREO_SIDES_(width, cell) * LINESTEREO_SIDES_(height, cell) < 4096 ? LINESTEREO_SIDES_(width, cell) * LINESTEREO_SIDES_(height, cell) : 4096)
+#define LINESTEREO_SIDES_(side, cell) (((size_t)(side) + (cell) - 1) / (cell))
+
 // Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object or a pixel has no depth.
 enum LinestereoStatus
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -36,6 +54,8 @@ enum LinestereoStatus
   LINESTEREO_STATUS_NO_SUCH_SEGMENT = 7,
   // More elements than memory can hold.
   LINESTEREO_STATUS_TOO_MANY = 8,
+  // The pair was looked at and is not fit to be used: `linestereo_health` says why.
+  LINESTEREO_STATUS_PAIR_UNFIT = 9,
   // A size outside 16x16 to 1280x1280.
   LINESTEREO_STATUS_IMAGE_SIZE = 10,
   // A stride shorter than a row.
@@ -213,7 +233,7 @@ typedef struct {
   // First disparity searched, px; -32 to 0. 0.
   int16_t min_disparity;
   // End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the width. The nearest depth is
-  // focal length times baseline divided by it. 64.
+  // focal length times baseline divided by it. 64, or what a narrower image allows.
   uint16_t max_disparity;
   // Least grey step times four at which an edge is started; 4 to 1020. 48.
   uint16_t anchor_gradient;
@@ -389,13 +409,15 @@ extern "C" {
 // The default parameters for images of this size, px.
 LinestereoConfig linestereo_config(uint16_t width, uint16_t height);
 
-// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. QVGA: some 130 KiB.
+// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. For a static:
+// `LINESTEREO_MEMORY_WORDS`.
 size_t linestereo_scratch_size(const LinestereoConfig *config);
 
 // Makes a matcher in this memory, which is its own until its last use, and stays where it is. No memory has to be freed.
 LinestereoStatus linestereo_init(void *memory, size_t size, const LinestereoConfig *config, LinestereoMatcher **matcher);
 
-// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null.
+// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null. A pair that is
+// not fit to be used is `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
 LinestereoStatus linestereo_run(LinestereoMatcher *matcher,
                                 const LinestereoImage *left,
                                 const LinestereoImage *right,
