@@ -262,8 +262,10 @@ fn what_is_cut_off_foreign_or_a_bomb_says_so() {
         (pair("foxglove.RawImage", b""), "it holds images as foxglove.RawImage in cdr; sensor_msgs/msg/Image"),
         (pair(image_of, b""), "the message ends early, or is none of its kind"),
         (file(&[topics(image_of)]), "no topics of a left and a right camera"),
-        (pair(image_of, &named("bayer_rggb8", 10, 10)), "bayer_rggb8 is a mosaic of colours; record"),
-        (pair(image_of, &named("yuv422", 10, 10)), "the encoding \"yuv422\" is not read; record mono8"),
+        (pair(image_of, &named("bayer_rgbg8", 10, 10)), "the encoding \"bayer_rgbg8\" is not read; record mono8"),
+        (pair(image_of, &named("bayer_rggb16", 10, 10)), "100 bytes are no 10x10 px with rows of 10 bytes"),
+        (pair(image_of, &named("yuv420", 10, 10)), "the encoding \"yuv420\" is not read; record mono8"),
+        (pair(image_of, &named("yuv422", 10, 10)), "100 bytes are no 10x10 px with rows of 10 bytes"),
         (pair(image_of, &named("mono8", 11, 11)), "100 bytes are no 11x11 px"),
         (pair(image_of, &named("mono8", u32::MAX, u32::MAX)), "100 bytes are no 4294967295x4294967295 px"),
         (pair(image_of, &named("mono8", 10, 9)), "with rows of 9 bytes"),
@@ -309,5 +311,5 @@ fn one_bad_image_ends_its_pair_alone() {
     let output = bounded(folder.path(), &bytes);
     let said = stderr(&output);
     assert!(output.status.success() && said.contains("3 frames, 1 failed"), "{said}");
-    assert!(said.contains("bayer is a mosaic"), "{said}");
+    assert!(said.contains("the encoding \"bayer\" is not read"), "{said}");
 }

@@ -86,7 +86,7 @@ impl RecordingArgs {
     fn refuse_options(&self) -> Result<()> {
         if self.left_topic.is_some() || self.pair_window_ms.is_some() {
             bail!(
-                "--left-topic, --right-topic and --pair-window-ms are for a recording (.mcap); give one, or leave them out"
+                "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
             );
         }
         Ok(())

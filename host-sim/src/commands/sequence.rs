@@ -160,10 +160,10 @@ impl Tally {
         let layouts: Vec<&str> = layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);
         let mut text = format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
-        if self.refused > 0 {
-            text.push_str(&format!(", {} not fit to be used or without a match", self.refused));
-        }
         text.push_str(&format!("; layout: {}\n", layouts.join(", ")));
+        if self.refused > 0 {
+            text.push_str(&format!("{} frames are not fit to be used, or nothing is matched in them\n", self.refused));
+        }
         if let Some(recording) = found.of_recording() {
             text.push_str(&format!("recording: {}\n", recording.summary()));
         }
