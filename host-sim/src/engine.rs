@@ -9,7 +9,7 @@ use linestereo::{
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
-/// Most segments listed per frame on a PC.
+/// Most segments listed per frame on a PC: as many as the core can number, whose indices have twelve bits. Captured pairs of up to 752x480 have 1600.
 pub const MAX_MATCHES: usize = 4096;
 
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };

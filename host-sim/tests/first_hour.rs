@@ -206,7 +206,8 @@ fn what_is_wrong_with_frames_is_counted() {
     }
     let output = linestereo(at, &["sequence", "."]);
     let said = stderr(&output);
-    assert!(output.status.success() && said.contains("2 frames, 0 failed"), "{said}");
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("2 frames, 0 failed"), "{said}");
     assert!(said.contains("health: few_matches in 2 frames: few edges find a partner"), "{said}");
 }
 
@@ -290,7 +291,9 @@ fn one_set_of_layouts_for_all_commands() {
         if *name == "times" {
             let left = at.join("times/left");
             fs::rename(left.join("1403715273262142976.png"), left.join("1403715273258142976.png")).unwrap();
-            let found = lines(&succeed(at, &["sequence", name]));
+            let output = linestereo(at, &["sequence", name]);
+            assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+            let found = lines(&String::from_utf8(output.stdout).unwrap());
             assert!(found[0]["health"]["flags"].as_array().unwrap().contains(&"skew".into()), "{}", found[0]["health"]);
             let found = lines(&succeed(at, &["sequence", name, "--max-skew-ms", "5"]));
             assert!(!found[0]["points"].as_array().unwrap().is_empty(), "{}", found[0]["health"]);
@@ -404,10 +407,14 @@ fn sixteen_bit_files_hold_what_the_sensor_has() {
     };
     stored(&left, 16).save(at.join("l16.png")).unwrap();
     stored(&right, 4).save(at.join("r16.png")).unwrap();
-    let found = json(at, &["run", "l16.png", "r16.png", "--json", "-"]);
+    let unfit = |more: &[&str]| -> Value {
+        let output = linestereo(at, &[&["run", "l16.png", "r16.png", "--json", "-"], more].concat());
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let found = unfit(&[]);
     let level = |side: &str| found["health"][side]["level"].as_f64().unwrap();
     assert!(level("right") < 0.4 * level("left"), "{} {}", level("right"), level("left"));
-    let found = json(at, &["run", "l16.png", "r16.png", "--bits", "16", "--json", "-"]);
+    let found = unfit(&["--bits", "16"]);
     assert!(found["health"]["left"]["level"].as_f64().unwrap() < 16.0);
 }
 

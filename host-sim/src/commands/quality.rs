@@ -71,7 +71,8 @@ pub fn run(args: &Args) -> Result<()> {
         let (loaded, setup, matcher) = loaded.with_context(|| pair.name.clone())?;
         let matched = matcher.run(setup, &loaded, pair.images.times_us()).with_context(|| pair.name.clone())?;
         flags |= matched.result.health;
-        refusals.extend(health::refusal(&matched.result));
+        // A wall of which nothing is matched has a verdict.
+        refusals.extend(health::refusal(&matched.result).filter(|_| !health::is_fit(matched.result.health)));
         points.push(matched.result.points);
         last = Some(matched.images);
         progress.inc(1);

@@ -43,6 +43,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    if args.objects.is_given() && args.folder.is_none() {
+        bail!("--objects go by the names of images or the stamps of a recording, which a camera has not; give one of these");
+    }
     // What is begun here, a video's decoder too, is ended in order.
     interruption::watch();
     let folder = args.folder.as_deref();
@@ -173,7 +176,7 @@ impl Tally {
             text.push_str(&format!("first failure: {error}\n"));
         }
         let mut flagged: Vec<_> = self.flagged.iter().collect();
-        flagged.sort_by_key(|(_, (count, _))| core::cmp::Reverse(*count));
+        flagged.sort_by_key(|(flag, (count, _))| (health::urgency(flag), core::cmp::Reverse(*count)));
         let line =
             |(flag, (count, what)): (&&str, &(usize, &str))| format!("health: {flag} in {count} frames: {what}\n");
         text.extend(flagged.into_iter().map(line));

@@ -10,8 +10,14 @@ use serde::Serialize;
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
     let mut told: Vec<_> =
         Health::NAMES.into_iter().zip(Health::ADVICE).filter(|((flag, _), _)| health.contains(*flag)).collect();
-    told.sort_by_key(|&((flag, _), _)| (is_fit(flag), is_loss(flag)));
+    told.sort_by_key(|&((_, name), _)| urgency(name));
     told.into_iter().map(|(_, told)| told)
+}
+
+/// What has to be acted on first is lowest.
+pub fn urgency(name: &str) -> u8 {
+    let flag = Health::NAMES.into_iter().find(|(_, known)| *known == name).map_or(Health::GOOD, |(flag, _)| flag);
+    u8::from(is_fit(flag)) + u8::from(is_loss(flag))
 }
 
 /// Results are right, and fewer than the images have.
