@@ -178,7 +178,10 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
     // Some of many are counted, and are no failure.
     let output = linestereo(at, &["sequence", ".", "--out", "lines.jsonl"]);
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && told.contains("4 frames are not fit to be used, or nothing is matched in them"), "{told}");
+    assert!(
+        output.status.success() && told.contains("4 frames are not fit to be used, or nothing is matched in them"),
+        "{told}"
+    );
 }
 
 #[test]

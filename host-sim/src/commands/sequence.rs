@@ -44,7 +44,9 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<()> {
     if args.objects.is_given() && args.folder.is_none() {
-        bail!("--objects go by the names of images or the stamps of a recording, which a camera has not; give one of these");
+        bail!(
+            "--objects go by the names of images or the stamps of a recording, which a camera has not; give one of these"
+        );
     }
     // What is begun here, a video's decoder too, is ended in order.
     interruption::watch();

@@ -58,6 +58,13 @@ pub(crate) fn json(folder: &Path, args: &[&str]) -> serde_json::Value {
     serde_json::from_str(&succeed(folder, args)).unwrap()
 }
 
+/// The same of a pair that need not be fit to be used.
+#[track_caller]
+pub(crate) fn json_of_any(folder: &Path, args: &[&str]) -> serde_json::Value {
+    let output = linestereo(folder, args);
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(&output)))
+}
+
 /// Saves an image as PNG.
 pub(crate) fn save(image: &GrayImage, path: &Path) {
     fs::write(path, linestereo_sim::draw::gray_png(image).unwrap()).unwrap();
