@@ -156,7 +156,7 @@ fn a_video_is_input_like_any_other() {
     all_refused(
         at,
         &[
-            (&["sequence", "both.y4m", "--objects", "rec/1/left.png"], "which a recording has not"),
+            (&["sequence", "both.y4m", "--objects", "rec/1/left.png"], "which a video has not"),
             (&["sequence", "both.y4m", "--out", "both.y4m"], "the same; write to another"),
             (&["sequence", "left.y4m", "rec"], "rec is no video; of two paths both are videos"),
             (&["sequence", "rec/1/left.png", "rec/1/right.png"], "left.png is no video"),

@@ -15,7 +15,7 @@ use linestereo::Dims;
 /// Description of a board: name, processor, target, capacities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Board {
-    /// Its name: of the feature that builds for it, of `--on`.
+    /// Its name: of the feature that builds for it, of `--board`.
     pub name: &'static str,
     /// Its processor.
     pub processor: &'static str,
