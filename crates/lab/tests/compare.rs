@@ -72,7 +72,7 @@ fn what_is_no_scene_costs_itself_alone() {
         fs::write(at.join("b").join(side), "no image").unwrap();
     }
     let text = succeed(at, &["compare", ".", "--methods", "census", "--no-times"]);
-    assert!(text.starts_with("1 pairs\n"), "{text}");
+    assert!(text.starts_with("1 pair\n"), "{text}");
     assert!(text.contains("pairs were left out, the first: b: "), "{text}");
     // Nothing that can be compared is an error.
     fs::write(at.join("a/left.png"), "no image").unwrap();
