@@ -37,25 +37,25 @@ mod simd128;
 mod sse2;
 
 pub use portable::{
-    CELL, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES, LargestStep, Products, CODE_FLAT,
-    CODE_ROWS, RIGHT_GRADIENTS, CodeColumn, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    CELL, CODE_FLAT, CODE_ROWS, CodeColumn, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES,
+    LargestStep, Products, RIGHT_GRADIENTS, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
 };
 
 #[cfg(dsp)]
 pub use dsp::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step, place_of_byte, code_columns,
-    code_costs, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_costs, code_steps,
+    crossing, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step,
+    place_of_byte, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(dsp))]
 pub use portable::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte, code_columns, reverse_row,
-    sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_steps, crossing,
+    gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte,
+    reverse_row, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64", target_feature = "simd128")))]
-pub use portable::{path_step, code_costs, sad_curve};
+pub use portable::{code_costs, path_step, sad_curve};
 #[cfg(target_feature = "simd128")]
-pub use simd128::{path_step, code_costs, sad_curve};
+pub use simd128::{code_costs, path_step, sad_curve};
 #[cfg(target_arch = "x86_64")]
-pub use sse2::{path_step, code_costs, sad_curve};
+pub use sse2::{code_costs, path_step, sad_curve};

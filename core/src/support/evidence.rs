@@ -10,7 +10,7 @@ use super::paths::PointCosts;
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
 use crate::evidence::{define_evidence, log2_mean_q8};
-use crate::kernel::{CodeColumn, JUMP_PENALTY, STRIP, lowest_byte, place_of_byte};
+use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte};
 use crate::units::narrow;
 use core::ops::Range;
 
@@ -47,7 +47,7 @@ define_evidence! {
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
     SegmentsConflicting: "log2(1 + hypotheses of segments nearby that contradict)",
-    Detail: "log2(1 + codes that change along a window, on average)",
+    Detail: "log2(1 + how much codes change along a window, on average)",
 }
 
 /// Disparity of a point, as an index into its costs, with its evidence.
@@ -76,39 +76,16 @@ fn fill_part(near: &mut [u8]) {
     near.fill(u8::MAX);
 }
 
-/// How codes change along a window.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Texture {
-    /// Sum of the changes, 0 ..= 28 * 255.
-    steps: u16,
-    /// Number of codes that differ from the one in the next column, 0 ..= 28.
-    pub(super) changes: u8,
-}
-
-impl Texture {
-    pub(super) fn of(window: &[CodeColumn; STRIP]) -> Self {
-        let (mut steps, mut changes) = (0, 0);
-        for two in window.windows(2) {
-            let [before, after] = two else { continue };
-            for (&before, &after) in before.iter().zip(after) {
-                steps += u16::from(before.abs_diff(after));
-                changes += u8::from(before != after);
-            }
-        }
-        Self { steps, changes }
-    }
-}
-
 /// Changes of codes, summed over the windows of an image.
 #[derive(Default)]
 pub(super) struct Detail {
-    changes: u32,
+    steps: u32,
     windows: i32,
 }
 
 impl Detail {
-    pub(super) fn add(&mut self, changes: u8) {
-        self.changes += u32::from(changes);
+    pub(super) fn add(&mut self, steps: u16) {
+        self.steps += u32::from(steps);
         self.windows += 1;
     }
 
@@ -117,7 +94,7 @@ impl Detail {
         if self.windows == 0 {
             return TYPICAL_DETAIL_Q8;
         }
-        narrow(log2_mean_q8(self.changes, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
+        narrow(log2_mean_q8(self.steps, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
     }
 }
 
@@ -129,7 +106,7 @@ fn log2_q8(value: u8) -> i32 {
 impl Found {
     /// The best of the costs in this range of indices, where the window lies on valid pixels; `None` where the paths' minimum lies outside of it,
     /// or is not unique.
-    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, texture: Texture) -> Option<Self> {
+    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, steps: u16) -> Option<Self> {
         let PointCosts { costs, sums, lowest } = costs;
         let best = place_of_byte(sums, lowest)?;
         if best == 0 {
@@ -166,7 +143,7 @@ impl Found {
         evidence.set(SupportKind::WindowCost, log2_q8(here));
         evidence.set(SupportKind::Range, log2_mean_q8(length, 1));
         evidence.set(SupportKind::Curvature, log2_q8(curvature));
-        evidence.set(SupportKind::Changes, log2_mean_q8(texture.steps.into(), 1));
+        evidence.set(SupportKind::Changes, log2_mean_q8(steps.into(), 1));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
         // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.

@@ -40,14 +40,14 @@ pub(crate) use noise::Noise;
 use crate::area::Area;
 use crate::confidence::Model;
 use crate::image::{Dims, Gray, Span};
-use crate::kernel::{JUMP_PENALTY, code_costs};
+use crate::kernel::{JUMP_PENALTY, code_costs, code_steps};
 use crate::params::Params;
 use crate::result::{Point, Source};
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Texture, nearby};
+use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, nearby};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
@@ -90,7 +90,14 @@ impl SupportPoint {
     /// A point without a disparity.
     #[inline]
     pub(crate) const fn none() -> Self {
-        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, uniqueness_q8: 0, place: Place::MIDDLE, segments: [0; 2] }
+        Self {
+            disparity_q6: 0,
+            score_q8: i16::MIN,
+            probability_q16: 0,
+            uniqueness_q8: 0,
+            place: Place::MIDDLE,
+            segments: [0; 2],
+        }
     }
 
     /// True when it has a disparity.
@@ -193,7 +200,7 @@ impl Matching<'_> {
         let columns = usize::from(area.left)..usize::from(area.right);
         let last = self.grid.last();
         let mut ranges = [Span::default(); MAX_COLUMNS];
-        let mut textures = [Texture::default(); MAX_COLUMNS];
+        let mut steps = [0; MAX_COLUMNS];
         let mut valid_before = None;
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
@@ -218,9 +225,9 @@ impl Matching<'_> {
                         let [_, right] = valid;
                         nearer.add((row.into(), column), costs, &codes, right.start.into());
                     }
-                    if let Some(texture) = textures.get_mut(column) {
-                        *texture = Texture::of(window);
-                        detail.add(texture.changes);
+                    if let Some(steps) = steps.get_mut(column) {
+                        *steps = code_steps(window);
+                        detail.add(*steps);
                     }
                 }
             });
@@ -229,13 +236,15 @@ impl Matching<'_> {
                 let range = indices(ranges.get(column));
                 if !range.is_empty()
                     && let Some(point) = points.get_mut(first + column)
-                    && let Some(&texture) = textures.get(column)
+                    && let Some(&steps) = steps.get(column)
                 {
                     watch(first + column, Seen::Curves(SupportCurves::new(&costs, range.clone(), last)));
-                    if let Some(found) = Found::new(costs, range.clone(), texture) {
+                    if let Some(found) = Found::new(costs, range.clone(), steps) {
                         watch(first + column, Seen::Evidence(&found.evidence));
                         let window = self.grid.window(column);
-                        let place = codes.around_window(window).map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
+                        let place = codes
+                            .around_window(window)
+                            .map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
                         *point = SupportPoint { place, ..self.to_point(&found) };
                     }
                 }

@@ -19,7 +19,7 @@
 use super::codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use super::{Grid, MIN_RANGE};
 use crate::curve::MAX_DISPARITIES;
-use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte, code_costs};
+use crate::kernel::{JUMP_PENALTY, code_costs, lowest_byte, place_of_byte};
 
 /// Rows and columns of points from one sample to the next.
 const STEP: usize = 4;

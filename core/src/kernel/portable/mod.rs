@@ -12,7 +12,8 @@
 mod support;
 
 pub use support::{
-    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, STEP_PENALTY, code_columns, code_costs, lowest_byte, path_step, place_of_byte, sum_paths,
+    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, STEP_PENALTY, code_columns, code_costs, code_steps, lowest_byte,
+    path_step, place_of_byte, sum_paths,
 };
 
 /// Value of a zero gradient.

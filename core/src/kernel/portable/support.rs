@@ -110,6 +110,13 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
     }
 }
 
+/// Sum of the differences of each two consecutive columns of a window: 0 ..= 28 * 255.
+#[must_use]
+pub fn code_steps(window: &[CodeColumn; STRIP]) -> u16 {
+    let rest = window.as_flattened().get(CODE_ROWS..).unwrap_or(&[]);
+    rest.iter().zip(window.as_flattened()).fold(0, |sum, (after, &before)| sum + u16::from(after.abs_diff(before)))
+}
+
 /// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
 /// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; over the length of the shorter one. Costs contain P2.
 /// Returns the lowest new cost. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
@@ -159,4 +166,3 @@ pub fn lowest_byte(costs: &[u8]) -> u8 {
 pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
     costs.iter().position(|&cost| cost <= bound)
 }
-
