@@ -1,4 +1,4 @@
-//! Written by `linestereo-lab fit-confidence` from 22 pairs under 7 damages (Aloe, Baby1, Bowling2, Cloth1, Lampshade1, Monopoly, Rocks1, Wood1, aloe, art, baby1, books, bowling2, cloth1, dolls, lampshade1, monopoly, motorcycle, rocks1, teddy, tsukuba, wood1): do not edit.
+//! Written by `linestereo-lab fit-confidence` from 125 pairs of qvga, robot_world, oakd_agreed_320, oakd_agreed_640, kitti2012_640, robot_world_640, middlebury2006_third, middlebury2006_half, middlebury2005_half, small ones under 7 damages: do not edit.
 
 use super::{Model, Models};
 
@@ -6,183 +6,183 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     near_vertical: Model {
-        bias_q12: -2690,
+        bias_q12: -552,
         coefficients_q12: [
-            -16322, // this side's window: cost at the disparity / best cost elsewhere
-            2315, // log2(1 + that cost per pixel)
-            -354, // log2(1 + how much worse elsewhere is, per pixel)
-            9178, // segment window: best cost / best elsewhere
-            -2677, // log2(1 + its cost per pixel)
-            2175, // census: best cost / best elsewhere
-            2554, // log2(1 + its cost per point)
-            -6891, // this side's census: cost at the disparity / best elsewhere
-            -4080, // |window - census|, px
-            -23427, // |difference of the halves' disparities| per row or column
-            -2338, // log2(1 + rows or columns)
-            -361, // the other side's window ratio
-            -1586, // 1 if the other side prefers another disparity
-            -3578, // 1 if this side alone prefers another disparity
-            -6817, // 1 if the right image has no such edge there
-            -2978, // |the edge in the right image - halves|, px
-            83, // -1 left of or above the edge, +1 right or below
-            -1998, // slope against its direction, px per px
-            1439, // log2(1 + disparities compared)
-            -941, // log2(1 + grey step)
-            7432, // log2(1 + ranks that change along a window of the image, on average)
-            2310, // log2(1 + support points nearby that agree)
-            -13974, // share of those that are farther
-            -8827, // share of those that are nearer
-            1165, // log2(1 + segments nearby that agree)
-            -1156, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -7823, // this side's window: cost at the disparity / best cost elsewhere
+            1146, // log2(1 + that cost per pixel)
+            887, // log2(1 + how much worse elsewhere is, per pixel)
+            10649, // segment window: best cost / best elsewhere
+            -2923, // log2(1 + its cost per pixel)
+            3651, // census: best cost / best elsewhere
+            1027, // log2(1 + its cost per point)
+            -5974, // this side's census: cost at the disparity / best elsewhere
+            -3241, // |window - census|, px
+            -12565, // |difference of the halves' disparities| per row or column
+            -1239, // log2(1 + rows or columns)
+            -342, // the other side's window ratio
+            -1466, // 1 if the other side prefers another disparity
+            -2849, // 1 if this side alone prefers another disparity
+            -8155, // 1 if the right image has no such edge there
+            -2291, // |the edge in the right image - halves|, px
+            138, // -1 left of or above the edge, +1 right or below
+            -164, // slope against its direction, px per px
+            769, // log2(1 + disparities compared)
+            -111, // log2(1 + grey step)
+            2107, // log2(1 + how much codes change along a window of the image, on average)
+            1612, // log2(1 + support points nearby that agree)
+            -16199, // share of those that are farther
+            -9642, // share of those that are nearer
+            586, // log2(1 + segments nearby that agree)
+            -1667, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            1064, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -993, // distance of the pixel from the edge, px
-            -1276, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -921, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -1081, // distance of the pixel from the edge, px
+            -937, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            593, 807, 1097, 1488, 2015, 2721, 3660, 4897, 6508, 8575, 11173,
-            14361, 18155, 22509, 27306, 32357, 37428, 42280, 46716, 50605, 56355, 60128,
-            61744, 62898, 64411, 65063, 65299, 65417, 65477, 65506, 65521, 65529, 65532,
+            253, 507, 760, 1013, 1267, 1520, 1773, 2027, 2280, 6227, 8825,
+            14197, 19648, 25191, 29570, 31392, 33119, 38745, 44884, 49133, 53128, 57247,
+            59808, 61493, 62575, 63237, 63841, 64124, 64126, 65045, 65047, 65049, 65051,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 417, 375, 375,
-            375, 363, 201, 163, 139, 133, 93, 50, 33, 26, 22,
-            19, 17, 15, 14, 13, 12, 11, 10, 9, 9, 9,
+            512, 512, 512, 512, 512, 512, 512, 512, 267, 267, 267,
+            267, 267, 267, 169, 139, 120, 80, 48, 33, 26, 22,
+            19, 16, 15, 13, 12, 11, 10, 10, 10, 10, 10,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 4101,
+        bias_q12: 1237,
         coefficients_q12: [
-            -4290, // this side's window: cost at the disparity / best cost elsewhere
-            291, // log2(1 + that cost per pixel)
-            -1061, // log2(1 + how much worse elsewhere is, per pixel)
+            -1264, // this side's window: cost at the disparity / best cost elsewhere
+            450, // log2(1 + that cost per pixel)
+            -918, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -5507, // census: best cost / best elsewhere
-            1052, // log2(1 + its cost per point)
+            -5954, // census: best cost / best elsewhere
+            1373, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3378, // |window - census|, px
-            -27876, // |difference of the halves' disparities| per row or column
-            -3552, // log2(1 + rows or columns)
-            -2181, // the other side's window ratio
-            640, // 1 if the other side prefers another disparity
+            -3102, // |window - census|, px
+            -28698, // |difference of the halves' disparities| per row or column
+            -2889, // log2(1 + rows or columns)
+            -1868, // the other side's window ratio
+            331, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -206, // -1 left of or above the edge, +1 right or below
-            -5251, // slope against its direction, px per px
-            763, // log2(1 + disparities compared)
-            -897, // log2(1 + grey step)
-            7007, // log2(1 + ranks that change along a window of the image, on average)
-            4600, // log2(1 + support points nearby that agree)
-            -4022, // share of those that are farther
-            -2620, // share of those that are nearer
-            625, // log2(1 + segments nearby that agree)
-            -1083, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -4589, // the less unique half: cost at the disparity / best elsewhere
-            -1883, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -638, // distance of the pixel from the edge, px
-            -2196, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -260, // -1 left of or above the edge, +1 right or below
+            -3443, // slope against its direction, px per px
+            -62, // log2(1 + disparities compared)
+            -823, // log2(1 + grey step)
+            3256, // log2(1 + how much codes change along a window of the image, on average)
+            4287, // log2(1 + support points nearby that agree)
+            -1176, // share of those that are farther
+            -1443, // share of those that are nearer
+            482, // log2(1 + segments nearby that agree)
+            -80, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -5369, // the less unique half: cost at the disparity / best elsewhere
+            -1742, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -842, // distance of the pixel from the edge, px
+            -2953, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            361, 505, 706, 984, 1371, 1905, 2638, 3638, 4986, 6778, 9119,
-            12101, 15785, 20168, 25152, 30539, 36050, 41380, 46261, 50514, 55772, 59412,
-            61906, 63421, 64667, 65183, 65296, 65373, 65426, 65461, 65485, 65502, 65513,
+            1406, 2813, 4219, 5626, 7032, 8439, 9845, 13344, 13346, 13348, 13350,
+            14705, 17696, 20798, 25098, 30881, 36982, 42390, 47502, 52413, 56242, 58914,
+            61223, 62730, 63436, 63976, 64446, 64448, 64937, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            504, 224, 182, 146, 121, 97, 76, 57, 44, 34, 27,
-            22, 19, 16, 14, 13, 12, 12, 12, 12, 12, 12,
+            512, 512, 512, 512, 512, 512, 512, 512, 193, 193, 193,
+            193, 193, 191, 146, 115, 87, 68, 54, 42, 34, 28,
+            23, 19, 16, 14, 13, 11, 11, 10, 9, 9, 9,
         ],
     },
     near_vertical_edge: Model {
-        bias_q12: -6561,
+        bias_q12: -15628,
         coefficients_q12: [
-            1385, // this side's window: cost at the disparity / best cost elsewhere
-            882, // log2(1 + that cost per pixel)
-            367, // log2(1 + how much worse elsewhere is, per pixel)
-            -9331, // segment window: best cost / best elsewhere
-            -3400, // log2(1 + its cost per pixel)
-            -2894, // census: best cost / best elsewhere
-            2480, // log2(1 + its cost per point)
-            1604, // this side's census: cost at the disparity / best elsewhere
-            -1730, // |window - census|, px
-            -22801, // |difference of the halves' disparities| per row or column
-            -2248, // log2(1 + rows or columns)
-            -38, // the other side's window ratio
-            -2010, // 1 if the other side prefers another disparity
-            -4192, // 1 if this side alone prefers another disparity
-            -6809, // 1 if the right image has no such edge there
-            -5316, // |the edge in the right image - halves|, px
-            -22, // -1 left of or above the edge, +1 right or below
-            -2663, // slope against its direction, px per px
-            570, // log2(1 + disparities compared)
-            382, // log2(1 + grey step)
-            6005, // log2(1 + ranks that change along a window of the image, on average)
-            2961, // log2(1 + support points nearby that agree)
-            -1439, // share of those that are farther
-            -1148, // share of those that are nearer
-            4533, // log2(1 + segments nearby that agree)
-            5473, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            2756, // this side's window: cost at the disparity / best cost elsewhere
+            546, // log2(1 + that cost per pixel)
+            806, // log2(1 + how much worse elsewhere is, per pixel)
+            -4292, // segment window: best cost / best elsewhere
+            -3922, // log2(1 + its cost per pixel)
+            -4217, // census: best cost / best elsewhere
+            3354, // log2(1 + its cost per point)
+            1633, // this side's census: cost at the disparity / best elsewhere
+            -2065, // |window - census|, px
+            -14058, // |difference of the halves' disparities| per row or column
+            -1258, // log2(1 + rows or columns)
+            -524, // the other side's window ratio
+            -1590, // 1 if the other side prefers another disparity
+            -1635, // 1 if this side alone prefers another disparity
+            -8821, // 1 if the right image has no such edge there
+            -5919, // |the edge in the right image - halves|, px
+            -30, // -1 left of or above the edge, +1 right or below
+            840, // slope against its direction, px per px
+            12, // log2(1 + disparities compared)
+            473, // log2(1 + grey step)
+            3520, // log2(1 + how much codes change along a window of the image, on average)
+            2540, // log2(1 + support points nearby that agree)
+            -1150, // share of those that are farther
+            -2270, // share of those that are nearer
+            2990, // log2(1 + segments nearby that agree)
+            1093, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            1756, // how unique the other side is at a nearer disparity, 0 ..= 1
+            646, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            93, 145, 226, 352, 547, 849, 1313, 2024, 3102, 4710, 7058,
-            10377, 14860, 20557, 27264, 34482, 41536, 47812, 52944, 56860, 59427, 61292,
-            61906, 62435, 63688, 64443, 65019, 65292, 65421, 65482, 65511, 65524, 65530,
+            1001, 2001, 3002, 4003, 5004, 6004, 7005, 8006, 9007, 10007, 11008,
+            12009, 13010, 13012, 13590, 30121, 41478, 46967, 53032, 55557, 57741, 61374,
+            62168, 62293, 63374, 64065, 64482, 64866, 65073, 65362, 65476, 65478, 65480,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 272, 214, 99, 94, 51, 34, 26, 22, 19,
-            17, 15, 14, 12, 11, 10, 10, 10, 9, 8, 7,
+            512, 512, 498, 221, 118, 87, 53, 35, 28, 22, 19,
+            16, 14, 13, 12, 11, 10, 10, 10, 9, 8, 7,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 5943,
+        bias_q12: 5493,
         coefficients_q12: [
-            -464, // this side's window: cost at the disparity / best cost elsewhere
-            -67, // log2(1 + that cost per pixel)
-            -1006, // log2(1 + how much worse elsewhere is, per pixel)
+            3134, // this side's window: cost at the disparity / best cost elsewhere
+            -700, // log2(1 + that cost per pixel)
+            -231, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -3310, // census: best cost / best elsewhere
-            1056, // log2(1 + its cost per point)
+            -3980, // census: best cost / best elsewhere
+            1719, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -2866, // |window - census|, px
-            -18364, // |difference of the halves' disparities| per row or column
-            -2180, // log2(1 + rows or columns)
-            -4804, // the other side's window ratio
-            -5253, // 1 if the other side prefers another disparity
+            -2978, // |window - census|, px
+            -19882, // |difference of the halves' disparities| per row or column
+            -1818, // log2(1 + rows or columns)
+            -4886, // the other side's window ratio
+            -4090, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -511, // -1 left of or above the edge, +1 right or below
-            866, // slope against its direction, px per px
-            1116, // log2(1 + disparities compared)
-            -162, // log2(1 + grey step)
-            4392, // log2(1 + ranks that change along a window of the image, on average)
-            3372, // log2(1 + support points nearby that agree)
-            -1785, // share of those that are farther
-            -2449, // share of those that are nearer
-            682, // log2(1 + segments nearby that agree)
-            -6717, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -2751, // the less unique half: cost at the disparity / best elsewhere
-            -7303, // how unique the other side is at a nearer disparity, 0 ..= 1
+            94, // -1 left of or above the edge, +1 right or below
+            1453, // slope against its direction, px per px
+            341, // log2(1 + disparities compared)
+            -85, // log2(1 + grey step)
+            1753, // log2(1 + how much codes change along a window of the image, on average)
+            2708, // log2(1 + support points nearby that agree)
+            -1061, // share of those that are farther
+            -578, // share of those that are nearer
+            1455, // log2(1 + segments nearby that agree)
+            -4854, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -3255, // the less unique half: cost at the disparity / best elsewhere
+            -8195, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            143, 212, 314, 466, 690, 1020, 1503, 2209, 3228, 4683, 6724,
-            9515, 13205, 17868, 23441, 29670, 36133, 42343, 47881, 52504, 56299, 59123,
-            61335, 62819, 64510, 65155, 65363, 65457, 65500, 65520, 65529, 65531, 65533,
+            1139, 2279, 3418, 4557, 5697, 6836, 7976, 9115, 10254, 11394, 11396,
+            11811, 18025, 21395, 24738, 29212, 34997, 40062, 45592, 50941, 55152, 58790,
+            61374, 63092, 64052, 64432, 65066, 65398, 65483, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 357, 234, 198, 138, 93, 67, 49, 38, 32, 27,
-            23, 19, 15, 12, 11, 10, 9, 8, 8, 8, 8,
+            280, 224, 188, 163, 115, 85, 69, 54, 41, 33, 27,
+            22, 17, 14, 12, 10, 9, 9, 8, 6, 6, 6,
         ],
     },
 };

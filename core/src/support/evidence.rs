@@ -18,12 +18,12 @@ use core::ops::Range;
 const NEIGHBOURHOOD: usize = 2;
 /// Least uniqueness of a point, log2(second-best / best) of the paths' sum, Q8: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
-/// [`SupportKind::Detail`] where no window was evaluated, Q8: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
-pub(crate) const TYPICAL_DETAIL_Q8: i16 = 1060;
+/// [`SupportKind::Detail`] where no window was evaluated, Q8.
+pub(crate) const TYPICAL_DETAIL_Q8: i16 = 2500;
 /// Least value of [`SupportKind::Detail`] that models were fitted on, Q8; smaller ones are limited to it.
-const LEAST_DETAIL_Q8: i16 = 900;
+const LEAST_DETAIL_Q8: i16 = 1800;
 /// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
-const MOST_DETAIL_Q8: i16 = 1160;
+const MOST_DETAIL_Q8: i16 = 3000;
 /// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
 const LEAST_DEPTH: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
@@ -109,15 +109,13 @@ impl Found {
     pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, steps: u16) -> Option<Self> {
         let PointCosts { costs, sums, lowest } = costs;
         let best = place_of_byte(sums, lowest)?;
-        if best == 0 {
-            return None; // the largest disparity: the minimum may lie beyond
-        }
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {
             return None;
         }
-        let at = best.checked_sub(range.start)?;
+        // At the largest disparity compared the minimum may lie beyond.
+        let at = best.checked_sub(range.start).filter(|&at| at > 0)?;
         let costs = costs.get_mut(range)?;
         let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
         let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at)?, cost(at + 1));

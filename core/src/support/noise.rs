@@ -48,11 +48,6 @@ impl Noise {
         of_image(left, 1).max(of_image(left, 2)).max(of_image(right, 1)).max(of_image(right, 2))
     }
 
-    /// Standard deviation, 1/16 grey level.
-    pub(crate) fn deviation_q4(self) -> u16 {
-        (u32::from(self.sum) * 160 / 306) as u16
-    }
-
     /// How often codes are doubled, 1 ..= 4: each halves the difference that fills their scale.
     pub(super) fn doublings(self) -> u32 {
         1 + [144, 72, 36].into_iter().map(|most| u32::from(self.sum < most)).sum::<u32>()
