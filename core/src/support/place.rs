@@ -36,9 +36,9 @@ impl Place {
         if all == 0 {
             return Self::MIDDLE;
         }
-        // Rounded to nearest; the middles of the rows of codes are at -3, -1, 1 and 3 px.
-        let nearest = |sum: u32, scale: u32| ((2 * scale * sum + all) / (2 * all)) as i32;
-        Self::new(start + nearest(across, 1), nearest(down, 2) - 3)
+        // Rounded to nearest. Changes along the row are of four rows of pixels each, whose middles are at -2.5, -0.5, 1.5 and 3.5 px.
+        let nearest = |doubled: u32| ((doubled + all) / (2 * all)) as i32;
+        Self::new(start + nearest(2 * across), nearest(4 * down + all) - 3)
     }
 
     fn new(dx: i32, dy: i32) -> Self {
