@@ -310,16 +310,21 @@ fn opencv_lengths_have_the_unit_that_is_given_or_likely() {
         let found = good(&[&format!("square_size: {square}\n{pose}")]);
         assert!((found.rig.calibration.baseline() - metres).abs() < 1e-12, "{square}: {:?}", found.notes);
     }
-    // 100 m: possible, but worth a word.
-    let strange = with(&text(true), TranslationUnit::Metres);
-    assert!(strange.notes.iter().any(|note| note.contains("100.0000 m; if that is wrong")), "{:?}", strange.notes);
+    // 2 m: possible, but worth a word. 100 m is none of a stereo head, nor is 0.1 mm.
+    let strange = with(&text(false).replace("-0.08, 0., 0.06", "-1.6, 0., 1.2"), TranslationUnit::Metres);
+    assert!(strange.notes.iter().any(|note| note.contains("2.0000 m; if that is wrong")), "{:?}", strange.notes);
+    for (millimetres, unit) in [(true, TranslationUnit::Metres), (false, TranslationUnit::Millimetres)] {
+        let options = Options { translation_unit: Some(unit), ..Options::default() };
+        let error = read(&[&text(millimetres)], &options).unwrap_err().to_string();
+        assert!(error.contains("metres"), "{error}");
+    }
 }
 
 #[test]
 fn sizes_and_lenses_come_from_the_file_or_the_options() {
     let without = format!("{}{}", opencv_cameras(USUAL), opencv_pose(false));
     let Problem::NoSize { guess } = bad(&[&without]).1 else { panic!("the size is missing") };
-    assert_eq!(guess, [640.0, 480.0]);
+    assert_eq!(guess, [641.0, 481.0]);
     let options = Options { size: Some(SIZE), ..Options::default() };
     assert_is_the_example(&read(&[&without], &options).unwrap());
     let other = Options { size: Some(Dims { width: 320, height: 240 }), ..Options::default() };
@@ -336,6 +341,115 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
     assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
     let found = read(&[&opencv()], &options).unwrap_err();
     assert!(matches!(found.problem, Problem::Shape { .. }), "five coefficients are no fisheye: {found}");
+}
+
+#[test]
+fn images_at_hand_say_the_size_that_nothing_else_does() {
+    let without = format!("{}{}", opencv_cameras(USUAL), opencv_pose(false));
+    let of = |width, height| Options { images: Some(Dims { width, height }), ..Options::default() };
+    assert_is_the_example(&read(&[&without], &of(640, 480)).unwrap());
+    // The principal point is the middle of other images.
+    for (width, height) in [(320, 240), (1280, 960), (480, 360), (960, 720)] {
+        let error = read(&[&without], &of(width, height)).unwrap_err().to_string();
+        assert!(error.contains("images of about 641x481") && !error.contains("--size"), "{error}");
+    }
+    // Where the file says it, the images are compared elsewhere.
+    assert_is_the_example(&read(&[&opencv()], &of(320, 240)).unwrap());
+    let error = read(&[&without], &Options::default()).unwrap_err().to_string();
+    assert!(error.contains("convert-rig FILES --size 641x481"), "{error}");
+}
+
+#[test]
+fn numbers_that_are_none_of_a_stereo_head_are_refused() {
+    let long = KALIBR.replace("-0.08]", "-80.0]").replace("0.06]", "60.0]");
+    assert!(matches!(bad(&[&long]), (Some(_), Problem::Pair(_))));
+    let sensors = [EUROC[0], &EUROC[1].replace("2.1,", "62.0,")];
+    assert!(matches!(bad(&sensors), (Some(_), Problem::Pair(_))));
+    let infos = [ROS[0], &ROS[1].replace("-40.0", "-40000.0")];
+    assert!(matches!(bad(&infos), (Some(_), Problem::Pair(_))));
+    // A focal length in mm; of larger images; of another unit down than across.
+    let of = |text: &str| KALIBR.replace("[500.0, 501.0, 320.0, 240.0]", text);
+    assert!(matches!(bad(&[&of("[4.0, 4.0, 320.0, 240.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
+    assert!(matches!(bad(&[&of("[1000.0, 1002.0, 640.0, 480.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
+    assert!(matches!(bad(&[&of("[500.0, 501.0, 0.0, 0.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
+    assert!(matches!(bad(&[&of("[500.0, 50.0, 320.0, 240.0]")]), (_, Problem::PixelShape(CameraSide::Left, ..))));
+}
+
+#[test]
+fn a_wrong_sign_of_the_projection_is_named() {
+    let error = read(&[ROS[0], &ROS[1].replace("-40.0", "40.0")], &Options::default()).unwrap_err().to_string();
+    assert!(error.contains("P[3]") && error.contains("sign is wrong") && error.contains("exchanged"), "{error}");
+    let exchanged = read(&[&ROS[1].replace("-40.0", "40.0"), ROS[0]], &Options::default()).unwrap_err().to_string();
+    assert!(exchanged.contains("P[3]") && exchanged.contains("sign is wrong"), "{exchanged}");
+}
+
+#[test]
+fn a_mark_with_nothing_behind_it_begins_no_document() {
+    for end in ["---\n", "---", "---\n\n", "---\n# nothing\n", "...\n"] {
+        assert_is_the_example(&good(&[&format!("{}{end}", ROS[0]), &format!("{}{end}", ROS[1])]));
+        assert_is_the_example(&good(&[&format!("{KALIBR}{end}")]));
+    }
+    let (line, problem) = bad(&[&format!("{}---\n{}", ROS[0], ROS[0]), ROS[1]]);
+    assert_eq!((line, problem.to_string().contains("second document")), (Some(22), true));
+}
+
+#[test]
+fn messages_are_of_the_images_that_are_sent() {
+    let of = |binning: &str, roi: &str| {
+        let with = |text: &str| format!("{text}binning_x: {binning}\nbinning_y: {binning}\nroi: {{{roi}}}\n");
+        good(&[&with(ROS[0]), &with(ROS[1])]).rig.calibration
+    };
+    let all = "x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false";
+    assert_eq!(*of("1", all).camera(CameraSide::Left), *good(&ROS).rig.calibration.camera(CameraSide::Left));
+    let binned = of("2", all);
+    let left = binned.camera(CameraSide::Left);
+    assert_eq!((left.dims(), left.focal()), (Dims { width: 320, height: 240 }, [250.0, 250.5]));
+    assert_eq!(left.centre(), [159.75, 119.75]);
+    let cut = of("0", "x_offset: 100, y_offset: 40, height: 400, width: 500, do_rectify: true");
+    let left = cut.camera(CameraSide::Left);
+    assert_eq!((left.dims(), left.centre()), (Dims { width: 500, height: 400 }, [220.0, 200.0]));
+    assert_eq!((left.focal(), cut.translation()), ([500.0, 501.0], binned.translation()));
+    let outside = format!("{}roi: {{x_offset: 200, y_offset: 0, height: 480, width: 500}}\n", ROS[0]);
+    assert!(matches!(bad(&[&outside, ROS[1]]), (Some(_), Problem::Window(_))));
+}
+
+/// OAK: the numbers of a raw recording, and positions by OpenCV.
+#[test]
+fn a_rational_lens_undistorts_as_opencv_does() {
+    let lens = "[1.2616, -57.753, 8.7e-4, 1.33e-3, 282.645, 1.107, -56.354, 277.476]";
+    let camera = |text: &str, along: &str| {
+        format!(
+            "width: 1280\nheight: 720\ndistortion_model: rational_polynomial\nd: {text}\n\
+             k: [1033.0, 0.0, 639.5, 0.0, 1033.0, 359.5, 0.0, 0.0, 1.0]\nr: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n\
+             p: [1033.0, 0.0, 639.5, {along}, 0.0, 1033.0, 359.5, 0.0, 0.0, 0.0, 1.0, 0.0]\n"
+        )
+    };
+    let both = |text: &str| [camera(text, "0.0"), camera(text, "-77.475")];
+    let rig = good(&both(lens).each_ref().map(String::as_str)).rig;
+    let left = *rig.calibration.camera(CameraSide::Left);
+    for (raw, expected) in [([0.0, 0.0], [8.55, 4.75]), ([1279.0, 360.0], [1267.15, 359.2])] {
+        let [x, y] = left.unproject(raw).unwrap();
+        for (found, expected) in [1033.0 * x + 639.5, 1033.0 * y + 359.5].into_iter().zip(expected) {
+            assert!((found - expected).abs() < 0.01, "{raw:?}: {found}, not {expected}");
+        }
+    }
+    for to in [Format::RigToml, Format::OpencvYaml, Format::OpencvXml, Format::Ros] {
+        let texts = export(&rig, to).unwrap().texts;
+        let again = good(&texts.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(*again.rig.calibration.camera(CameraSide::Left), left, "{to}");
+    }
+    for to in [Format::Kalibr, Format::Euroc] {
+        assert!(matches!(export(&rig, to), Err(Problem::NotRepresentable { .. })), "{to}");
+    }
+    // Twelve and fourteen coefficients too, where the further ones are zero.
+    let longer = lens.replace(']', ", 0.0, 0.0, 0.0, 0.0]");
+    assert_eq!(good(&both(&longer).each_ref().map(String::as_str)).rig.calibration, rig.calibration);
+    let prism = lens.replace(']', ", 0.1, 0.0, 0.0, 0.0]");
+    let refused = bad(&both(&prism).each_ref().map(String::as_str)).1;
+    assert!(matches!(&refused, Problem::Coefficients { names } if names == "s1"), "{refused}");
+    // A pole inside of the image is no lens.
+    let pole = bad(&both("[0.0, 0.0, 0.0, 0.0, 0.0, -8.0, 0.0, 0.0]").each_ref().map(String::as_str)).1;
+    assert!(matches!(pole, Problem::Camera(CameraSide::Left, _)), "{pole}");
 }
 
 #[test]

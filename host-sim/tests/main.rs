@@ -10,6 +10,7 @@ mod documented;
 mod explain;
 mod first_hour;
 mod flash_image;
+mod formats;
 #[cfg(unix)]
 mod frames_get;
 #[cfg(target_os = "linux")]

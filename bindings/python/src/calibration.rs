@@ -4,11 +4,12 @@ use crate::image::{grey, view};
 use crate::refused;
 use linestereo::{Dims, Span};
 use linestereo_calibration::PairRectifier;
-use linestereo_calibration::rig_file::RigFile;
+use linestereo_calibration::interchange::{Imported, Options, TranslationUnit, load_rig};
 use linestereo_frames::GrayImage;
 use linestereo_rig::{CameraSide, RigImage, View};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
@@ -58,14 +59,59 @@ pub(crate) struct Calibration {
     dims: Dims,
     pub(crate) usable: [Vec<Span>; 2],
     rectifier: PairRectifier,
+    notes: Vec<String>,
+}
+
+/// Files of one rig.
+#[derive(FromPyObject)]
+enum Paths {
+    One(PathBuf),
+    Each(Vec<PathBuf>),
+}
+
+/// Unit of lengths in files of OpenCV.
+#[derive(FromPyObject)]
+enum Unit {
+    Name(String),
+    SquareMm(f64),
+}
+
+impl Unit {
+    fn unit(self) -> PyResult<TranslationUnit> {
+        match self {
+            Self::Name(name) if name == "m" => Ok(TranslationUnit::Metres),
+            Self::Name(name) if name == "mm" => Ok(TranslationUnit::Millimetres),
+            Self::SquareMm(millimetres) if (0.1..=10_000.0).contains(&millimetres) => {
+                Ok(TranslationUnit::Squares { millimetres })
+            }
+            _ => Err(PyValueError::new_err("translation_unit is \"m\", \"mm\", or the side of the board's squares in mm")),
+        }
+    }
 }
 
 #[pymethods]
 impl Calibration {
     #[staticmethod]
-    #[pyo3(signature = (path, size = None, alpha = 0.0, focal_px = None))]
-    fn load(path: PathBuf, size: Option<(u16, u16)>, alpha: f64, focal_px: Option<f64>) -> PyResult<Self> {
-        let calibration = RigFile::load(&path).map_err(refused)?.calibration;
+    #[pyo3(signature = (path, size = None, alpha = 0.0, focal_px = None, raw_size = None, translation_unit = None))]
+    fn load(
+        path: Paths,
+        size: Option<(u16, u16)>,
+        alpha: f64,
+        focal_px: Option<f64>,
+        raw_size: Option<(u16, u16)>,
+        translation_unit: Option<Unit>,
+    ) -> PyResult<Self> {
+        let paths = match path {
+            Paths::One(path) => vec![path],
+            Paths::Each(paths) => paths,
+        };
+        let options = Options {
+            images: raw_size.map(|(width, height)| Dims { width, height }),
+            translation_unit: translation_unit.map(Unit::unit).transpose()?,
+            ..Options::default()
+        };
+        let Imported { rig, notes, .. } = load_rig(&paths, &options).map_err(refused)?;
+        let calibration = rig.calibration;
         let raw = calibration.camera(CameraSide::Left).dims();
         let dims = size.map_or(raw, |(width, height)| Dims { width, height });
         let range = linestereo::Params::DEFAULT;
@@ -74,7 +120,13 @@ impl Calibration {
         let image = RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
         let rectifier = PairRectifier::new(image.remap()).map_err(refused)?;
         let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
-        Ok(Self { rig: image.remap().rig().map_err(refused)?, raw, dims, usable, rectifier })
+        Ok(Self { rig: image.remap().rig().map_err(refused)?, raw, dims, usable, rectifier, notes })
+    }
+
+    /// What had to be assumed, a sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
     }
 
     /// Columns and rows of rectified images.

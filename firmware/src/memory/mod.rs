@@ -75,13 +75,27 @@ pub trait Memory {
 pub enum RunError {
     /// The core or this board has no frames of this size.
     Size(Dims),
+    /// A memory is too small for it, or its usable pixels are those of another rig.
+    NoRoom(NoRoom),
 }
 
 impl From<ViewError> for RunError {
     fn from(error: ViewError) -> Self {
         match error {
             ViewError::Dims(dims) => Self::Size(dims),
-            _ => Self::Size(Dims { width: 0, height: 0 }),
+            ViewError::TooShort { needed, given } => Self::NoRoom(NoRoom::Small { name: "frame", needed, given }),
+            _ => Self::NoRoom(NoRoom::NothingSeen),
+        }
+    }
+}
+
+impl From<linestereo::RunError> for RunError {
+    fn from(error: linestereo::RunError) -> Self {
+        match error {
+            linestereo::RunError::SizeMismatch { given, .. } => Self::Size(given),
+            linestereo::RunError::ScratchTooSmall { name, needed, given } => {
+                Self::NoRoom(NoRoom::Small { name, needed, given })
+            }
         }
     }
 }
@@ -149,7 +163,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         let [left, right] = views([&self.left, &self.right], valid, dims)?;
         let pair = Pair { left, right, times_us };
         let areas = areas.filter(|_| matcher.knows_rows());
-        matcher.run(pair, areas, self.core.view(), observer).map_err(|_| RunError::Size(dims))
+        Ok(matcher.run(pair, areas, self.core.view(), observer)?)
     }
 
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {

@@ -171,6 +171,11 @@ impl Show<'_> {
         }
         let mut events = vec![("frame", text::json(frame)?)];
         let dims = Dims { width: frame.head.width, height: frame.head.height };
+        if dims.width == 0 || dims.height == 0 {
+            // A pair that the board missed: it has nothing to be placed.
+            self.server.send("pair", &events);
+            return Ok(());
+        }
         let setup = match self.setup.take().filter(|setup| setup.dims() == dims) {
             Some(setup) => setup,
             None => self.args.input.setup_of(dims)?,
