@@ -56,7 +56,9 @@ fn folders_without_usable_pairs() {
 /// A JPEG with this EXIF orientation.
 fn with_exif(path: &Path, orientation: u8) {
     let jpeg = fs::read(path).unwrap();
-    let tiff = [b"II*\0", &8_u32.to_le_bytes()[..], &[1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0]].concat();
+    let tiff =
+        [b"II*\0", &8_u32.to_le_bytes()[..], &[1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0]]
+            .concat();
     let exif = [b"Exif\0\0", &tiff[..]].concat();
     let length = (exif.len() as u16 + 2).to_be_bytes();
     fs::write(path, [&jpeg[..2], &[0xff, 0xe1], &length, &exif, &jpeg[2..]].concat()).unwrap();
@@ -89,10 +91,16 @@ fn exif_in_some_of_the_photos_is_named() {
 fn a_pair_of_which_exif_turns_one_image_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["left.jpg", "right.jpg"] {
-        image::GrayImage::from_fn(64, 64, |x, y| image::Luma([(x * y % 251) as u8])).save(folder.path().join(name)).unwrap();
+        image::GrayImage::from_fn(64, 64, |x, y| image::Luma([(x * y % 251) as u8]))
+            .save(folder.path().join(name))
+            .unwrap();
     }
     with_exif(&folder.path().join("right.jpg"), 3);
-    refused_with(folder.path(), &["run", "left.jpg", "right.jpg"], &["EXIF turns", "right.jpg by 180 degrees", "exiftool"]);
+    refused_with(
+        folder.path(),
+        &["run", "left.jpg", "right.jpg"],
+        &["EXIF turns", "right.jpg by 180 degrees", "exiftool"],
+    );
 }
 
 #[test]

@@ -76,7 +76,9 @@ fn what_is_no_image_is_refused_by_name() {
 #[test]
 fn what_no_board_could_use_is_not_written() {
     let folder = with_rig(RIG);
-    fs::write(folder.path().join("large.toml"), RIG.replace("[640, 480]", "[2048, 1536]")).unwrap();
+    let large = RIG.replace("[640, 480]", "[2048, 1536]").replace("px = [53", "px = [173").replace(", 53", ", 173");
+    let large = large.replace("[320.25, 240.5]", "[1024.0, 768.0]").replace("[322.0, 239.0]", "[1026.0, 767.0]");
+    fs::write(folder.path().join("large.toml"), large).unwrap();
     let made = ["flash-image", "rig.toml", "rig.bin"];
     let cases: [(&[&str], &str); 9] = [
         (&[&made[..], &["--max-disparity", "400"]].concat(), "is 400, allowed are 8 to 256; correct --max-disparity"),

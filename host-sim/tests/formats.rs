@@ -162,7 +162,15 @@ fn camera_info(texts: &[String]) -> Outcome {
                 "width" => info.width = number(value) as u32,
                 "height" => info.height = number(value) as u32,
                 "binning_x" => info.binning_x = number(value) as u32,
-                "roi" => info.roi = RegionOfInterest { x_offset: number(value) as u32, y_offset: 0, width: 64, height: 48, do_rectify: true },
+                "roi" => {
+                    info.roi = RegionOfInterest {
+                        x_offset: number(value) as u32,
+                        y_offset: 0,
+                        width: 64,
+                        height: 48,
+                        do_rectify: true,
+                    }
+                }
                 "D" => info.d[0] = number(value),
                 "K" => info.k[0] = number(value),
                 _ => info.r[1] = number(value),
@@ -266,7 +274,8 @@ fn opencv() -> String {
     let projection = |along: &str| format!("400., 0., 310., {along}, 0., 400., 230., 0., 0., 0., 1., 0.");
     let quarter = |last: &str| format!("1., 0., 0., -310., 0., 1., 0., -230., 0., 0., 0., 400., 0., 0., {last}, 0.");
     [
-        "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\nsquare_size: 0.025\navg_reprojection_error: 0.2\n".to_owned(),
+        "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\nsquare_size: 0.025\navg_reprojection_error: 0.2\n"
+            .to_owned(),
         matrix("M1", 3, 3, camera),
         matrix("D1", 1, 8, lens),
         matrix("M2", 3, 3, camera),
@@ -416,10 +425,18 @@ fn formats() -> Vec<Format> {
                 ("image_width", "image_width: 640\nimage_height: 480", "image_width: 320\nimage_height: 240"),
                 ("M1", "[ 500.,", "[ 501.,"),
                 ("D1", "-0.3, 0.1", "-0.31, 0.1"),
-                ("R", "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]", "R: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0.02, 0., 0. ]"),
+                (
+                    "R",
+                    "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]",
+                    "R: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0.02, 0., 0. ]",
+                ),
                 ("T", "-2., 0., 0.", "-2.2, 0., 0."),
                 ("square_size", "square_size: 0.025", "square_size: 25"),
-                ("R1", "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]", "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0.8, 0., 0.6, 0., 1., 0., -0.6, 0., 0.8 ]"),
+                (
+                    "R1",
+                    "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]",
+                    "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0.8, 0., 0.6, 0., 1., 0., -0.6, 0., 0.8 ]",
+                ),
                 ("P1", "310., 0., 0.", "320., 0., 0."),
                 ("Q", "400., 0., 0., 0.5", "400., 0., 0., 0.6"),
                 ("E", "0.1, 0., -0.1", "0.2, 0., -0.1"),
@@ -501,7 +518,7 @@ fn options_are_used_or_refused() {
         fs::copy(folder.path().join("cards").join(name), folder.path().join("pair").join(name)).unwrap();
     }
     let call = ["run", "pair/left.png", "pair/right.png", "--json", "-", "--max-disparity", "32"];
-    let depths = |options: &[&str]| json(folder.path(), &[&call[..], options].concat())["points"].clone();
+    let depths = |options: &[&str]| json(folder.path(), &[&call[..], options].concat())["segments"].clone();
     let good = ["--focal-px", "150", "--baseline-m", "0.06"];
     let base = depths(&good);
     for options in [
@@ -513,7 +530,10 @@ fn options_are_used_or_refused() {
         assert_ne!(depths(options), base, "{options:?}");
     }
     for (options, words) in [
-        (&["--focal-px", "4", "--baseline-m", "0.06"][..], "--focal-px: a focal length of 4 px is not one of images 160 px wide"),
+        (
+            &["--focal-px", "4", "--baseline-m", "0.06"][..],
+            "--focal-px: a focal length of 4 px is not one of images 160 px wide",
+        ),
         (&["--focal-px", "150", "--baseline-m", "60"], "did you mean mm? then give 0.06"),
         (&["--focal-px", "150", "--baseline-m", "0.00006"], "none of a stereo head"),
         (&["--focal-px", "300", "--baseline-m", "0.06", "--principal-point", "159.5,119.5"], "of another size"),
@@ -539,14 +559,25 @@ fn taken(infos: [CameraInfo; 2], size: [u16; 2], words: &[&str]) {
 #[test]
 fn camera_info_is_of_the_images_that_are_sent() {
     let (full, half) = ([128, 96], [64, 48]);
-    let both = |change: fn(&mut CameraInfo)| infos(full, 100.0).map(|mut info| {
-        change(&mut info);
-        info
-    });
+    let both = |change: fn(&mut CameraInfo)| {
+        infos(full, 100.0).map(|mut info| {
+            change(&mut info);
+            info
+        })
+    };
     // Half of the size: by binning, by nothing, and by binning the wrong way.
-    taken(both(|info| (info.binning_x, info.binning_y) = (2, 2)), half, &["focal_px: 50.0", "baseline_m: 0.06", "[31.5, 23.5]"]);
+    taken(
+        both(|info| (info.binning_x, info.binning_y) = (2, 2)),
+        half,
+        &["focal_px: 50.0", "baseline_m: 0.06", "[31.5, 23.5]"],
+    );
     refused_for(&[both(|_| ())], RECTIFIED, half, &["images of 128x96, these are 64x48"]);
-    refused_for(&[both(|info| (info.binning_x, info.binning_y) = (2, 2))], RECTIFIED, full, &["binning 2x2", "images are 128x96"]);
+    refused_for(
+        &[both(|info| (info.binning_x, info.binning_y) = (2, 2))],
+        RECTIFIED,
+        full,
+        &["binning 2x2", "images are 128x96"],
+    );
     refused_for(&[both(|info| info.binning_x = 2)], RECTIFIED, [64, 96], &["pixels of rectified images are square"]);
     // A region of both, or one that differs, moves the principal points.
     let mut cut = infos(full, 100.0);
@@ -575,7 +606,12 @@ fn sides_axes_and_lengths_of_camera_info_are_checked() {
         [left, right]
     };
     let positive = right(|info| info.p[3] = 3.0);
-    refused_for(&[positive.clone()], RECTIFIED, size, &["P[3] is 0 for the left and 3 for the right", "sign is wrong", "exchanged"]);
+    refused_for(
+        &[positive.clone()],
+        RECTIFIED,
+        size,
+        &["P[3] is 0 for the left and 3 for the right", "sign is wrong", "exchanged"],
+    );
     let [left, other] = positive;
     refused_for(&[[other, left]], RECTIFIED, size, &["P[3] is 3 for the left and 0 for the right", "sign is wrong"]);
     refused_for(&[right(|info| (info.p[3], info.p[7]) = (0.0, -3.0))], RECTIFIED, size, &["above each other", "P[7]"]);
@@ -583,8 +619,18 @@ fn sides_axes_and_lengths_of_camera_info_are_checked() {
     refused_for(&[right(|info| info.p[3] = -3000.0)], RECTIFIED, size, &["60 m: did you mean mm? then give 0.06"]);
     let unlikely = infos(size, 4.0);
     refused_for(&[unlikely], RECTIFIED, size, &["focal length of 4 px"]);
-    refused_for(&[infos([128, 96], 100.0).map(|info| CameraInfo { width: 64, height: 48, ..info })], RECTIFIED, size, &["of about 128x96"]);
-    refused_for(&[infos([128, 96], 100.0).map(|info| CameraInfo { width: 0, height: 0, ..info })], RECTIFIED, size, &["of about 128x96"]);
+    refused_for(
+        &[infos([128, 96], 100.0).map(|info| CameraInfo { width: 64, height: 48, ..info })],
+        RECTIFIED,
+        size,
+        &["of about 128x96"],
+    );
+    refused_for(
+        &[infos([128, 96], 100.0).map(|info| CameraInfo { width: 0, height: 0, ..info })],
+        RECTIFIED,
+        size,
+        &["of about 128x96"],
+    );
 }
 
 #[test]

@@ -390,7 +390,7 @@ fn a_mark_with_nothing_behind_it_begins_no_document() {
         assert_is_the_example(&good(&[&format!("{KALIBR}{end}")]));
     }
     let (line, problem) = bad(&[&format!("{}---\n{}", ROS[0], ROS[0]), ROS[1]]);
-    assert_eq!((line, problem.to_string().contains("second document")), (Some(22), true));
+    assert_eq!((line, problem.to_string().contains("second document")), (Some(21), true));
 }
 
 #[test]
@@ -427,10 +427,10 @@ fn a_rational_lens_undistorts_as_opencv_does() {
     let both = |text: &str| [camera(text, "0.0"), camera(text, "-77.475")];
     let rig = good(&both(lens).each_ref().map(String::as_str)).rig;
     let left = *rig.calibration.camera(CameraSide::Left);
-    for (raw, expected) in [([0.0, 0.0], [8.55, 4.75]), ([1279.0, 360.0], [1267.15, 359.2])] {
+    for (raw, expected) in [([0.0, 0.0], [8.5538, 4.7474]), ([1279.0, 360.0], [1267.1539, 359.6652])] {
         let [x, y] = left.unproject(raw).unwrap();
         for (found, expected) in [1033.0 * x + 639.5, 1033.0 * y + 359.5].into_iter().zip(expected) {
-            assert!((found - expected).abs() < 0.01, "{raw:?}: {found}, not {expected}");
+            assert!((found - expected).abs() < 1e-4, "{raw:?}: {found}, not {expected}");
         }
     }
     for to in [Format::RigToml, Format::OpencvYaml, Format::OpencvXml, Format::Ros] {
@@ -447,9 +447,9 @@ fn a_rational_lens_undistorts_as_opencv_does() {
     let prism = lens.replace(']', ", 0.1, 0.0, 0.0, 0.0]");
     let refused = bad(&both(&prism).each_ref().map(String::as_str)).1;
     assert!(matches!(&refused, Problem::Coefficients { names } if names == "s1"), "{refused}");
-    // A pole inside of the image is no lens.
-    let pole = bad(&both("[0.0, 0.0, 0.0, 0.0, 0.0, -8.0, 0.0, 0.0]").each_ref().map(String::as_str)).1;
-    assert!(matches!(pole, Problem::Camera(CameraSide::Left, _)), "{pole}");
+    // One that folds the image over is none.
+    let folds = bad(&both("[0.0, 0.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0]").each_ref().map(String::as_str)).1;
+    assert!(matches!(folds, Problem::Camera(CameraSide::Left, _)), "{folds}");
 }
 
 #[test]
@@ -478,9 +478,10 @@ fn further_coefficients_are_zero_or_named() {
     for (count, zeros) in [(8, "0, 0, 0"), (12, "0, 0, 0, 0, 0, 0, 0"), (14, "0, 0, 0, 0, 0, 0, 0, 0., 0")] {
         let text = opencv().replace("cols: 5", &format!("cols: {count}"));
         assert_is_the_example(&good(&[&text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {zeros} ]"))]));
-        let last = text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {} ]", zeros.replacen('0', "0.25", 1)));
+        let Some((before, _)) = zeros.rsplit_once('0').filter(|_| count > 8) else { continue };
+        let last = text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {before}0.25 ]"));
         let (line, Problem::Coefficients { names }) = bad(&[&last]) else { panic!("{count} coefficients") };
-        assert_eq!((line, names.as_str()), (Some(11), "k4"));
+        assert_eq!((line, names.as_str()), (Some(11), if count == 12 { "s4" } else { "tau_y" }));
     }
     let six = opencv().replace("cols: 5", "cols: 6").replace("2.e-03, 0. ]", "2.e-03, 0., 0. ]");
     assert!(matches!(bad(&[&six]), (Some(11), Problem::Shape { .. })));

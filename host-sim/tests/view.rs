@@ -5,8 +5,8 @@ use crate::rectify::RIG;
 use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs, with_rig};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
-use linestereo_sim::report::browser::Browser;
 use linestereo::Dims;
+use linestereo_sim::report::browser::Browser;
 use linestereo_wire::{
     Answer, Command as BoardCommand, Decoder, FrameHead, Health, MAX_COMMAND, Message, ObjectRecord, Objects, Outcome,
     PairHead, Pixels, Regions, Request,

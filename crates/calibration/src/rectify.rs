@@ -172,7 +172,8 @@ pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration, Red
 /// # Errors
 /// The calibration in these files cannot be read, or is of images of another size.
 pub fn rectify_raw(files: &[RigText], dims: Dims, [left, right]: [GrayImage; 2]) -> Result<RectifiedPair, FrameError> {
-    let failed = |what: &dyn fmt::Display| FrameError::Layout(files[0].path.clone(), LayoutFault::RawRig(what.to_string()));
+    let failed =
+        |what: &dyn fmt::Display| FrameError::Layout(files[0].path.clone(), LayoutFault::RawRig(what.to_string()));
     let options = Options { images: Some(left.dims), ..Options::default() };
     let calibration = load_rig_texts(files, &options).map_err(|error| failed(&error))?.rig.calibration;
     let raw = calibration.camera(CameraSide::Left).dims();

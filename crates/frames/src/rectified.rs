@@ -82,7 +82,9 @@ pub enum Unfit {
     )]
     NotSquare(f64, f64),
     /// Focal lengths of both images.
-    #[error("the focal lengths of the left and right image are {0} and {1} px: rectified images have one; rectify them anew")]
+    #[error(
+        "the focal lengths of the left and right image are {0} and {1} px: rectified images have one; rectify them anew"
+    )]
     FocalsDiffer(f64, f64),
     /// Rows of both principal points.
     #[error(
@@ -145,7 +147,9 @@ fn text_of_baseline(metres: f64) -> String {
         let (of_mm, of_cm) = (metres / 1000.0, metres / 100.0);
         return format!("a baseline of {metres} m: did you mean mm? then give {of_mm}, for cm {of_cm}");
     }
-    format!("a baseline of {metres} m is none of a stereo head; give the distance between the cameras in metres, such as 0.075")
+    format!(
+        "a baseline of {metres} m is none of a stereo head; give the distance between the cameras in metres, such as 0.075"
+    )
 }
 
 /// Refuses a distance between the cameras that is in other units than metres.
@@ -216,7 +220,8 @@ impl RectifiedRig {
         }
         let centre_px = [left[2], left[6]];
         // A camera at c has P = f (I, -c): in the last column -f c_x + c_x' * -c_z and so on.
-        let place = |p: &[f64; 12]| [(p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]].map(|value| -value);
+        let place =
+            |p: &[f64; 12]| [(p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]].map(|value| -value);
         let (from, to) = (place(left), place(right));
         let [across, down, forward] = [0, 1, 2].map(|axis| to[axis] - from[axis]);
         if [across, down, forward].iter().all(|value| value.abs() < 1e-9) {
@@ -281,7 +286,8 @@ impl SentWindow {
     #[must_use]
     pub fn is_full(&self) -> bool {
         let [x, y, width, height] = self.roi;
-        let is_whole = x == 0 && y == 0 && (width == 0 || width == self.full[0]) && (height == 0 || height == self.full[1]);
+        let is_whole =
+            x == 0 && y == 0 && (width == 0 || width == self.full[0]) && (height == 0 || height == self.full[1]);
         is_whole && self.binning.iter().all(|&bin| bin <= 1)
     }
 

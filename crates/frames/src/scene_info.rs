@@ -17,7 +17,7 @@
 //! is refused, but for those of notes. Images of another size than `size` are refused.
 
 use super::error::FrameError;
-use crate::rectified::{RectifiedRig, Unfit, check_baseline};
+use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};
 use crate::untrusted::{self, SETTINGS_BYTES};
 use linestereo::{Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
@@ -119,6 +119,9 @@ impl SceneInfo {
         let info: Self = serde_json::from_value(value).map_err(|error| error.to_string())?;
         if let Some(rectified) = &info.rectified {
             check_baseline(rectified.baseline_m).map_err(|unfit| unfit.to_string())?;
+            if let (Some(centre), Some(size)) = (rectified.principal_point_px, info.size) {
+                check_centre_of(centre, size).map_err(|unfit| unfit.to_string())?;
+            }
             let (zero, offset) = (info.disparity_zero_px, rectified.disparity_offset_px);
             if let Some(offset) = offset.filter(|offset| zero != 0.0 && (offset + zero).abs() > SAME_OFFSET_PX) {
                 return Err(format!(
@@ -135,7 +138,7 @@ impl SceneInfo {
     /// What does not fit.
     pub fn check_images(&self, images: Dims) -> Result<(), Unfit> {
         match (self.rectified_rig(), self.size) {
-            (Some(rig), _) => rig.checked()?.check_images(images),
+            (Some(rig), _) => rig.check_images(images),
             (None, Some(of)) if of != images => Err(Unfit::Size { of, images }),
             (None, _) => Ok(()),
         }
@@ -219,9 +222,9 @@ fn size<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Dims>, D::Error> {
     let sides = match Option::<Size>::deserialize(value).map_err(|_| wrong_size())? {
         None => return Ok(None),
         Some(Size::Sides(sides)) => Some(sides),
-        Some(Size::Text(text)) => {
-            text.split_once('x').and_then(|(width, height)| Some([width.trim().parse().ok()?, height.trim().parse().ok()?]))
-        }
+        Some(Size::Text(text)) => text
+            .split_once('x')
+            .and_then(|(width, height)| Some([width.trim().parse().ok()?, height.trim().parse().ok()?])),
     };
     let [width, height] = sides.ok_or_else(wrong_size)?;
     Ok(Some(Dims { width, height }))

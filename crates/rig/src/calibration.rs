@@ -54,7 +54,9 @@ pub enum CalibrationError {
     #[error("a baseline of {0} m is outside 0.0001 to 10: lengths are in metres, not in millimetres")]
     Baseline(f64),
     /// The right camera lies to the left of the left one.
-    #[error("the right camera lies to the left of the left one: exchange their images, or correct the translation's sign")]
+    #[error(
+        "the right camera lies to the left of the left one: exchange their images, or correct the translation's sign"
+    )]
     Swapped,
     /// The cameras lie above each other, or one behind the other, more than side by side.
     #[error("the cameras do not lie side by side")]

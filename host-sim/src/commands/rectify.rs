@@ -6,9 +6,7 @@ use crate::draw;
 use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::{
-    Dataset, GrayImage, PairFiles, RigText, StoredPair, check_same_size, load_gray, load_images,
-};
+use linestereo_frames::{Dataset, GrayImage, PairFiles, RigText, StoredPair, check_same_size, load_gray, load_images};
 use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 

@@ -15,8 +15,8 @@ use super::node::{Matrix, Node};
 use super::opencv::projections;
 use super::pose;
 use linestereo::Dims;
-use linestereo_frames::{SentWindow, Unfit};
 use linestereo_frames::rectified::check_centre_of;
+use linestereo_frames::{SentWindow, Unfit};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, View};
 use nalgebra::Matrix3;
 

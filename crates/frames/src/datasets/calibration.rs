@@ -39,16 +39,21 @@ pub(crate) fn middlebury(path: &Path) -> Result<MiddleburyCalibration, FrameErro
     let fault = |what| FrameError::Layout(path.to_path_buf(), LayoutFault::Calibration(what));
     let number = |name: &'static str| value(name).and_then(finite).ok_or_else(|| fault(name));
     let camera = |name: &'static str| value(name).and_then(matrix).ok_or_else(|| fault(name));
-    let (left, right) = (camera("cam0")?, camera("cam1")?);
+    let left = camera("cam0")?;
     let (baseline_mm, doffs) = (number("baseline")?, number("doffs")?);
+    let right = camera("cam1")?;
     if (right[2] - left[2] - doffs).abs() > SAME_OFFSET_PX {
         return Err(fault("doffs is not the difference of the principal points of cam1 and cam0: one of them"));
     }
-    let side = |name| value(name).and_then(finite).filter(|side| (1.0..=65535.0).contains(side)).map(|side| side as u16);
+    let side =
+        |name| value(name).and_then(finite).filter(|side| (1.0..=65535.0).contains(side)).map(|side| side as u16);
     let size = side("width").zip(side("height")).map(|(width, height)| Dims { width, height });
-    let projection = |[fx, skew, cx, below, fy, cy, a, b, c]: [f64; 9], along| [fx, skew, cx, along, below, fy, cy, 0.0, a, b, c, 0.0];
+    let projection = |[fx, skew, cx, below, fy, cy, a, b, c]: [f64; 9], along| {
+        [fx, skew, cx, along, below, fy, cy, 0.0, a, b, c, 0.0]
+    };
     let right = projection(right, -left[0] * baseline_mm / 1000.0);
-    let rig = RectifiedRig::of_projections([&projection(left, 0.0), &right], size).map_err(|unfit| self::unfit(path, unfit))?;
+    let rig = RectifiedRig::of_projections([&projection(left, 0.0), &right], size)
+        .map_err(|unfit| self::unfit(path, unfit))?;
     let range = value("ndisp").and_then(finite);
     Ok(MiddleburyCalibration {
         rig,
@@ -79,7 +84,9 @@ pub(crate) fn kitti(path: &Path, cameras: [u8; 2]) -> Result<RectifiedRig, Frame
     let left = projection(cameras[0]).ok_or_else(|| fault("the left camera's projection (P0, P2 or P_rect_02)"))?;
     let right = projection(cameras[1]).ok_or_else(|| fault("the right camera's projection (P1, P3 or P_rect_03)"))?;
     let size = match values(&[format!("S_rect_0{}", cameras[0])]).as_deref() {
-        Some(&[width, height]) if width >= 1.0 && height >= 1.0 => Some(Dims { width: width as u16, height: height as u16 }),
+        Some(&[width, height]) if width >= 1.0 && height >= 1.0 => {
+            Some(Dims { width: width as u16, height: height as u16 })
+        }
         _ => None,
     };
     RectifiedRig::of_projections([&left, &right], size).map_err(|unfit| self::unfit(path, unfit))

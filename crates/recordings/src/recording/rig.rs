@@ -30,7 +30,9 @@ pub(super) fn of(
     let changes = if left_changes || right_changes { ", the first of several that differ" } else { "" };
     let named = topics.map(is_rectified);
     if named[0] != named[1] {
-        return Err(RecordingFault::Calibration("one of the topics is rectified by its name, the other one is not".to_owned()));
+        return Err(RecordingFault::Calibration(
+            "one of the topics is rectified by its name, the other one is not".to_owned(),
+        ));
     }
     let is_rectified = named == [true; 2] || [&left, &right].into_iter().all(is_ideal);
     if [&left, &right].into_iter().any(|info| if is_rectified { info.p[0] == 0.0 } else { info.k[0] == 0.0 }) {
@@ -52,7 +54,11 @@ pub(super) fn of(
 
 /// Size of the full image: that of the images where nobody set it.
 fn full_size(info: &CameraInfo, images: Dims) -> [u32; 2] {
-    if info.width > 0 && info.height > 0 { [info.width, info.height] } else { [images.width, images.height].map(u32::from) }
+    if info.width > 0 && info.height > 0 {
+        [info.width, info.height]
+    } else {
+        [images.width, images.height].map(u32::from)
+    }
 }
 
 /// The calibration of images of this size, which are the part of the full image that it says is sent.
@@ -66,11 +72,8 @@ fn as_sent(info: &CameraInfo, images: Dims) -> Result<CameraInfo, Unfit> {
     if info.p[0] > 0.0 || info.k[0] > 0.0 {
         check_centre_of(centre, Dims { width: full_width, height: full_height })?;
     }
-    let window = SentWindow {
-        full,
-        binning: [info.binning_x, info.binning_y],
-        roi: [x_offset, y_offset, width, height],
-    };
+    let window =
+        SentWindow { full, binning: [info.binning_x, info.binning_y], roi: [x_offset, y_offset, width, height] };
     window.check_images(images)?;
     let mut sent = info.clone();
     window.apply(&mut sent.k, 3);
