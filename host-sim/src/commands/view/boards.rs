@@ -192,7 +192,13 @@ impl Show<'_> {
     /// is left out, with a note.
     fn photo(&mut self, [left, _]: &[GrayImage; 2]) -> Result<()> {
         if self.rectifier.is_none() {
-            self.rectifier = self.args.input.rectifier_of(left.dims)?;
+            match self.args.input.rectifier_of(left.dims) {
+                Ok(rectifier) => self.rectifier = rectifier,
+                Err(error) => {
+                    self.note(&format!("a photograph is left out: {error:#}"));
+                    return Ok(());
+                }
+            }
         }
         let shown = match &mut self.rectifier {
             Some(rectifier) => rectifier.image(CameraSide::Left, left),
