@@ -1,20 +1,17 @@
 //! `docs/formats.md`, number by number: each is changed in an example, and what follows is what its table says.
 
+use crate::calibration_gate::{RECTIFIED, infos, recorded};
 use crate::support::{json, refused, with_scene};
 use core::fmt::Debug;
 use linestereo::Dims;
 use linestereo_calibration::interchange::{Options, load_rig};
 use linestereo_frames::{Dataset, StoredPair};
-use linestereo_recordings::mcap::Writer;
-use linestereo_recordings::ros::cdr;
-use linestereo_recordings::ros::messages::{CameraInfo, RegionOfInterest};
-use linestereo_recordings::ros::sent::{self, Projection, Stamp};
-use linestereo_recordings::{Choice, Footage};
+use linestereo_recordings::ros::messages::RegionOfInterest;
 use std::fs;
 use std::path::Path;
 
 /// What follows from files: what is used of them, and what is said; or why they are refused.
-type Outcome = Result<(String, String), String>;
+pub(crate) type Outcome = Result<(String, String), String>;
 
 /// Of every table of the page its heading and rows.
 fn tables() -> Vec<(String, Vec<[String; 2]>)> {
@@ -77,12 +74,12 @@ fn picture(path: &Path, [width, height]: [u32; 2]) {
     image::GrayImage::from_fn(width, height, |x, y| image::Luma([(x * y % 251) as u8])).save(path).unwrap();
 }
 
-fn debug(value: &impl Debug) -> String {
+pub(crate) fn debug(value: &impl Debug) -> String {
     format!("{value:?}")
 }
 
 /// What is known of a rectified pair, once it is of images of this size.
-fn known(pair: &StoredPair, images: [u16; 2]) -> Outcome {
+pub(crate) fn known(pair: &StoredPair, images: [u16; 2]) -> Outcome {
     let (_, info) = pair.info().map_err(|error| error.to_string())?.ok_or("nothing is known")?;
     let [width, height] = images;
     info.check_images(Dims { width, height }).map_err(|unfit| unfit.to_string())?;
@@ -112,41 +109,6 @@ fn kitti(texts: &[String]) -> Outcome {
 
 fn middlebury(texts: &[String]) -> Outcome {
     folder(texts, "calib.txt", ["im0.png", "im1.png"], [740, 500])
-}
-
-/// A recording with these messages of the left and the right camera, and images of this size.
-pub(crate) fn recorded(infos: &[[CameraInfo; 2]], topics: [&str; 2], size: [u16; 2]) -> Outcome {
-    let folder = tempfile::tempdir().unwrap();
-    let mut file = Writer::new(Vec::new(), "test").unwrap();
-    let pixels: Vec<u8> = (0..u32::from(size[0]) * u32::from(size[1])).map(|at| (at % 251) as u8).collect();
-    for (eye, topic) in topics.into_iter().enumerate() {
-        let images = file.channel(topic, "sensor_msgs/msg/Image", "").unwrap();
-        let space = topic.rsplit_once('/').unwrap().0;
-        let channel = file.channel(&format!("{space}/camera_info"), "sensor_msgs/msg/CameraInfo", "").unwrap();
-        for (ns, info) in (1..).zip(infos) {
-            let stamp = Stamp { ns: ns * 1_000_000_000, frame_id: "left" };
-            file.message(images, stamp.ns, &cdr::write(&sent::image(stamp, size, &pixels)).unwrap()).unwrap();
-            file.message(channel, stamp.ns, &cdr::write(&info[eye]).unwrap()).unwrap();
-        }
-    }
-    let path = folder.path().join("in.mcap");
-    fs::write(&path, file.finish().unwrap()).unwrap();
-    let found = Footage::recorded(&path, &Choice::default()).map_err(|error| error.to_string())?;
-    let pair = &found.pairs[0];
-    match pair.raw_rig() {
-        Some(rig) => Ok((debug(&rig), String::new())),
-        None => known(pair, size),
-    }
-    .map(|(used, said)| (used.replace(&folder.path().display().to_string(), ""), said))
-}
-
-pub(crate) const RECTIFIED: [&str; 2] = ["/stereo/left/image_rect", "/stereo/right/image_rect"];
-
-/// Of cameras 60 mm apart.
-pub(crate) fn infos(size: [u16; 2], focal_px: f64) -> [CameraInfo; 2] {
-    let centre = size.map(|side| (f64::from(side) - 1.0) / 2.0);
-    let rig = Projection { focal_px, baseline_m: 0.06, centres: [centre; 2] };
-    [false, true].map(|is_right| sent::camera_info(Stamp { ns: 1, frame_id: "left" }, size, &rig, is_right))
 }
 
 /// `name value` a line, of the right camera; `P[3]` is one of the matrix.
@@ -540,115 +502,5 @@ fn options_are_used_or_refused() {
     ] {
         let error = refused(folder.path(), &[&call[..], options].concat());
         assert!(error.contains(words), "{options:?}: {error}");
-    }
-}
-
-/// What is known of the pair, or the words of the refusal.
-#[track_caller]
-fn refused_for(infos: &[[CameraInfo; 2]], topics: [&str; 2], size: [u16; 2], words: &[&str]) {
-    let error = recorded(infos, topics, size).expect_err("this is no rig");
-    assert!(words.iter().all(|word| error.contains(word)), "{words:?}: {error}");
-}
-
-#[track_caller]
-fn taken(infos: [CameraInfo; 2], size: [u16; 2], words: &[&str]) {
-    let (used, _) = recorded(&[infos], RECTIFIED, size).unwrap_or_else(|error| panic!("{error}"));
-    assert!(words.iter().all(|word| used.contains(word)), "{words:?}: {used}");
-}
-
-#[test]
-fn camera_info_is_of_the_images_that_are_sent() {
-    let (full, half) = ([128, 96], [64, 48]);
-    let both = |change: fn(&mut CameraInfo)| {
-        infos(full, 100.0).map(|mut info| {
-            change(&mut info);
-            info
-        })
-    };
-    // Half of the size: by binning, by nothing, and by binning the wrong way.
-    taken(
-        both(|info| (info.binning_x, info.binning_y) = (2, 2)),
-        half,
-        &["focal_px: 50.0", "baseline_m: 0.06", "[31.5, 23.5]"],
-    );
-    refused_for(&[both(|_| ())], RECTIFIED, half, &["images of 128x96, these are 64x48"]);
-    refused_for(
-        &[both(|info| (info.binning_x, info.binning_y) = (2, 2))],
-        RECTIFIED,
-        full,
-        &["binning 2x2", "images are 128x96"],
-    );
-    refused_for(&[both(|info| info.binning_x = 2)], RECTIFIED, [64, 96], &["pixels of rectified images are square"]);
-    // A region of both, or one that differs, moves the principal points.
-    let mut cut = infos(full, 100.0);
-    for (info, x_offset) in cut.iter_mut().zip([20, 4]) {
-        info.roi = RegionOfInterest { x_offset, y_offset: 10, height: 48, width: 64, do_rectify: true };
-    }
-    taken(cut.clone(), half, &["focal_px: 100.0", "disparity_offset_px: Some(16.0)", "[43.5, 37.5]"]);
-    cut[1].roi.y_offset = 20;
-    refused_for(&[cut.clone()], RECTIFIED, half, &["lie in the rows", "y_offset"]);
-    cut[1].roi.x_offset = 100;
-    refused_for(&[cut], RECTIFIED, half, &["roi"]);
-    // Raw images alike.
-    let topics = ["/stereo/left/image_raw", "/stereo/right/image_raw"];
-    let mut raw = both(|info| info.d[0] = -0.1);
-    refused_for(&[raw.clone()], topics, half, &["images of 128x96, these are 64x48"]);
-    raw.iter_mut().for_each(|info| (info.binning_x, info.binning_y) = (2, 2));
-    assert!(recorded(&[raw], topics, half).is_ok_and(|(used, _)| used.contains("binning_x: 2")));
-}
-
-#[test]
-fn sides_axes_and_lengths_of_camera_info_are_checked() {
-    let size = [64, 48];
-    let right = |change: fn(&mut CameraInfo)| {
-        let [left, mut right] = infos(size, 50.0);
-        change(&mut right);
-        [left, right]
-    };
-    let positive = right(|info| info.p[3] = 3.0);
-    refused_for(
-        &[positive.clone()],
-        RECTIFIED,
-        size,
-        &["P[3] is 0 for the left and 3 for the right", "sign is wrong", "exchanged"],
-    );
-    let [left, other] = positive;
-    refused_for(&[[other, left]], RECTIFIED, size, &["P[3] is 3 for the left and 0 for the right", "sign is wrong"]);
-    refused_for(&[right(|info| (info.p[3], info.p[7]) = (0.0, -3.0))], RECTIFIED, size, &["above each other", "P[7]"]);
-    refused_for(&[right(|info| info.p[7] = -3.0)], RECTIFIED, size, &["aslant"]);
-    refused_for(&[right(|info| info.p[3] = -3000.0)], RECTIFIED, size, &["60 m: did you mean mm? then give 0.06"]);
-    let unlikely = infos(size, 4.0);
-    refused_for(&[unlikely], RECTIFIED, size, &["focal length of 4 px"]);
-    refused_for(
-        &[infos([128, 96], 100.0).map(|info| CameraInfo { width: 64, height: 48, ..info })],
-        RECTIFIED,
-        size,
-        &["of about 128x96"],
-    );
-    refused_for(
-        &[infos([128, 96], 100.0).map(|info| CameraInfo { width: 0, height: 0, ..info })],
-        RECTIFIED,
-        size,
-        &["of about 128x96"],
-    );
-}
-
-#[test]
-fn the_first_message_that_says_anything_counts() {
-    let good = infos([64, 48], 50.0);
-    let blank = good.clone().map(|info| CameraInfo { k: [0.0; 9], p: [0.0; 12], ..info });
-    let late = recorded(&[blank.clone(), good.clone(), blank.clone()], RECTIFIED, [64, 48]);
-    assert_eq!(late, recorded(&[good], RECTIFIED, [64, 48]));
-    assert_eq!(recorded(&[blank], RECTIFIED, [64, 48]), Err("nothing is known".to_owned()));
-}
-
-#[test]
-fn a_word_within_another_rectifies_nothing() {
-    let mut both = infos([64, 48], 50.0);
-    both[1].k[2] = 27.5; // of the raw image; P says 31.5
-    for space in ["direct_drive", "robot", "correct"] {
-        let topics = ["left", "right"].map(|side| format!("/{space}/{side}/image_raw"));
-        let (used, _) = recorded(&[both.clone()], topics.each_ref().map(String::as_str), [64, 48]).unwrap();
-        assert!(used.contains("27.5"), "raw: {used}");
     }
 }

@@ -23,17 +23,17 @@ fn files(texts: &[&str]) -> (TempDir, Vec<PathBuf>) {
     (folder, paths)
 }
 
-fn read(texts: &[&str], options: &Options) -> Result<Imported, InterchangeError> {
+pub(crate) fn read(texts: &[&str], options: &Options) -> Result<Imported, InterchangeError> {
     let (_folder, paths) = files(texts);
     load_rig(&paths, options)
 }
 
-fn good(texts: &[&str]) -> Imported {
+pub(crate) fn good(texts: &[&str]) -> Imported {
     read(texts, &Options::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Line and problem.
-fn bad(texts: &[&str]) -> (Option<usize>, Problem) {
+pub(crate) fn bad(texts: &[&str]) -> (Option<usize>, Problem) {
     let error = read(texts, &Options::default()).expect_err("the file is wrong");
     assert!(!error.to_string().contains('\n'), "{error}");
     (error.line, error.problem)
@@ -50,7 +50,7 @@ fn seen_from_right(calibration: &Calibration, point: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| point[i] + w * twice[i] + further[i] + t[i])
 }
 
-fn assert_is_the_example(found: &Imported) {
+pub(crate) fn assert_is_the_example(found: &Imported) {
     let calibration = &found.rig.calibration;
     for (point, expected) in
         [([0.0, 0.0, 1.0], [0.52, 0.0, 0.86]), ([0.1, 0.0, 0.0], [0.0; 3]), ([0.0, 0.5, 0.0], [-0.08, 0.5, 0.06])]
@@ -72,22 +72,22 @@ fn opencv_matrix(name: &str, rows: usize, cols: usize, data: &str) -> String {
 }
 
 /// The example's cameras under these names.
-fn opencv_cameras([m1, d1, m2, d2]: [&str; 4]) -> String {
+pub(crate) fn opencv_cameras([m1, d1, m2, d2]: [&str; 4]) -> String {
     opencv_matrix(m1, 3, 3, "500., 0., 320., 0.,\n       501., 240., 0., 0., 1.")
         + &opencv_matrix(d1, 1, 5, "-3.0e-01, .1, 1e-3, 2.e-03, 0.")
         + &opencv_matrix(m2, 3, 3, "510., 0., 322., 0., 511., 242., 0., 0., 1.")
         + &opencv_matrix(d2, 4, 1, "-0.2, 0.05, 0.003, 0.004")
 }
 
-fn opencv_pose(millimetres: bool) -> String {
+pub(crate) fn opencv_pose(millimetres: bool) -> String {
     opencv_matrix("R", 3, 3, "0.8, 0., 0.6, 0., 1., 0., -0.6, 0., 0.8")
         + &opencv_matrix("T", 3, 1, if millimetres { "-80., 0., 60." } else { "-0.08, 0., 0.06" })
 }
 
-const IMAGE_SIZE: &str = "image_width: 640\nimage_height: 480\n";
-const USUAL: [&str; 4] = ["M1", "D1", "M2", "D2"];
+pub(crate) const IMAGE_SIZE: &str = "image_width: 640\nimage_height: 480\n";
+pub(crate) const USUAL: [&str; 4] = ["M1", "D1", "M2", "D2"];
 
-fn opencv() -> String {
+pub(crate) fn opencv() -> String {
     format!("%YAML:1.0\n---\n{IMAGE_SIZE}{}{}", opencv_cameras(USUAL), opencv_pose(false))
 }
 
@@ -101,7 +101,7 @@ fn opencv_xml() -> &'static str {
      <T>-0.08 0. 0.06</T>\n</opencv_storage>\n"
 }
 
-const KALIBR: &str = "\
+pub(crate) const KALIBR: &str = "\
 cam0:
   cam_overlaps: [1]
   camera_model: pinhole
@@ -126,7 +126,7 @@ cam1:
 ";
 
 /// The body's axes: x is the left camera's -y, y its x, z its z; the left camera stands at (1, 2, 3) in it.
-const EUROC: [&str; 2] = [
+pub(crate) const EUROC: [&str; 2] = [
     "%YAML:1.0
 sensor_type: camera
 
@@ -163,7 +163,7 @@ distortion_coefficients: [-0.2, 0.05, 0.003, 0.004]
 ];
 
 /// The baseline runs along the left camera's x axis: its rectification is none, the right camera's turns it back.
-const ROS: [&str; 2] = [
+pub(crate) const ROS: [&str; 2] = [
     "image_width: 640
 image_height: 480
 camera_name: left
@@ -344,46 +344,6 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
 }
 
 #[test]
-fn images_at_hand_say_the_size_that_nothing_else_does() {
-    let without = format!("{}{}", opencv_cameras(USUAL), opencv_pose(false));
-    let of = |width, height| Options { images: Some(Dims { width, height }), ..Options::default() };
-    assert_is_the_example(&read(&[&without], &of(640, 480)).unwrap());
-    // The principal point is the middle of other images.
-    for (width, height) in [(320, 240), (1280, 960), (480, 360), (960, 720)] {
-        let error = read(&[&without], &of(width, height)).unwrap_err().to_string();
-        assert!(error.contains("images of about 641x481") && !error.contains("--size"), "{error}");
-    }
-    // Where the file says it, the images are compared elsewhere.
-    assert_is_the_example(&read(&[&opencv()], &of(320, 240)).unwrap());
-    let error = read(&[&without], &Options::default()).unwrap_err().to_string();
-    assert!(error.contains("convert-rig FILES --size 641x481"), "{error}");
-}
-
-#[test]
-fn numbers_that_are_none_of_a_stereo_head_are_refused() {
-    let long = KALIBR.replace("-0.08]", "-80.0]").replace("0.06]", "60.0]");
-    assert!(matches!(bad(&[&long]), (Some(_), Problem::Pair(_))));
-    let sensors = [EUROC[0], &EUROC[1].replace("2.1,", "62.0,")];
-    assert!(matches!(bad(&sensors), (Some(_), Problem::Pair(_))));
-    let infos = [ROS[0], &ROS[1].replace("-40.0", "-40000.0")];
-    assert!(matches!(bad(&infos), (Some(_), Problem::Pair(_))));
-    // A focal length in mm; of larger images; of another unit down than across.
-    let of = |text: &str| KALIBR.replace("[500.0, 501.0, 320.0, 240.0]", text);
-    assert!(matches!(bad(&[&of("[4.0, 4.0, 320.0, 240.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
-    assert!(matches!(bad(&[&of("[1000.0, 1002.0, 640.0, 480.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
-    assert!(matches!(bad(&[&of("[500.0, 501.0, 0.0, 0.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
-    assert!(matches!(bad(&[&of("[500.0, 50.0, 320.0, 240.0]")]), (_, Problem::PixelShape(CameraSide::Left, ..))));
-}
-
-#[test]
-fn a_wrong_sign_of_the_projection_is_named() {
-    let error = read(&[ROS[0], &ROS[1].replace("-40.0", "40.0")], &Options::default()).unwrap_err().to_string();
-    assert!(error.contains("P[3]") && error.contains("sign is wrong") && error.contains("exchanged"), "{error}");
-    let exchanged = read(&[&ROS[1].replace("-40.0", "40.0"), ROS[0]], &Options::default()).unwrap_err().to_string();
-    assert!(exchanged.contains("P[3]") && exchanged.contains("sign is wrong"), "{exchanged}");
-}
-
-#[test]
 fn a_mark_with_nothing_behind_it_begins_no_document() {
     for end in ["---\n", "---", "---\n\n", "---\n# nothing\n", "...\n"] {
         assert_is_the_example(&good(&[&format!("{}{end}", ROS[0]), &format!("{}{end}", ROS[1])]));
@@ -391,65 +351,6 @@ fn a_mark_with_nothing_behind_it_begins_no_document() {
     }
     let (line, problem) = bad(&[&format!("{}---\n{}", ROS[0], ROS[0]), ROS[1]]);
     assert_eq!((line, problem.to_string().contains("second document")), (Some(21), true));
-}
-
-#[test]
-fn messages_are_of_the_images_that_are_sent() {
-    let of = |binning: &str, roi: &str| {
-        let with = |text: &str| format!("{text}binning_x: {binning}\nbinning_y: {binning}\nroi: {{{roi}}}\n");
-        good(&[&with(ROS[0]), &with(ROS[1])]).rig.calibration
-    };
-    let all = "x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false";
-    assert_eq!(*of("1", all).camera(CameraSide::Left), *good(&ROS).rig.calibration.camera(CameraSide::Left));
-    let binned = of("2", all);
-    let left = binned.camera(CameraSide::Left);
-    assert_eq!((left.dims(), left.focal()), (Dims { width: 320, height: 240 }, [250.0, 250.5]));
-    assert_eq!(left.centre(), [159.75, 119.75]);
-    let cut = of("0", "x_offset: 100, y_offset: 40, height: 400, width: 500, do_rectify: true");
-    let left = cut.camera(CameraSide::Left);
-    assert_eq!((left.dims(), left.centre()), (Dims { width: 500, height: 400 }, [220.0, 200.0]));
-    assert_eq!((left.focal(), cut.translation()), ([500.0, 501.0], binned.translation()));
-    let outside = format!("{}roi: {{x_offset: 200, y_offset: 0, height: 480, width: 500}}\n", ROS[0]);
-    assert!(matches!(bad(&[&outside, ROS[1]]), (Some(_), Problem::Window(_))));
-}
-
-/// OAK: the numbers of a raw recording, and positions by OpenCV.
-#[test]
-fn a_rational_lens_undistorts_as_opencv_does() {
-    let lens = "[1.2616, -57.753, 8.7e-4, 1.33e-3, 282.645, 1.107, -56.354, 277.476]";
-    let camera = |text: &str, along: &str| {
-        format!(
-            "width: 1280\nheight: 720\ndistortion_model: rational_polynomial\nd: {text}\n\
-             k: [1033.0, 0.0, 639.5, 0.0, 1033.0, 359.5, 0.0, 0.0, 1.0]\nr: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n\
-             p: [1033.0, 0.0, 639.5, {along}, 0.0, 1033.0, 359.5, 0.0, 0.0, 0.0, 1.0, 0.0]\n"
-        )
-    };
-    let both = |text: &str| [camera(text, "0.0"), camera(text, "-77.475")];
-    let rig = good(&both(lens).each_ref().map(String::as_str)).rig;
-    let left = *rig.calibration.camera(CameraSide::Left);
-    for (raw, expected) in [([0.0, 0.0], [8.5538, 4.7474]), ([1279.0, 360.0], [1267.1539, 359.6652])] {
-        let [x, y] = left.unproject(raw).unwrap();
-        for (found, expected) in [1033.0 * x + 639.5, 1033.0 * y + 359.5].into_iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-4, "{raw:?}: {found}, not {expected}");
-        }
-    }
-    for to in [Format::RigToml, Format::OpencvYaml, Format::OpencvXml, Format::Ros] {
-        let texts = export(&rig, to).unwrap().texts;
-        let again = good(&texts.iter().map(String::as_str).collect::<Vec<_>>());
-        assert_eq!(*again.rig.calibration.camera(CameraSide::Left), left, "{to}");
-    }
-    for to in [Format::Kalibr, Format::Euroc] {
-        assert!(matches!(export(&rig, to), Err(Problem::NotRepresentable { .. })), "{to}");
-    }
-    // Twelve and fourteen coefficients too, where the further ones are zero.
-    let longer = lens.replace(']', ", 0.0, 0.0, 0.0, 0.0]");
-    assert_eq!(good(&both(&longer).each_ref().map(String::as_str)).rig.calibration, rig.calibration);
-    let prism = lens.replace(']', ", 0.1, 0.0, 0.0, 0.0]");
-    let refused = bad(&both(&prism).each_ref().map(String::as_str)).1;
-    assert!(matches!(&refused, Problem::Coefficients { names } if names == "s1"), "{refused}");
-    // One that folds the image over is none.
-    let folds = bad(&both("[0.0, 0.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0]").each_ref().map(String::as_str)).1;
-    assert!(matches!(folds, Problem::Camera(CameraSide::Left, _)), "{folds}");
 }
 
 #[test]

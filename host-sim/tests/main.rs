@@ -5,6 +5,7 @@
 mod bench_board;
 mod calibrate;
 mod calibration;
+mod calibration_gate;
 mod command_line;
 mod documented;
 mod explain;

@@ -88,8 +88,7 @@ impl Lens {
         for i in 1..=STEPS {
             let r = f64::from(i) * step;
             let distorted = r * self.radial(r * r);
-            // Not "distorted <= last": behind a pole of the rational model it may be no number.
-            if !(distorted > last) {
+            if distorted <= last || distorted.is_nan() {
                 return f64::from(i - 1) * step;
             }
             last = distorted;
