@@ -2,7 +2,7 @@
 
 use crate::formats::{Outcome, debug, known};
 use crate::interchange::{
-    EUROC, IMAGE_SIZE, KALIBR, ROS, USUAL, assert_is_the_example, bad, good, opencv, opencv_cameras, opencv_pose, read,
+    EUROC, KALIBR, ROS, USUAL, assert_is_the_example, bad, good, opencv, opencv_cameras, opencv_pose, read,
 };
 use linestereo::Dims;
 use linestereo_calibration::interchange::{Format, Options, Problem, export};

@@ -84,7 +84,7 @@ pub(crate) fn opencv_pose(millimetres: bool) -> String {
         + &opencv_matrix("T", 3, 1, if millimetres { "-80., 0., 60." } else { "-0.08, 0., 0.06" })
 }
 
-pub(crate) const IMAGE_SIZE: &str = "image_width: 640\nimage_height: 480\n";
+const IMAGE_SIZE: &str = "image_width: 640\nimage_height: 480\n";
 pub(crate) const USUAL: [&str; 4] = ["M1", "D1", "M2", "D2"];
 
 pub(crate) fn opencv() -> String {

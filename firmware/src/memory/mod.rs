@@ -225,3 +225,24 @@ fn views<'a>(frames: [&'a [u8]; 2], valid: [&'a [Span]; 2], dims: Dims) -> Resul
 fn valid<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
     rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.valid() } else { &[] })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::refusal;
+    use linestereo_wire::{Refusal, RigFault};
+
+    #[test]
+    fn every_error_is_refused_in_its_own_words() {
+        let of_core = |error: linestereo::RunError| refusal(error.into()).to_string();
+        let small = linestereo::RunError::ScratchTooSmall { name: "ROW", needed: 9, given: 4 };
+        assert_eq!(of_core(small), "ROW of the board's memory holds 4, these images need 9");
+        let [planned, given] = [320, 8].map(|width| Dims { width, height: 240 });
+        assert!(of_core(linestereo::RunError::SizeMismatch { planned, given }).starts_with("width is 8"));
+        let of_view = |error: ViewError| refusal(error.into());
+        let short = of_view(ViewError::TooShort { needed: 9, given: 4 }).to_string();
+        assert_eq!(short, "frame of the board's memory holds 4, these images need 9");
+        assert_eq!(of_view(ViewError::Spans { rows: 9, given: 4 }), Refusal::Rig(RigFault::View));
+        assert!(of_view(ViewError::Dims(given)).to_string().starts_with("width is 8"));
+    }
+}
