@@ -41,7 +41,7 @@ pub struct Matcher {
 }
 
 impl Params {
-    /// [`Params::plan`], with default limits of health.
+    /// [`Params::plan`], with default limits of health for its rig.
     pub fn matcher(self, dims: Dims) -> Result<Matcher, ParamError> {
         self.plan(dims).map(Matcher::new)
     }
@@ -51,7 +51,8 @@ impl Matcher {
     /// A matcher before the first pair.
     #[must_use]
     pub const fn new(plan: Plan) -> Self {
-        Self { limits: HealthLimits::DEFAULT, plan, monitor: HealthMonitor::new(), row_offset_q5: None }
+        let limits = HealthLimits::DEFAULT.of_rig(plan.rig().as_ref());
+        Self { limits, plan, monitor: HealthMonitor::new(), row_offset_q5: None }
     }
 
     /// Plan of the matching.

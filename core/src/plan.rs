@@ -35,7 +35,7 @@ impl Plan {
 
     /// The rig that depths are measured with.
     #[must_use]
-    pub fn rig(&self) -> Option<Rig> {
+    pub const fn rig(&self) -> Option<Rig> {
         self.params.rig
     }
 

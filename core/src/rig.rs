@@ -5,7 +5,7 @@
 //! intervals, by 64-bit integer divisions.
 //!
 //! # Bounds
-//! `f*B` is at most 10^7 px*m, in Q16 below 2^40; shifted by 6 for a quotient in Q16 below 2^46: fits `i64`. Columns and rows are less than
+//! `f*B` is at most 10^6 px*m, in Q16 below 2^37; shifted by 6 for a quotient in Q16 below 2^43: fits `i64`. Columns and rows are less than
 //! 2^12 px from the principal point, 2^28 in Q16; times a depth below 2^31 less than 2^59.
 
 use crate::image::Dims;
@@ -46,8 +46,8 @@ pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
     #[error("focal length {0} px is outside 1 to 100000")]
     Focal(f32),
-    /// Baseline in metres, outside 0.0001 ..= 100 or not finite.
-    #[error("baseline {0} m is outside 0.0001 to 100")]
+    /// Baseline in metres, outside 0.0001 ..= 10 or not finite.
+    #[error("baseline {0} m is outside 0.0001 to 10: is it in mm?")]
     Baseline(f32),
     /// Disparity offset in pixels, outside -4096 ..= 4096 or not finite.
     #[error("disparity offset {0} px is outside -4096 to 4096")]
@@ -65,7 +65,7 @@ impl Rig {
         if !(1.0..=100_000.0).contains(&focal_px) {
             return Err(RigError::Focal(focal_px));
         }
-        if !(0.0001..=100.0).contains(&baseline_m) {
+        if !(0.0001..=10.0).contains(&baseline_m) {
             return Err(RigError::Baseline(baseline_m));
         }
         if !(-4096.0..=4096.0).contains(&offset_px) {
@@ -129,7 +129,7 @@ impl Rig {
 
     /// Offset that is added to every disparity, 1/64 px.
     #[must_use]
-    pub fn offset_q6(&self) -> i64 {
+    pub const fn offset_q6(&self) -> i64 {
         self.offset_q6
     }
 

@@ -372,7 +372,7 @@ impl<'a> Session<'a> {
         self.is_planned = true;
         let matcher = self.matcher.get_or_insert(Matcher::new(plan));
         matcher.set_plan(plan);
-        matcher.limits = self.limits;
+        matcher.limits = self.limits.of_rig(self.params.rig.as_ref());
         Ok(matcher)
     }
 
@@ -445,6 +445,7 @@ pub fn refusal(error: RunError) -> Refusal {
         RunError::Size(dims) => {
             out_of_range("width", dims.width.into(), MIN_SIDE.into(), linestereo::image::MAX_WIDTH.into())
         }
+        RunError::NoRoom(error) => error.into(),
     }
 }
 

@@ -4,8 +4,8 @@ use linestereo::diagnostics::{Model, Models, Observer, SUPPORT_EVIDENCE};
 use linestereo::image::ViewError;
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Area, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params, PixelDepth,
-    PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
+    Area, Dims, Gray, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params,
+    PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
@@ -116,6 +116,12 @@ impl Engine {
     /// From now on pairs whose images were captured up to so far apart are matched.
     pub fn allow_skew(&mut self, skew_us: u32) {
         self.matcher.limits.skew_us = skew_us;
+    }
+
+    /// Health takes this disparity, px, for that of what is infinitely far; of a plan with a rig it is known.
+    pub fn expect_infinity_at(&mut self, zero_px: f64) {
+        let least_q6 = f64::from(HealthLimits::DEFAULT.least_disparity_q6) + 64.0 * zero_px;
+        self.matcher.limits.least_disparity_q6 = least_q6 as i16;
     }
 
     pub fn dims(&self) -> Dims {

@@ -53,6 +53,56 @@ fn folders_without_usable_pairs() {
     );
 }
 
+/// A JPEG with this EXIF orientation.
+fn with_exif(path: &Path, orientation: u8) {
+    let jpeg = fs::read(path).unwrap();
+    let tiff =
+        [b"II*\0", &8_u32.to_le_bytes()[..], &[1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0]]
+            .concat();
+    let exif = [b"Exif\0\0", &tiff[..]].concat();
+    let length = (exif.len() as u16 + 2).to_be_bytes();
+    fs::write(path, [&jpeg[..2], &[0xff, 0xe1], &length, &exif, &jpeg[2..]].concat()).unwrap();
+}
+
+#[test]
+fn exif_in_some_of_the_photos_is_named() {
+    let photos = |photos: &Path, turned: &[&str], orientation: u8| {
+        for name in (0..6).flat_map(|i| [format!("left{i:02}.jpg"), format!("right{i:02}.jpg")]) {
+            let path = photos.join(&name);
+            empty_photo(&path, 64, 48);
+            if turned.contains(&name.as_str()) || turned.is_empty() {
+                with_exif(&path, orientation);
+            }
+        }
+    };
+    let words = ["EXIF turns", "left03.jpg by 180 degrees", "2 of 12 photos", "exiftool", "-auto-orient"];
+    refused(|at| photos(at, &["left03.jpg", "right05.jpg"], 3), &words);
+    refused(|at| photos(at, &["right02.jpg"], 6), &["EXIF turns", "right02.jpg by 90 degrees", "1 of 12"]);
+    refused(|at| photos(at, &["left01.jpg"], 2), &["left01.jpg into its mirror image"]);
+    // In all of them: whatever fails may be by that.
+    for orientation in [3, 6] {
+        refused(|at| photos(at, &[], orientation), &["0 pairs only", "EXIF turns all photos"]);
+    }
+    // 1 turns nothing.
+    refused(|at| photos(at, &["left03.jpg"], 1), &["0 pairs only", "take sharp photos"]);
+}
+
+#[test]
+fn a_pair_of_which_exif_turns_one_image_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["left.jpg", "right.jpg"] {
+        image::GrayImage::from_fn(64, 64, |x, y| image::Luma([(x * y % 251) as u8]))
+            .save(folder.path().join(name))
+            .unwrap();
+    }
+    with_exif(&folder.path().join("right.jpg"), 3);
+    refused_with(
+        folder.path(),
+        &["run", "left.jpg", "right.jpg"],
+        &["EXIF turns", "right.jpg by 180 degrees", "exiftool"],
+    );
+}
+
 #[test]
 fn options_that_are_slips() {
     let folder = tempfile::tempdir().unwrap();

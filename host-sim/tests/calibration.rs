@@ -138,6 +138,7 @@ fn truth(rig: &Calibration, name: &str) -> f64 {
         ("skew", _) => camera.skew(),
         (_, Lens::BrownConrady { k, p }) => numbered(if name.starts_with('k') { &k } else { &p }),
         (_, Lens::Fisheye { k }) => numbered(&k),
+        (_, Lens::Rational { .. }) => panic!("no rig of these has one"),
     }
 }
 

@@ -323,7 +323,7 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
     let at = folder.path();
     let cases = [
         (r#"{"focal_px": 451}"#, "\"focal_px\" means nothing, it belongs into \"rectified\""),
-        (r#"{"max_disparty": 64}"#, "\"max_disparty\" means nothing; known are scene, max_disparity"),
+        (r#"{"max_disparty": 64}"#, "\"max_disparty\" means nothing; known are scene, size, max_disparity"),
         (r#"{"rectified": {"focal_px": 451, "baseline": 0.1}}"#, "\"baseline\" in \"rectified\" means nothing"),
         (r#"{"rectified": {"focal_px": 451}}"#, "missing field `baseline_m`"),
     ];

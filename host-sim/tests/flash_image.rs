@@ -36,7 +36,7 @@ fn an_image_is_written_and_explained() {
     let explained = succeed(folder.path(), &["flash-image", "--check", "rig.bin"]);
     assert_eq!(format!("{explained}wrote rig.bin\n"), made);
     for says in [
-        "version 2, 212 bytes, sequence 0, checksum right",
+        "version 3, 236 bytes, sequence 0, checksum right",
         "left camera   640x480, focal length 532.50 532.75 px, centre (320.25, 240.50), skew 0 px, Brown-Conrady",
         "right camera  640x480, focal length 530.50 531.00 px, centre (322.00, 239.00), skew 0 px, fisheye",
         "baseline 83.20 mm, cameras turned by 1.16",
@@ -67,16 +67,18 @@ fn what_is_no_image_is_refused_by_name() {
         error.contains("other.bin: damaged: the checksum") && error.contains("sequence 0, checksum wrong"),
         "{error}"
     );
-    assert!(check(&good[..200]).contains("truncated: the image has 212 bytes, 200 are here"));
+    assert!(check(&good[..200]).contains("truncated: the image has 236 bytes, 200 are here"));
     assert!(check(RIG.as_bytes()).contains("foreign: "));
-    assert!(check(&[0xff; 212]).contains("empty: "));
+    assert!(check(&[0xff; 236]).contains("empty: "));
     assert!(refused(folder.path(), &["flash-image", "--check", "missing.bin"]).contains("missing.bin cannot be read"));
 }
 
 #[test]
 fn what_no_board_could_use_is_not_written() {
     let folder = with_rig(RIG);
-    fs::write(folder.path().join("large.toml"), RIG.replace("[640, 480]", "[2048, 1536]")).unwrap();
+    let large = RIG.replace("[640, 480]", "[2048, 1536]").replace("px = [53", "px = [173").replace(", 53", ", 173");
+    let large = large.replace("[320.25, 240.5]", "[1024.0, 768.0]").replace("[322.0, 239.0]", "[1026.0, 767.0]");
+    fs::write(folder.path().join("large.toml"), large).unwrap();
     let made = ["flash-image", "rig.toml", "rig.bin"];
     let cases: [(&[&str], &str); 9] = [
         (&[&made[..], &["--max-disparity", "400"]].concat(), "is 400, allowed are 8 to 256; correct --max-disparity"),

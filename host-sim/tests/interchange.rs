@@ -23,17 +23,17 @@ fn files(texts: &[&str]) -> (TempDir, Vec<PathBuf>) {
     (folder, paths)
 }
 
-fn read(texts: &[&str], options: &Options) -> Result<Imported, InterchangeError> {
+pub(crate) fn read(texts: &[&str], options: &Options) -> Result<Imported, InterchangeError> {
     let (_folder, paths) = files(texts);
     load_rig(&paths, options)
 }
 
-fn good(texts: &[&str]) -> Imported {
+pub(crate) fn good(texts: &[&str]) -> Imported {
     read(texts, &Options::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Line and problem.
-fn bad(texts: &[&str]) -> (Option<usize>, Problem) {
+pub(crate) fn bad(texts: &[&str]) -> (Option<usize>, Problem) {
     let error = read(texts, &Options::default()).expect_err("the file is wrong");
     assert!(!error.to_string().contains('\n'), "{error}");
     (error.line, error.problem)
@@ -50,7 +50,7 @@ fn seen_from_right(calibration: &Calibration, point: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| point[i] + w * twice[i] + further[i] + t[i])
 }
 
-fn assert_is_the_example(found: &Imported) {
+pub(crate) fn assert_is_the_example(found: &Imported) {
     let calibration = &found.rig.calibration;
     for (point, expected) in
         [([0.0, 0.0, 1.0], [0.52, 0.0, 0.86]), ([0.1, 0.0, 0.0], [0.0; 3]), ([0.0, 0.5, 0.0], [-0.08, 0.5, 0.06])]
@@ -72,22 +72,22 @@ fn opencv_matrix(name: &str, rows: usize, cols: usize, data: &str) -> String {
 }
 
 /// The example's cameras under these names.
-fn opencv_cameras([m1, d1, m2, d2]: [&str; 4]) -> String {
+pub(crate) fn opencv_cameras([m1, d1, m2, d2]: [&str; 4]) -> String {
     opencv_matrix(m1, 3, 3, "500., 0., 320., 0.,\n       501., 240., 0., 0., 1.")
         + &opencv_matrix(d1, 1, 5, "-3.0e-01, .1, 1e-3, 2.e-03, 0.")
         + &opencv_matrix(m2, 3, 3, "510., 0., 322., 0., 511., 242., 0., 0., 1.")
         + &opencv_matrix(d2, 4, 1, "-0.2, 0.05, 0.003, 0.004")
 }
 
-fn opencv_pose(millimetres: bool) -> String {
+pub(crate) fn opencv_pose(millimetres: bool) -> String {
     opencv_matrix("R", 3, 3, "0.8, 0., 0.6, 0., 1., 0., -0.6, 0., 0.8")
         + &opencv_matrix("T", 3, 1, if millimetres { "-80., 0., 60." } else { "-0.08, 0., 0.06" })
 }
 
 const IMAGE_SIZE: &str = "image_width: 640\nimage_height: 480\n";
-const USUAL: [&str; 4] = ["M1", "D1", "M2", "D2"];
+pub(crate) const USUAL: [&str; 4] = ["M1", "D1", "M2", "D2"];
 
-fn opencv() -> String {
+pub(crate) fn opencv() -> String {
     format!("%YAML:1.0\n---\n{IMAGE_SIZE}{}{}", opencv_cameras(USUAL), opencv_pose(false))
 }
 
@@ -101,7 +101,7 @@ fn opencv_xml() -> &'static str {
      <T>-0.08 0. 0.06</T>\n</opencv_storage>\n"
 }
 
-const KALIBR: &str = "\
+pub(crate) const KALIBR: &str = "\
 cam0:
   cam_overlaps: [1]
   camera_model: pinhole
@@ -126,7 +126,7 @@ cam1:
 ";
 
 /// The body's axes: x is the left camera's -y, y its x, z its z; the left camera stands at (1, 2, 3) in it.
-const EUROC: [&str; 2] = [
+pub(crate) const EUROC: [&str; 2] = [
     "%YAML:1.0
 sensor_type: camera
 
@@ -163,7 +163,7 @@ distortion_coefficients: [-0.2, 0.05, 0.003, 0.004]
 ];
 
 /// The baseline runs along the left camera's x axis: its rectification is none, the right camera's turns it back.
-const ROS: [&str; 2] = [
+pub(crate) const ROS: [&str; 2] = [
     "image_width: 640
 image_height: 480
 camera_name: left
@@ -310,16 +310,21 @@ fn opencv_lengths_have_the_unit_that_is_given_or_likely() {
         let found = good(&[&format!("square_size: {square}\n{pose}")]);
         assert!((found.rig.calibration.baseline() - metres).abs() < 1e-12, "{square}: {:?}", found.notes);
     }
-    // 100 m: possible, but worth a word.
-    let strange = with(&text(true), TranslationUnit::Metres);
-    assert!(strange.notes.iter().any(|note| note.contains("100.0000 m; if that is wrong")), "{:?}", strange.notes);
+    // 2 m: possible, but worth a word. 100 m is none of a stereo head, nor is 0.1 mm.
+    let strange = with(&text(false).replace("-0.08, 0., 0.06", "-1.6, 0., 1.2"), TranslationUnit::Metres);
+    assert!(strange.notes.iter().any(|note| note.contains("2.0000 m; if that is wrong")), "{:?}", strange.notes);
+    for (millimetres, unit) in [(true, TranslationUnit::Metres), (false, TranslationUnit::Millimetres)] {
+        let options = Options { translation_unit: Some(unit), ..Options::default() };
+        let error = read(&[&text(millimetres)], &options).unwrap_err().to_string();
+        assert!(error.contains("metres"), "{error}");
+    }
 }
 
 #[test]
 fn sizes_and_lenses_come_from_the_file_or_the_options() {
     let without = format!("{}{}", opencv_cameras(USUAL), opencv_pose(false));
     let Problem::NoSize { guess } = bad(&[&without]).1 else { panic!("the size is missing") };
-    assert_eq!(guess, [640.0, 480.0]);
+    assert_eq!(guess, [641.0, 481.0]);
     let options = Options { size: Some(SIZE), ..Options::default() };
     assert_is_the_example(&read(&[&without], &options).unwrap());
     let other = Options { size: Some(Dims { width: 320, height: 240 }), ..Options::default() };
@@ -336,6 +341,16 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
     assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
     let found = read(&[&opencv()], &options).unwrap_err();
     assert!(matches!(found.problem, Problem::Shape { .. }), "five coefficients are no fisheye: {found}");
+}
+
+#[test]
+fn a_mark_with_nothing_behind_it_begins_no_document() {
+    for end in ["---\n", "---", "---\n\n", "---\n# nothing\n", "...\n"] {
+        assert_is_the_example(&good(&[&format!("{}{end}", ROS[0]), &format!("{}{end}", ROS[1])]));
+        assert_is_the_example(&good(&[&format!("{KALIBR}{end}")]));
+    }
+    let (line, problem) = bad(&[&format!("{}---\n{}", ROS[0], ROS[0]), ROS[1]]);
+    assert_eq!((line, problem.to_string().contains("second document")), (Some(21), true));
 }
 
 #[test]
@@ -364,9 +379,10 @@ fn further_coefficients_are_zero_or_named() {
     for (count, zeros) in [(8, "0, 0, 0"), (12, "0, 0, 0, 0, 0, 0, 0"), (14, "0, 0, 0, 0, 0, 0, 0, 0., 0")] {
         let text = opencv().replace("cols: 5", &format!("cols: {count}"));
         assert_is_the_example(&good(&[&text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {zeros} ]"))]));
-        let last = text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {} ]", zeros.replacen('0', "0.25", 1)));
+        let Some((before, _)) = zeros.rsplit_once('0').filter(|_| count > 8) else { continue };
+        let last = text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {before}0.25 ]"));
         let (line, Problem::Coefficients { names }) = bad(&[&last]) else { panic!("{count} coefficients") };
-        assert_eq!((line, names.as_str()), (Some(11), "k4"));
+        assert_eq!((line, names.as_str()), (Some(11), if count == 12 { "s4" } else { "tau_y" }));
     }
     let six = opencv().replace("cols: 5", "cols: 6").replace("2.e-03, 0. ]", "2.e-03, 0., 0. ]");
     assert!(matches!(bad(&[&six]), (Some(11), Problem::Shape { .. })));

@@ -5,11 +5,13 @@
 mod bench_board;
 mod calibrate;
 mod calibration;
+mod calibration_gate;
 mod command_line;
 mod documented;
 mod explain;
 mod first_hour;
 mod flash_image;
+mod formats;
 #[cfg(unix)]
 mod frames_get;
 #[cfg(target_os = "linux")]

@@ -82,6 +82,45 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
 }
 
 #[test]
+fn images_say_the_size_that_a_file_of_opencv_does_not() {
+    let folder = folder();
+    let matrix = |name: &str, rows: u8, cols: u8, data: &str| {
+        format!("{name}: !!opencv-matrix {{rows: {rows}, cols: {cols}, dt: d, data: [{data}]}}\n")
+    };
+    let camera = "280., 0., 159.5, 0., 280., 119.5, 0., 0., 1.";
+    let text = [
+        "%YAML:1.0\n".to_owned(),
+        matrix("M1", 3, 3, camera),
+        matrix("D1", 1, 5, "-0.1, 0., 0., 0., 0."),
+        matrix("M2", 3, 3, camera),
+        matrix("D2", 1, 5, "-0.1, 0., 0., 0., 0."),
+        matrix("R", 3, 1, "0., 0., 0.0349"),
+        matrix("T", 3, 1, "-0.07, 0., 0."),
+    ];
+    fs::write(folder.path().join("rig.yml"), text.concat()).unwrap();
+    let pair = ["raw/boxes/left.png", "raw/boxes/right.png"];
+    let points = |rig: &str, more: &[&str]| {
+        json(folder.path(), &[&["run"], &pair[..], &["--rig", rig, "--json", "-"], more].concat())["points"].clone()
+    };
+    assert_eq!(points("rig.yml", &[]), points("rig.toml", &[]));
+    assert_eq!(points("rig.yml", &["--size", "160x120"]), points("rig.toml", &["--size", "160x120"]));
+    let rectify = [&["rectify"], &pair[..], &["--rig", "rig.yml", "--picture", "p.png"]].concat();
+    assert!(succeed(folder.path(), &rectify).starts_with("320x240 rectified to 320x240"));
+    succeed(folder.path(), &["rectify", "raw", "--rig", "rig.yml", "--out", "done"]);
+    let lines = succeed(folder.path(), &["sequence", "raw", "--rig", "rig.yml", "--no-points"]);
+    assert!(!lines.contains("\"error\""), "{lines}");
+    // Images of another size, and a command without images.
+    succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "160x120", "small"]);
+    let small = ["run", "small/left.png", "small/right.png", "--rig", "rig.yml"];
+    let error = refused(folder.path(), &small);
+    assert!(error.contains("of about 320x240") && error.contains("of another size"), "{error}");
+    let error = refused(folder.path(), &["flash-image", "rig.yml", "rig.bin"]);
+    assert!(error.contains("linestereo convert-rig FILES --size 320x240 --out rig.toml"), "{error}");
+    succeed(folder.path(), &["convert-rig", "rig.yml", "--size", "320x240", "--out", "said.toml"]);
+    succeed(folder.path(), &["flash-image", "said.toml", "rig.bin"]);
+}
+
+#[test]
 fn what_cannot_be_rectified_is_one_clear_line() {
     let folder = folder();
     let left = "raw/boxes/left.png";

@@ -22,6 +22,66 @@ fn keys(value: &Value) -> Vec<&str> {
 }
 
 #[test]
+fn the_scene_file_beside_a_pair_is_used_and_named() {
+    let folder = cards();
+    let at = folder.path();
+    let pair = ["run", "cards/left.png", "cards/right.png"];
+    let expected = json(at, &[&PAIR[..], &["--json", "-"]].concat());
+    assert_eq!(json(at, &[&pair[..], &["--json", "-"]].concat()), expected);
+    let said = succeed(at, &pair);
+    assert!(said.starts_with("cards/scene.json lies beside the pair: disparities 0 to"), "{said}");
+    // A rig that is given comes before it, with the default range.
+    let given = succeed(at, &[&pair[..], &["--focal-px", "150", "--baseline-m", "0.06"]].concat());
+    assert!(!given.contains("scene.json") && given.contains("disparities below 64"), "{given}");
+    // Images of another size: without depths, and why.
+    for name in ["left.png", "right.png"] {
+        let path = at.join("cards").join(name);
+        image::open(&path).unwrap().thumbnail_exact(64, 48).save(&path).unwrap();
+    }
+    let reduced = [&pair[..], &["--max-disparity", "16"]].concat();
+    let said = succeed(at, &reduced);
+    assert!(
+        said.contains("is not used: cards/scene.json: the calibration is of images of 160x120, these are 64x48"),
+        "{said}"
+    );
+    assert!(!said.contains("depths from"), "{said}");
+    let named = refused(at, &[&reduced[..], &["--scene", "cards/scene.json"]].concat());
+    assert!(named.contains("images of 160x120, these are 64x48") && named.contains("--width"), "{named}");
+    let error = stderr(&linestereo(at, &["sequence", "cards", "--max-disparity", "16"]));
+    assert!(error.contains("images of 160x120, these are 64x48"), "{error}");
+    // One of another program.
+    fs::write(at.join("cards/scene.json"), "{\"nodes\": []}").unwrap();
+    let said = succeed(at, &reduced);
+    assert!(
+        said.starts_with("the scene.json beside the pair is not used: cards/scene.json is not a scene file"),
+        "{said}"
+    );
+}
+
+#[test]
+fn what_is_infinitely_far_has_minus_the_offset_as_its_disparity() {
+    let folder = cards();
+    let at = folder.path();
+    // Exchanged images: every disparity is negative.
+    let flags = |options: &[&str]| {
+        fs::create_dir_all(at.join("pair")).unwrap();
+        for (from, to) in [("left.png", "right.png"), ("right.png", "left.png")] {
+            fs::copy(at.join("cards").join(from), at.join("pair").join(to)).unwrap();
+        }
+        let pair =
+            ["run", "pair/left.png", "pair/right.png", "--min-disparity=-30", "--max-disparity", "16", "--json", "-"];
+        json(at, &[&pair[..], options].concat())["health"]["flags"].to_string()
+    };
+    let rig = ["--focal-px", "150", "--baseline-m", "0.06"];
+    assert!(flags(&[]).contains("beyond_infinity") && flags(&rig).contains("beyond_infinity"), "{}", flags(&rig));
+    let squinting = flags(&[&rig[..], &["--disparity-offset-px", "32"]].concat());
+    assert!(!squinting.contains("beyond_infinity"), "{squinting}");
+    fs::write(at.join("squint.json"), "{\"disparity_zero_px\": -32}").unwrap();
+    let squinting = flags(&["--scene", "squint.json"]);
+    assert!(!squinting.contains("beyond_infinity"), "{squinting}");
+}
+
+#[test]
 fn json_has_the_promised_keys_and_shapes() {
     let folder = cards();
     let json = json(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
@@ -76,6 +136,7 @@ fn json_has_the_promised_keys_and_shapes() {
 #[test]
 fn without_a_rig_there_are_no_metres() {
     let folder = cards();
+    fs::remove_file(folder.path().join("cards/scene.json")).unwrap();
     let json = json(folder.path(), &["run", "cards/left.png", "cards/right.png", "--json", "-"]);
     assert!(json["segments"].as_array().unwrap().iter().all(|segment| segment["depth_m"].is_null()));
 }
@@ -103,8 +164,9 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
     write("white.png", 160, 120, 255);
     write("other.png", 100, 120, 90);
     fs::write(folder.path().join("text.png"), "no image").unwrap();
+    fs::copy(folder.path().join("cards/left.png"), folder.path().join("left.png")).unwrap();
     let before = fs::read_dir(folder.path()).unwrap().count();
-    let left = "cards/left.png";
+    let left = "left.png";
     let cases: [(&[&str], &str); 12] = [
         (&["run", left, "missing.png"], "missing.png"),
         (&["run", left, "other.png"], "size"),
@@ -229,8 +291,11 @@ fn sectors_are_listed_drawn_and_told() {
 fn sectors_without_sense_are_refused() {
     let folder = cards();
     let with = |more: &[&'static str]| [&PAIR[..], more].concat();
+    for name in ["left.png", "right.png"] {
+        fs::copy(folder.path().join("cards").join(name), folder.path().join(name)).unwrap();
+    }
     let cases: [(&[&str], &str); 4] = [
-        (&["run", "cards/left.png", "cards/right.png", "--sectors"], "--focal-px and --baseline-m"),
+        (&["run", "left.png", "right.png", "--sectors"], "--focal-px and --baseline-m"),
         (
             &with(&["--sectors", "--sector-range", "1000"]),
             "linestereo: range (m) is 1000, allowed are 0.1 to 600; change --sector-range\n",

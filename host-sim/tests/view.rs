@@ -5,10 +5,11 @@ use crate::rectify::RIG;
 use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs, with_rig};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
+use linestereo::Dims;
 use linestereo_sim::report::browser::Browser;
 use linestereo_wire::{
-    Answer, Command as BoardCommand, Decoder, MAX_COMMAND, Message, ObjectRecord, Objects, Outcome, PairHead, Pixels,
-    Regions, Request,
+    Answer, Command as BoardCommand, Decoder, FrameHead, Health, MAX_COMMAND, Message, ObjectRecord, Objects, Outcome,
+    PairHead, Pixels, Regions, Request,
 };
 use serde_json::{Value, json};
 use std::fs;
@@ -325,6 +326,29 @@ fn boxes_of_the_page_are_asked_of_the_board() {
     assert!(events.of("end").contains("was closed"));
     let (code, _, errors) = view.end();
     assert!(code == Some(2) && errors.contains("was closed") && errors.lines().count() == 1, "{errors}");
+}
+
+#[test]
+fn a_pair_that_the_board_missed_is_told_and_ends_nothing() {
+    let folder = with_rig(RIG);
+    let missed = packet(&Message::Frame(FrameHead::new(
+        1,
+        5,
+        Dims { width: 0, height: 0 },
+        Health::PAIR_MISSING,
+        &linestereo::Counts::default(),
+    )));
+    let bytes = [missed, frame(2, 3).concat()].concat();
+    fs::write(folder.path().join("run.bin"), bytes).unwrap();
+    for options in [&["--focal-px", "300", "--baseline-m", "0.1"][..], &["--rig", "rig.toml"]] {
+        let view = View::start(folder.path(), &[&["run.bin", "--rate", "20"], options].concat());
+        let mut events = view.events();
+        assert_eq!(events.json("frame")["size"], json!([0, 0]));
+        assert_eq!(events.json("frame")["sequence"], 2, "{options:?}");
+        assert_eq!(events.json("sectors").as_array().unwrap().len(), 72);
+        let (code, said, errors) = view.interrupt();
+        assert!(code == Some(0) && said.contains("all frames are shown"), "{said} {errors}");
+    }
 }
 
 /// Sends a photograph of 64x2 pixels whose left image has this grey; the first of its pixels that are not lost.

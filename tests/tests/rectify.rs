@@ -43,7 +43,7 @@ fn rig(dims: Dims, focal: f64, lens: Lens, degrees: [f64; 3]) -> Calibration {
 }
 
 /// Lenses of every kind at both ends of what is common; focal length as a share of the width.
-fn lenses() -> [(&'static str, f64, Lens); 8] {
+fn lenses() -> [(&'static str, f64, Lens); 9] {
     [
         ("none", 0.8, Lens::NONE),
         ("slight barrel", 0.9, brown([-0.1, 0.01, 0.0], [0.0005, -0.0003])),
@@ -51,6 +51,12 @@ fn lenses() -> [(&'static str, f64, Lens); 8] {
         ("strong barrel", 0.5, brown([-0.3, 0.09, -0.011], [0.0, 0.001])),
         ("pincushion", 0.8, brown([0.2, 0.05, 0.0], [-0.001, 0.0005])),
         ("mustache", 0.7, brown([-0.25, 0.35, -0.12], [0.0, 0.0])),
+        // An OAK's.
+        (
+            "rational",
+            0.8,
+            Lens::Rational { k: [1.2616, -57.753, 282.645, 1.107, -56.354, 277.476], p: [8.7e-4, 1.33e-3] },
+        ),
         ("fisheye 90", 0.6, Lens::Fisheye { k: [-0.02, 0.003, -0.001, 0.0] }),
         ("fisheye 140", 0.4, Lens::Fisheye { k: [0.01, -0.004, 0.001, 0.0] }),
     ]
@@ -467,6 +473,14 @@ fn oracle_pixel(lens: Lens, focal: [f64; 2], centre: [f64; 2], skew: f64, [x, y]
     let [dx, dy] = match lens {
         Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => {
             let radial = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
+            [
+                x * radial + 2.0 * p1 * x * y + p2 * (r * r + 2.0 * x * x),
+                y * radial + p1 * (r * r + 2.0 * y * y) + 2.0 * p2 * x * y,
+            ]
+        }
+        Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => {
+            let above = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
+            let radial = above / (1.0 + k4 * r.powi(2) + k5 * r.powi(4) + k6 * r.powi(6));
             [
                 x * radial + 2.0 * p1 * x * y + p2 * (r * r + 2.0 * x * x),
                 y * radial + p1 * (r * r + 2.0 * y * y) + 2.0 * p2 * x * y,

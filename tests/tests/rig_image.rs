@@ -24,6 +24,11 @@ fn fisheye() -> Camera {
     Camera::new(VGA, [300.1, 301.2], [321.5, 238.25], 0.0, lens).unwrap()
 }
 
+fn rational() -> Camera {
+    let lens = Lens::Rational { k: [0.2, 0.05, 0.001, 0.5, 0.06, 0.002], p: [1e-4, -2e-5] };
+    Camera::new(VGA, [458.654, 457.296], [321.5, 238.25], 0.0, lens).unwrap()
+}
+
 /// A quaternion that is no unit one, in bits that its own division does not give back.
 fn calibration(left: Camera, right: Camera) -> Calibration {
     Calibration::new(left, right, [0.9998, 0.003, -0.011, 0.007], [-0.1101, 0.0004, 0.0008]).unwrap()
@@ -58,7 +63,9 @@ fn resealed(mut bytes: Vec<u8>, at: usize, with: &[u8]) -> Vec<u8> {
 #[test]
 fn an_image_comes_back_with_the_same_bits() {
     for view in [View::Alpha(0.0), View::Alpha(0.75), View::Focal(123.4)] {
-        for (left, right) in [(barrel(), fisheye()), (fisheye(), barrel()), (barrel(), barrel())] {
+        for (left, right) in
+            [(barrel(), fisheye()), (fisheye(), barrel()), (barrel(), barrel()), (rational(), barrel())]
+        {
             let image = RigImage::new(calibration(left, right), QVGA, view, (-32, 200)).unwrap();
             let bytes = image.encode(0xdead_beef);
             let again = RigImage::decode(&bytes).unwrap();
@@ -66,7 +73,7 @@ fn an_image_comes_back_with_the_same_bits() {
             assert_eq!(again.encode(0xdead_beef), bytes, "bit for bit");
             let head = RigImageHead::check(&bytes).unwrap();
             let expected =
-                RigImageHead { version: 2, length: RigImage::BYTES as u16, sequence: 0xdead_beef, is_whole: true };
+                RigImageHead { version: 3, length: RigImage::BYTES as u16, sequence: 0xdead_beef, is_whole: true };
             assert_eq!(head, expected);
             let rectification = calibration(left, right).rectify(QVGA, view).unwrap();
             assert_eq!(again.remap(), &rectification.remap());
@@ -93,13 +100,13 @@ fn a_rotation_that_was_made_a_unit_one_stays_as_it_is() {
 fn the_layout_is_the_documented_one() {
     let image = image(View::Focal(150.5));
     let bytes = image.encode(0x0102_0304);
-    assert_eq!(bytes.len(), 212);
+    assert_eq!(bytes.len(), 236);
     let numbers = |at: usize, count: usize| {
         bytes[at..at + 4 * count].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect::<Vec<_>>()
     };
     let rectification = calibration(barrel(), fisheye()).rectify(QVGA, View::Focal(150.5)).unwrap();
     let [cx, cy] = rectification.centre().map(|v| v as f32);
-    assert_eq!(&bytes[..12], b"LSRG\x02\x00\xd4\x00\x04\x03\x02\x01");
+    assert_eq!(&bytes[..12], b"LSRG\x03\x00\xec\x00\x04\x03\x02\x01");
     assert_eq!(&bytes[12..24], [64, 1, 240, 0, 252, 255, 60, 0, 128, 2, 224, 1], "320, 240, -4, 60, 640, 480");
     assert_eq!(numbers(24, 4), [150.5, cx, cy, rectification.baseline() as f32]);
     // The rows of the rotation from common to camera coordinates are the columns of its inverse.
@@ -110,13 +117,17 @@ fn the_layout_is_the_documented_one() {
     assert_eq!(numbers(40, 9), columns(0));
     assert_eq!(numbers(76, 5), [458.654, 457.296, 367.215, 248.375, 0.125]);
     assert_eq!(&bytes[96..100], [0, 0, 0, 0], "Brown-Conrady");
-    assert_eq!(numbers(100, 5), [-0.28, 0.07, 1e-3, 1e-4, -2e-5]);
-    assert_eq!(numbers(120, 1), [4.0], "it does not fold");
-    assert_eq!(numbers(124, 9), columns(1));
-    assert_eq!(numbers(160, 5), [300.1, 301.2, 321.5, 238.25, 0.0]);
-    assert_eq!(&bytes[180..184], [1, 0, 0, 0], "fisheye");
-    assert_eq!(numbers(184, 6), [0.01, -0.002, 0.0003, -0.00004, 0.0, 4.0]);
-    assert_eq!(bytes[208..], crc_32(&bytes[..208]).to_le_bytes());
+    assert_eq!(numbers(100, 8), [-0.28, 0.07, 1e-3, 1e-4, -2e-5, 0.0, 0.0, 0.0]);
+    assert_eq!(numbers(132, 1), [4.0], "it does not fold");
+    assert_eq!(numbers(136, 9), columns(1));
+    assert_eq!(numbers(172, 5), [300.1, 301.2, 321.5, 238.25, 0.0]);
+    assert_eq!(&bytes[192..196], [1, 0, 0, 0], "fisheye");
+    assert_eq!(numbers(196, 9), [0.01, -0.002, 0.0003, -0.00004, 0.0, 0.0, 0.0, 0.0, 4.0]);
+    assert_eq!(bytes[232..], crc_32(&bytes[..232]).to_le_bytes());
+    let bytes = RigImage::new(calibration(rational(), fisheye()), QVGA, View::Alpha(0.0), (0, 64)).unwrap().encode(0);
+    assert_eq!(&bytes[96..100], [2, 0, 0, 0], "rational");
+    let stored: Vec<f32> = bytes[100..132].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+    assert_eq!(stored, [0.2, 0.05, 0.001, 1e-4, -2e-5, 0.5, 0.06, 0.002]);
 }
 
 #[test]
@@ -134,7 +145,7 @@ fn no_flipped_bit_and_no_truncation_is_accepted() {
         };
         names[expected] += 1;
     }
-    assert_eq!(names, [32, 16, 8 * 206, 0]);
+    assert_eq!(names, [32, 16, 8 * 230, 0]);
     for given in 0..good.len() {
         let truncated = RigImageError::Truncated { needed: RigImage::BYTES, given };
         assert_eq!(RigImage::decode(&good[..given]), Err(truncated));
@@ -159,11 +170,13 @@ fn erased_foreign_and_later_images_have_names() {
     assert_eq!(RigImage::decode(b"\x89PNG\r\n"), Err(RigImageError::Foreign));
     let good = image(View::Alpha(0.0)).encode(0).to_vec();
     assert_eq!(RigImage::decode(&resealed(good.clone(), 4, &[1, 0])), Err(RigImageError::OtherVersion { found: 1 }));
+    let before = resealed([&good[..208], &[0; 4]].concat(), 4, &[2, 0, 212, 0]);
+    assert_eq!(RigImage::decode(&before), Err(RigImageError::OtherVersion { found: 2 }));
     // A later version may be longer or shorter.
     for (length, is_this_version) in [(300_usize, false), (200, false), (300, true), (16, false)] {
         let mut other = good.clone();
         other.resize(length, 0);
-        other[4] = if is_this_version { 2 } else { 9 };
+        other[4] = if is_this_version { 3 } else { 9 };
         let other = resealed(other, 6, &(length as u16).to_le_bytes());
         let expected = if is_this_version {
             RigImageError::Length { found: length as u16 }
@@ -186,14 +199,14 @@ fn the_number_that_is_refused_has_a_name() {
         (28, &3000_f32.to_le_bytes(), "rectified view: principal point: 3000 px is outside"),
         (36, &f32::INFINITY.to_le_bytes(), "rectified view: baseline inf m is outside"),
         (40, &2_f32.to_le_bytes(), "rectified view: the left rectifying matrix is no rotation"),
-        (156, &f32::NAN.to_le_bytes(), "rectified view: the right rectifying matrix is no rotation"),
+        (168, &f32::NAN.to_le_bytes(), "rectified view: the right rectifying matrix is no rotation"),
         (76, &0_f32.to_le_bytes(), "left camera: focal length 0 px is outside"),
         (84, &1e9_f32.to_le_bytes(), "left camera: the optical centre (1000000000, 248.375) px"),
         (96, &7_u32.to_le_bytes(), "left camera: lens 7 is not known"),
         (100, &f32::NAN.to_le_bytes(), "left camera: lens coefficient NaN is outside"),
-        (176, &(-2000_f32).to_le_bytes(), "right camera: skew -2000 px is outside"),
-        (204, &4.5_f32.to_le_bytes(), "right camera: the lens coefficients fold the image over at a tangent of 4.50"),
-        (204, &f32::NAN.to_le_bytes(), "right camera: the lens coefficients fold the image over"),
+        (188, &(-2000_f32).to_le_bytes(), "right camera: skew -2000 px is outside"),
+        (228, &4.5_f32.to_le_bytes(), "right camera: the lens coefficients fold the image over at a tangent of 4.50"),
+        (228, &f32::NAN.to_le_bytes(), "right camera: the lens coefficients fold the image over"),
     ];
     for (at, with, says) in cases {
         let error = RigImage::decode(&resealed(good.clone(), at, with)).expect_err(says);

@@ -255,7 +255,7 @@ typedef struct {
   uint16_t has_principal_point;
   // Focal length, px; 1 to 100000. 0 without a rig: disparities only. 0.
   float focal_px;
-  // Distance of the cameras, m; 0.0001 to 100. Unused without a focal length.
+  // Distance of the cameras, m; 0.0001 to 10. Unused without a focal length.
   float baseline_m;
   // Added to every disparity: column of the principal point on the right minus that on the left, px. 0.
   float disparity_offset_px;

@@ -179,7 +179,7 @@ impl Status {
             Self::MinConfidence => c"min_confidence_q16 is outside 10 to 99 percent",
             Self::Margin => c"margin_q6 is outside 16 to 1024",
             Self::Focal => c"focal_px is outside 1 to 100000",
-            Self::Baseline => c"baseline_m is outside 0.0001 to 100",
+            Self::Baseline => c"baseline_m is outside 0.0001 to 10: is it in mm?",
             Self::Offset => c"disparity_offset_px is outside -4096 to 4096",
             Self::PrincipalPoint => c"principal_point_px is outside -2048 to 2048",
             Self::NoRig => c"depths in metres need a rig: focal length and baseline",

@@ -38,7 +38,7 @@ pub struct Config {
     pub has_principal_point: u16,
     /// Focal length, px; 1 to 100000. 0 without a rig: disparities only. 0.
     pub focal_px: f32,
-    /// Distance of the cameras, m; 0.0001 to 100. Unused without a focal length.
+    /// Distance of the cameras, m; 0.0001 to 10. Unused without a focal length.
     pub baseline_m: f32,
     /// Added to every disparity: column of the principal point on the right minus that on the left, px. 0.
     pub disparity_offset_px: f32,

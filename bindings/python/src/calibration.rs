@@ -4,11 +4,12 @@ use crate::image::{grey, view};
 use crate::refused;
 use linestereo::{Dims, Span};
 use linestereo_calibration::PairRectifier;
-use linestereo_calibration::rig_file::RigFile;
+use linestereo_calibration::interchange::{Imported, Options, TranslationUnit, load_rig};
 use linestereo_frames::GrayImage;
 use linestereo_rig::{CameraSide, RigImage, View};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray2};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
@@ -69,21 +70,66 @@ pub(crate) struct Calibration {
     pub(crate) rig: linestereo::Rig,
     pub(crate) usable: [Vec<Span>; 2],
     rectifier: PairRectifier,
+    notes: Vec<String>,
+}
+
+/// Files of one rig.
+#[derive(FromPyObject)]
+enum Paths {
+    One(PathBuf),
+    Each(Vec<PathBuf>),
+}
+
+/// Unit of lengths in files of OpenCV.
+#[derive(FromPyObject)]
+enum Unit {
+    Name(String),
+    SquareMm(f64),
+}
+
+impl Unit {
+    fn unit(self) -> PyResult<TranslationUnit> {
+        match self {
+            Self::Name(name) if name == "m" => Ok(TranslationUnit::Metres),
+            Self::Name(name) if name == "mm" => Ok(TranslationUnit::Millimetres),
+            Self::SquareMm(millimetres) if (0.1..=10_000.0).contains(&millimetres) => {
+                Ok(TranslationUnit::Squares { millimetres })
+            }
+            _ => Err(PyValueError::new_err("translation_unit is \"m\", \"mm\", or the side of the board's squares in mm")),
+        }
+    }
 }
 
 #[pymethods]
 impl Calibration {
     #[staticmethod]
-    #[pyo3(signature = (path, size = None, alpha = 0.0, focal_px = None))]
-    fn load(path: PathBuf, size: Option<(u16, u16)>, alpha: f64, focal_px: Option<f64>) -> PyResult<Self> {
-        let calibration = RigFile::load(&path).map_err(refused)?.calibration;
+    #[pyo3(signature = (path, size = None, alpha = 0.0, focal_px = None, raw_size = None, translation_unit = None))]
+    fn load(
+        path: Paths,
+        size: Option<(u16, u16)>,
+        alpha: f64,
+        focal_px: Option<f64>,
+        raw_size: Option<(u16, u16)>,
+        translation_unit: Option<Unit>,
+    ) -> PyResult<Self> {
+        let paths = match path {
+            Paths::One(path) => vec![path],
+            Paths::Each(paths) => paths,
+        };
+        let options = Options {
+            images: raw_size.map(|(width, height)| Dims { width, height }),
+            translation_unit: translation_unit.map(Unit::unit).transpose()?,
+            ..Options::default()
+        };
+        let Imported { rig, notes, .. } = load_rig(&paths, &options).map_err(refused)?;
+        let calibration = rig.calibration;
         let raw = calibration.camera(CameraSide::Left).dims();
         let dims = size.map_or(raw, |(width, height)| Dims { width, height });
         let range = linestereo::Params::DEFAULT;
         let most = range.max_disparity.min(dims.width.saturating_sub(1));
         let view = focal_px.map_or(View::Alpha(alpha), View::Focal);
         let image = RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
-        Self::of(image)
+        Ok(Self { notes, ..Self::of(image)? })
     }
 
     /// From the bytes that boards keep.
@@ -95,6 +141,12 @@ impl Calibration {
     /// The bytes that boards keep.
     fn _encoded<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         PyBytes::new(py, &self.image.encode(0))
+    }
+
+    /// What had to be assumed, a sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.notes.clone()
     }
 
     /// Columns and rows of rectified images.
@@ -150,7 +202,7 @@ impl Calibration {
     fn of(image: RigImage) -> PyResult<Self> {
         let rectifier = PairRectifier::new(image.remap()).map_err(refused)?;
         let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
-        Ok(Self { rig: image.remap().rig().map_err(refused)?, image, usable, rectifier })
+        Ok(Self { rig: image.remap().rig().map_err(refused)?, image, usable, rectifier, notes: Vec::new() })
     }
 
     pub(crate) fn pair(&mut self, [left, right]: &[GrayImage; 2]) -> PyResult<[GrayImage; 2]> {

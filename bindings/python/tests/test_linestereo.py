@@ -327,7 +327,7 @@ def test_a_calibration_rectifies(pair, rig_file):
 
 
 def test_files_that_are_no_rig_are_refused(rig_file):
-    with pytest.raises(ValueError, match="No such file"):
+    with pytest.raises(ValueError, match="none.toml: cannot be read"):
         linestereo.Calibration.load(rig_file.parent / "none.toml")
     rig_file.write_text(RIG.replace("size = [320, 240]", "size = [320, -3]", 1))
     with pytest.raises(ValueError, match="line 3"):
@@ -335,6 +335,62 @@ def test_files_that_are_no_rig_are_refused(rig_file):
     rig_file.write_text(RIG)
     with pytest.raises(ValueError, match="lpha"):
         linestereo.Calibration.load(rig_file, alpha=2.0)
+
+
+OPENCV = """%YAML:1.0
+M1: !!opencv-matrix {rows: 3, cols: 3, dt: d, data: [250., 0., 159.5, 0., 250., 119.5, 0., 0., 1.]}
+D1: !!opencv-matrix {rows: 1, cols: 5, dt: d, data: [-0.1, 0., 0., 0., 0.]}
+M2: !!opencv-matrix {rows: 3, cols: 3, dt: d, data: [250., 0., 159.5, 0., 250., 119.5, 0., 0., 1.]}
+D2: !!opencv-matrix {rows: 1, cols: 5, dt: d, data: [-0.1, 0., 0., 0., 0.]}
+R: !!opencv-matrix {rows: 3, cols: 3, dt: d, data: [1., 0., 0., 0., 1., 0., 0., 0., 1.]}
+T: !!opencv-matrix {rows: 3, cols: 1, dt: d, data: [-60., 0., 0.]}
+"""
+
+SENSOR = """sensor_type: camera
+T_BS: {rows: 4, cols: 4, data: [1, 0, 0, %s, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
+resolution: [320, 240]
+camera_model: pinhole
+intrinsics: [250, 250, 159.5, 119.5]
+distortion_model: radial-tangential
+distortion_coefficients: [-0.1, 0, 0, 0]
+"""
+
+
+def test_calibrations_of_other_programs_are_read(pair, rig_file, tmp_path):
+    expected = linestereo.Calibration.load(rig_file)
+    opencv = tmp_path / "stereo.yml"
+    opencv.write_text(OPENCV)
+    found = linestereo.Calibration.load(opencv, raw_size=(320, 240))
+    assert found.size == (320, 240) and any("mm" in note for note in found.notes)
+    sensors = [tmp_path / "left.yaml", str(tmp_path / "right.yaml")]
+    for path, place in zip(sensors, ("0", "0.06")):
+        with open(path, "w") as file:
+            file.write(SENSOR % place)
+    for calibration in (found, linestereo.Calibration.load(sensors)):
+        for a, b in zip(linestereo.rectify(*pair, calibration), linestereo.rectify(*pair, expected)):
+            assert (a == b).all()
+    with pytest.raises(ValueError, match="convert-rig"):
+        linestereo.Calibration.load(opencv)
+    with pytest.raises(ValueError, match="of another size"):
+        linestereo.Calibration.load(opencv, raw_size=(160, 120))
+    with pytest.raises(ValueError, match="metres"):
+        linestereo.Calibration.load(opencv, raw_size=(320, 240), translation_unit="m")
+    with pytest.raises(ValueError, match="translation_unit"):
+        linestereo.Calibration.load(opencv, raw_size=(320, 240), translation_unit="inch")
+
+
+def test_a_baseline_in_millimetres_is_refused():
+    with pytest.raises(ValueError, match="mm"):
+        linestereo.Rig(712, 60)
+
+
+def test_an_offset_moves_infinity():
+    """Of cameras that look apart what is far away has a negative disparity: that is no fault of theirs."""
+    def health(rig):
+        return linestereo.match(wall(0), wall(-10), max_disparity=16, min_disparity=-24, rig=rig).health
+
+    assert Fault.BEYOND_INFINITY in health(linestereo.Rig(200, 0.06))
+    assert Fault.BEYOND_INFINITY not in health(linestereo.Rig(200, 0.06, 20.0))
 
 
 def program():

@@ -1,5 +1,7 @@
 //! Limits at which flags are raised.
 
+use crate::rig::Rig;
+
 /// Limits of every quantity of a [`PairHealth`](crate::PairHealth). The defaults are measured on 14 captured pairs, 6 of a robot's camera
 /// and three sequences of a robot (see `tests/tests/health.rs`), without false flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,6 +86,29 @@ impl HealthLimits {
         pattern_permille: 80,
         clear_after: 3,
     };
+
+    /// The same for pairs of this rig: what is infinitely far has minus its offset as its disparity.
+    ///
+    /// ```
+    /// use linestereo::{HealthLimits, Rig};
+    /// let squinting = Rig::new(100.0, 0.06, 5.0)?; // what is infinitely far is seen at -5 px
+    /// assert_eq!(HealthLimits::DEFAULT.of_rig(Some(&squinting)).least_disparity_q6, -6 * 64);
+    /// # Ok::<(), linestereo::RigError>(())
+    /// ```
+    #[must_use]
+    pub const fn of_rig(self, rig: Option<&Rig>) -> Self {
+        let least_q6 = match rig {
+            Some(rig) => (Self::DEFAULT.least_disparity_q6 as i64).wrapping_sub(rig.offset_q6()),
+            None => return self,
+        };
+        let least_disparity_q6 = match least_q6 {
+            ..=-32_768 => i16::MIN,
+            32_767.. => i16::MAX,
+            #[expect(clippy::cast_possible_truncation, reason = "the arms before exclude it")]
+            _ => least_q6 as i16,
+        };
+        Self { least_disparity_q6, ..self }
+    }
 
     /// Time between the captures of a pair, us, or an error if it is beyond the limit. To be called before the pair is used.
     ///

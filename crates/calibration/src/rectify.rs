@@ -3,17 +3,16 @@
 //! The nodes of a mesh depend on the memory there is for them. Images that boards hold get no more here than there, so that both give the
 //! same bytes; larger ones as much as they can use.
 
-use crate::interchange::{Options, load_rig};
+use crate::interchange::{Options, load_rig_texts};
 use core::fmt;
 use linestereo::{Dims, Span};
 use linestereo_boards::Board;
-use linestereo_frames::{FrameError, GrayImage, LayoutFault, RectifiedPair, area_average};
+use linestereo_frames::{FrameError, GrayImage, LayoutFault, RectifiedPair, RigText, area_average};
 use linestereo_rig::{
     Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Mesh, MeshError, Remap, RowError, View,
     fine_mesh_nodes, mesh_nodes,
 };
 use linestereo_wire::RigUpdate;
-use std::path::PathBuf;
 
 /// The largest images that a board rectifies.
 const BOARD: Dims = Board::MPS2_AN500.largest;
@@ -172,9 +171,11 @@ pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration, Red
 ///
 /// # Errors
 /// The calibration in these files cannot be read, or is of images of another size.
-pub fn rectify_raw(files: &[PathBuf], dims: Dims, [left, right]: [GrayImage; 2]) -> Result<RectifiedPair, FrameError> {
-    let failed = |what: &dyn fmt::Display| FrameError::Layout(files[0].clone(), LayoutFault::RawRig(what.to_string()));
-    let calibration = load_rig(files, &Options::default()).map_err(|error| failed(&error))?.rig.calibration;
+pub fn rectify_raw(files: &[RigText], dims: Dims, [left, right]: [GrayImage; 2]) -> Result<RectifiedPair, FrameError> {
+    let failed =
+        |what: &dyn fmt::Display| FrameError::Layout(files[0].path.clone(), LayoutFault::RawRig(what.to_string()));
+    let options = Options { images: Some(left.dims), ..Options::default() };
+    let calibration = load_rig_texts(files, &options).map_err(|error| failed(&error))?.rig.calibration;
     let raw = calibration.camera(CameraSide::Left).dims();
     if raw != left.dims {
         return Err(failed(&format!("it is of images of {raw}, these are {}", left.dims)));
@@ -184,7 +185,7 @@ pub fn rectify_raw(files: &[PathBuf], dims: Dims, [left, right]: [GrayImage; 2])
     let mut rectifier = PairRectifier::new(&view.remap()).map_err(|error| failed(&error))?;
     let (left, right) = (area_average(&left, dims.width)?, area_average(&right, dims.width)?);
     let (left, right) = rectifier.pair(&left, &right).map_err(|error| failed(&error))?;
-    let rig = view.rig().map_err(|error| FrameError::Rig(files[0].clone(), error))?;
+    let rig = view.rig().map_err(|error| FrameError::Rig(files[0].path.clone(), error))?;
     let numbers = RigUpdate { focal_px: view.focal(), baseline_m: view.baseline(), offset_px: 0.0 };
     Ok(([left, right], Some((numbers, rig))))
 }

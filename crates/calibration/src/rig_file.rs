@@ -81,6 +81,7 @@ struct RawCamera {
 #[serde(tag = "model", rename_all = "kebab-case", deny_unknown_fields)]
 enum RawLens {
     BrownConrady { k: [f64; 3], p: [f64; 2] },
+    Rational { k: [f64; 6], p: [f64; 2] },
     Fisheye { k: [f64; 4] },
 }
 
@@ -146,6 +147,7 @@ fn camera(raw: &RawCamera) -> Result<Camera, CameraError> {
     let [width, height] = raw.size;
     let lens = match raw.lens {
         RawLens::BrownConrady { k, p } => Lens::BrownConrady { k, p },
+        RawLens::Rational { k, p } => Lens::Rational { k, p },
         RawLens::Fisheye { k } => Lens::Fisheye { k },
     };
     Camera::new(Dims { width, height }, raw.focal_px, raw.centre_px, raw.skew_px, lens)
@@ -155,6 +157,7 @@ fn camera_text(eye: CameraSide, camera: &Camera) -> String {
     let Dims { width, height } = camera.dims();
     let lens = match camera.lens() {
         Lens::BrownConrady { k, p } => format!("{{ model = \"brown-conrady\", k = {k:?}, p = {p:?} }}"),
+        Lens::Rational { k, p } => format!("{{ model = \"rational\", k = {k:?}, p = {p:?} }}"),
         Lens::Fisheye { k } => format!("{{ model = \"fisheye\", k = {k:?} }}"),
     };
     format!(

@@ -14,6 +14,7 @@ use super::source::Views;
 use crate::grey::GrayImage;
 use crate::untrusted::{self, IMAGE_BYTES, PIXELS};
 use image::error::{LimitError, LimitErrorKind};
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits, Pixel};
 use linestereo::Dims;
 use linestereo::image::ViewError;
@@ -34,10 +35,34 @@ pub fn load_gray(path: &Path) -> Result<GrayImage, FrameError> {
     Ok(stored.into_8_bit(bits))
 }
 
+/// How EXIF turns an image, in words; the image comes turned.
+pub fn exif_turn(path: &Path) -> Result<&'static str, FrameError> {
+    let turn = decoded(path, reader(path)?, |mut decoder| decoder.orientation())?;
+    Ok(match turn {
+        Orientation::NoTransforms => UPRIGHT,
+        Orientation::Rotate90 => "by 90 degrees",
+        Orientation::Rotate180 => "by 180 degrees",
+        Orientation::Rotate270 => "by 270 degrees",
+        Orientation::FlipHorizontal
+        | Orientation::FlipVertical
+        | Orientation::Rotate90FlipH
+        | Orientation::Rotate270FlipH => "into its mirror image",
+    })
+}
+
+/// [`exif_turn`] of an image that EXIF leaves as it is.
+pub const UPRIGHT: &str = "not at all";
+
 /// Reads both images of a pair: 16-bit ones with one scale, that of `bits` or of the largest value in both.
 pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
     match files {
-        PairFiles::Two([left, right]) => Ok(on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], bits)),
+        PairFiles::Two([left, right]) => {
+            let [of_left, of_right] = [exif_turn(left)?, exif_turn(right)?];
+            if of_left != of_right {
+                return Err(FrameError::Turned(left.clone(), of_left, right.clone(), of_right));
+            }
+            Ok(on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], bits))
+        }
         PairFiles::SideBySide(both) => Ok(split(StoredGray::load(both)?, bits)),
         PairFiles::Source(pair) => Ok(match pair.grey()? {
             Views::Two(stored) => on_one_scale(stored, bits),

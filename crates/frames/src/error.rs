@@ -1,6 +1,7 @@
 //! Errors of frames on disk, each as one line that says what is wrong and what to do.
 
 use super::layout::Layout;
+use crate::rectified::Unfit;
 use crate::resample::WidthError;
 use crate::untrusted::printable;
 use crate::untrusted::{IMAGE_BYTES, PIXELS};
@@ -9,6 +10,9 @@ use linestereo::{Dims, RigError};
 use std::io;
 use std::path::PathBuf;
 
+/// What to do about images that EXIF turns.
+pub const EXIF_REMEDY: &str = "cameras of a rig do not turn between images: remove the mark from all (exiftool -Orientation= FILES), or turn the \
+     pixels of all (mogrify -auto-orient FILES)";
 /// Names of arrays that a message lists.
 const LISTED: usize = 8;
 
@@ -73,6 +77,12 @@ pub enum FrameError {
     /// The rig in `scene.json` is unusable.
     #[error("{0}: {1}; correct \"rectified\"")]
     Rig(PathBuf, RigError),
+    /// A calibration that is not of rectified images, or not of these.
+    #[error("{0}: {1}")]
+    Unfit(PathBuf, Unfit),
+    /// EXIF turns one image of a pair otherwise than the other one.
+    #[error("EXIF turns {0} {1}, and {2} {3}; {EXIF_REMEDY}")]
+    Turned(PathBuf, &'static str, PathBuf, &'static str),
     /// A folder holds no image of this name.
     #[error("{0} holds no {1}.png, .jpg, .pgm or .ppm; add the image")]
     NoImage(PathBuf, &'static str),

@@ -36,6 +36,8 @@ mod numpy;
 #[cfg(feature = "files")]
 mod perturb;
 #[cfg(feature = "files")]
+pub mod rectified;
+#[cfg(feature = "files")]
 pub mod regions;
 #[cfg(feature = "files")]
 mod scene_file;
@@ -59,16 +61,19 @@ pub use resample::{WidthError, area_average, halves, resampled_height};
 #[cfg(feature = "files")]
 pub use self::{
     datasets::{Dataset, layouts},
-    decode::{PixelBytes, check_same_size, check_size, check_usable, load_gray, load_images, load_values},
+    decode::{
+        PixelBytes, UPRIGHT, check_same_size, check_size, check_usable, exif_turn, load_gray, load_images, load_values,
+    },
     disparity_file::load_disparities,
-    error::{DisparityFault, FrameError, LayoutFault},
+    error::{DisparityFault, EXIF_REMEDY, FrameError, LayoutFault},
     folder::find_scenes,
     layout::Layout,
     perturb::{Perturbation, SplitMix64, blur},
+    rectified::{RectifiedRig, SentWindow, Unfit},
     scene_file::{has_truth, load_scene},
-    scene_info::{SceneInfo, check_baseline},
+    scene_info::SceneInfo,
     sequence::{PairFiles, SIDES, without_side},
     source::{PairSource, Views},
-    stored::{RectifiedPair, RectifyRaw, Scene, StoredPair, StoredRig, scaled_max_disparity},
+    stored::{RectifiedPair, RectifyRaw, RigText, Scene, StoredPair, StoredRig, scaled_max_disparity},
     truth::Truth,
 };

@@ -21,7 +21,7 @@ pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
 pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError> {
     stored(folder)?.load(width, &|files, _, _| {
         // A scene folder has no raw rig.
-        let path = files.first().cloned().unwrap_or_default();
+        let path = files.first().map(|file| file.path.clone()).unwrap_or_default();
         Err(FrameError::Layout(path, LayoutFault::RawRig("the folder's images are rectified".to_owned())))
     })
 }
@@ -32,7 +32,7 @@ pub(crate) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     let info = SceneInfo::load(&info_path)?;
     let image = |name| image_path(folder, name).ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name));
     let truth = stored_truth(folder, &info)?;
-    let rig = info.rig_numbers(1.0);
+    let rig = info.rectified_rig();
     Ok(StoredPair {
         name: printable(&info.scene.clone().unwrap_or_else(|| folder_name(folder))).into_owned(),
         number: None,

@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! { "scene": "desk",                         name
+//!   "size": [640, 480],                      of the images that all px here are of; "640x480" too
 //!   "max_disparity": 64,                     disparities to search, 0 .. this, px
 //!   "disparity_zero_px": -5,                 disparity of what is infinitely far: of cameras that look apart
 //!   "rectified": { "focal_px": 451, "baseline_m": 0.075,
-//!                  "disparity_offset_px": 0,           x_centre_right - x_centre_left
+//!                  "disparity_offset_px": 0,           x_centre_right - x_centre_left: minus disparity_zero_px
 //!                  "principal_point_px": [319.5, 239.5],
 //!                  "left_valid_normalized": [0, 0, 1, 1] },   borders of the left image's content: left, top, right, bottom
 //!   "ground_truth": { "file": "gt.png", "disparity_scale": 256 },   px = stored value / scale, 0 = unknown; PFM, NPY and NPZ too,
@@ -13,26 +14,26 @@
 //! ```
 //!
 //! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale` in `ground_truth`. A key that means nothing
-//! is refused, but for those of notes.
+//! is refused, but for those of notes. Images of another size than `size` are refused.
 
 use super::error::FrameError;
+use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};
 use crate::untrusted::{self, SETTINGS_BYTES};
 use linestereo::{Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use std::path::Path;
 
-const KEYS: [&str; 5] = ["scene", "max_disparity", "disparity_zero_px", "ground_truth", "rectified"];
+const KEYS: [&str; 6] = ["scene", "size", "max_disparity", "disparity_zero_px", "ground_truth", "rectified"];
 const TRUTH_KEYS: [&str; 2] = ["file", "disparity_scale"];
 const RIG_KEYS: [&str; 5] =
     ["focal_px", "baseline_m", "disparity_offset_px", "principal_point_px", "left_valid_normalized"];
 /// Notes of people and of other programs: where frames are from, what else lies beside them.
-const NOTES: [&str; 18] = [
+const NOTES: [&str; 17] = [
     "note",
     "rectified_note",
     "set",
-    "size",
     "frames",
     "source",
     "from",
@@ -48,14 +49,16 @@ const NOTES: [&str; 18] = [
     "objects",
     "comment",
 ];
-/// No rig is as wide, m; most are of some centimetres, which somebody has in mm.
-const MOST_BASELINE_M: f64 = 10.0;
+/// What `disparity_offset_px` and minus `disparity_zero_px` may differ by, px: two words for one number.
+const SAME_OFFSET_PX: f64 = 0.01;
 
 /// Content of `scene.json`; fields it does not have are `None`.
 #[derive(Clone, Debug, Default, Deserialize)]
 pub struct SceneInfo {
     /// Name of the scene.
     pub scene: Option<String>,
+    #[serde(default, deserialize_with = "size")]
+    pub(crate) size: Option<Dims>,
     /// Disparities to search, 0 .. this, in px.
     pub max_disparity: Option<f64>,
     /// Disparity of what is infinitely far, in px of the images as stored: what cameras that do not look in the same direction have.
@@ -75,8 +78,7 @@ pub(crate) struct GroundTruthInfo {
 struct RectifiedInfo {
     focal_px: f64,
     baseline_m: f64,
-    #[serde(default)]
-    disparity_offset_px: f64,
+    disparity_offset_px: Option<f64>,
     principal_point_px: Option<[f64; 2]>,
     left_valid_normalized: Option<[f64; 4]>,
 }
@@ -84,21 +86,21 @@ struct RectifiedInfo {
 impl SceneInfo {
     /// The information in a data set's calibration.
     #[must_use]
-    pub fn of_rig(rig: RigUpdate, centre: Option<[f64; 2]>, max_disparity: Option<f64>) -> Self {
+    pub fn of_rig(rig: &RectifiedRig, max_disparity: Option<f64>) -> Self {
         let rectified = RectifiedInfo {
-            focal_px: rig.focal_px,
-            baseline_m: rig.baseline_m,
-            disparity_offset_px: rig.offset_px,
-            principal_point_px: centre,
+            focal_px: rig.numbers.focal_px,
+            baseline_m: rig.numbers.baseline_m,
+            disparity_offset_px: Some(rig.numbers.offset_px),
+            principal_point_px: rig.centre_px,
             left_valid_normalized: None,
         };
-        Self { max_disparity, rectified: Some(rectified), ..Self::default() }
+        Self { size: rig.size, max_disparity, rectified: Some(rectified), ..Self::default() }
     }
 
     /// True when pairs of both are matched with the same parameters.
     #[must_use]
     pub fn matches_like(&self, other: &Self) -> bool {
-        let of = |info: &Self| (info.max_disparity, info.disparity_zero_px, info.rectified.clone());
+        let of = |info: &Self| (info.size, info.max_disparity, info.disparity_zero_px, info.rectified.clone());
         of(self) == of(other)
     }
 
@@ -115,10 +117,38 @@ impl SceneInfo {
         check_keys("ground_truth", &value["ground_truth"], &TRUTH_KEYS)?;
         check_keys("rectified", &value["rectified"], &RIG_KEYS)?;
         let info: Self = serde_json::from_value(value).map_err(|error| error.to_string())?;
-        match &info.rectified {
-            Some(rectified) => check_baseline(rectified.baseline_m).map(|()| info),
-            None => Ok(info),
+        if let Some(rectified) = &info.rectified {
+            check_baseline(rectified.baseline_m).map_err(|unfit| unfit.to_string())?;
+            if let (Some(centre), Some(size)) = (rectified.principal_point_px, info.size) {
+                check_centre_of(centre, size).map_err(|unfit| unfit.to_string())?;
+            }
+            let (zero, offset) = (info.disparity_zero_px, rectified.disparity_offset_px);
+            if let Some(offset) = offset.filter(|offset| zero != 0.0 && (offset + zero).abs() > SAME_OFFSET_PX) {
+                return Err(format!(
+                    "disparity_offset_px is {offset} and disparity_zero_px {zero}: one is minus the other; remove the wrong one"
+                ));
+            }
         }
+        Ok(info)
+    }
+
+    /// Refuses images of another size than these numbers are of, before they are reduced.
+    ///
+    /// # Errors
+    /// What does not fit.
+    pub fn check_images(&self, images: Dims) -> Result<(), Unfit> {
+        match (self.rectified_rig(), self.size) {
+            (Some(rig), _) => rig.check_images(images),
+            (None, Some(of)) if of != images => Err(Unfit::Size { of, images }),
+            (None, _) => Ok(()),
+        }
+    }
+
+    /// The rig of the images as stored, before the gate.
+    pub(crate) fn rectified_rig(&self) -> Option<RectifiedRig> {
+        let numbers = self.rig_numbers(1.0)?;
+        let centre_px = self.rectified.as_ref().and_then(|rectified| rectified.principal_point_px);
+        Some(RectifiedRig { numbers, centre_px, size: self.size })
     }
 
     /// The rig for images reduced by `scale` (1 = as stored), `None` when the file has none.
@@ -160,7 +190,7 @@ impl SceneInfo {
         self.rectified.as_ref().map(|rectified| RigUpdate {
             focal_px: rectified.focal_px * scale,
             baseline_m: rectified.baseline_m,
-            offset_px: rectified.disparity_offset_px * scale,
+            offset_px: rectified.disparity_offset_px.unwrap_or(-self.disparity_zero_px) * scale,
         })
     }
 }
@@ -181,11 +211,25 @@ fn check_keys(object: &str, value: &Value, known: &[&str]) -> Result<(), String>
     })
 }
 
-/// Refuses a distance between the cameras that is in other units than metres.
-pub fn check_baseline(metres: f64) -> Result<(), String> {
-    if metres <= MOST_BASELINE_M || !metres.is_finite() {
-        return Ok(());
+/// `[640, 480]` or `"640x480"`.
+fn size<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Dims>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Size {
+        Sides([u16; 2]),
+        Text(String),
     }
-    let (of_mm, of_cm) = (metres / 1000.0, metres / 100.0);
-    Err(format!("a baseline of {metres} m: did you mean mm? then give {of_mm}, for cm {of_cm}"))
+    let sides = match Option::<Size>::deserialize(value).map_err(|_| wrong_size())? {
+        None => return Ok(None),
+        Some(Size::Sides(sides)) => Some(sides),
+        Some(Size::Text(text)) => text
+            .split_once('x')
+            .and_then(|(width, height)| Some([width.trim().parse().ok()?, height.trim().parse().ok()?])),
+    };
+    let [width, height] = sides.ok_or_else(wrong_size)?;
+    Ok(Some(Dims { width, height }))
+}
+
+fn wrong_size<E: serde::de::Error>() -> E {
+    E::custom("size is neither [width, height] nor \"WIDTHxHEIGHT\" in px")
 }

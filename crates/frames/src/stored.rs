@@ -10,6 +10,7 @@ use super::decode::{check_same_size, check_size, is_16_bit, load_images, load_va
 use super::disparity_file::{is_float_file, load_disparities};
 use super::error::{FrameError, LayoutFault};
 use super::layout::Layout;
+use super::rectified::RectifiedRig;
 use super::resample::{WidthError, area_average, resampled_height};
 use super::scene_info::SceneInfo;
 use super::sequence::PairFiles;
@@ -71,11 +72,24 @@ pub enum StoredRig {
     /// Nothing.
     Unknown,
     /// Images are rectified; the file that says so, and the rig of the images as stored.
-    Rectified(PathBuf, RigUpdate),
-    /// The same by a recording, which has the principal point too, px.
-    Recorded(PathBuf, RigUpdate, [f64; 2]),
-    /// Images are raw: the files with the calibration of both cameras.
-    Raw(Vec<PathBuf>),
+    Rectified(PathBuf, RectifiedRig),
+    /// Images are raw: the calibration of both cameras.
+    Raw(Vec<RigText>),
+}
+
+/// A file with the calibration of raw images.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RigText {
+    /// Its path; of what is no file of its own, where it is from.
+    pub path: PathBuf,
+    /// Its content, where it is no file of its own.
+    pub text: Option<String>,
+}
+
+impl From<PathBuf> for RigText {
+    fn from(path: PathBuf) -> Self {
+        Self { path, text: None }
+    }
 }
 
 /// Ground truth of a pair.
@@ -137,12 +151,13 @@ impl StoredPair {
     /// Every file that is read with it.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         let truth = self.truth.as_ref().map(|truth| truth.file.as_path());
-        let rig: &[PathBuf] = match &self.rig {
-            StoredRig::Unknown => &[],
-            StoredRig::Rectified(path, _) | StoredRig::Recorded(path, ..) => core::slice::from_ref(path),
-            StoredRig::Raw(paths) => paths,
+        let (file, texts) = match &self.rig {
+            StoredRig::Unknown => (None, &[][..]),
+            StoredRig::Rectified(path, _) => (Some(path.as_path()), &[][..]),
+            StoredRig::Raw(texts) => (None, texts.as_slice()),
         };
-        self.images.paths().into_iter().chain(truth).chain(rig.iter().map(PathBuf::as_path))
+        let of_raw = texts.iter().filter(|rig| rig.text.is_none()).map(|rig| rig.path.as_path());
+        self.images.paths().into_iter().chain(truth).chain(file).chain(of_raw)
     }
 
     /// Information besides its images: its `scene.json`, or the calibration of its data set.
@@ -151,17 +166,13 @@ impl StoredPair {
         if !self.folder.as_os_str().is_empty() && file.is_file() {
             return SceneInfo::load(&file).map(|info| Some((file, info)));
         }
-        let (path, rig, centre) = match &self.rig {
-            StoredRig::Rectified(path, rig) => (path, rig, None),
-            StoredRig::Recorded(path, rig, centre) => (path, rig, Some(*centre)),
-            StoredRig::Unknown | StoredRig::Raw(_) => return Ok(None),
-        };
-        Ok(Some((path.clone(), SceneInfo::of_rig(*rig, centre, self.max_disparity))))
+        let StoredRig::Rectified(path, rig) = &self.rig else { return Ok(None) };
+        Ok(Some((path.clone(), SceneInfo::of_rig(rig, self.max_disparity))))
     }
 
-    /// The files with the calibration of its cameras, where it is raw.
+    /// The calibration of its cameras, where it is raw.
     #[must_use]
-    pub fn raw_rig(&self) -> Option<&[PathBuf]> {
+    pub fn raw_rig(&self) -> Option<&[RigText]> {
         if let StoredRig::Raw(files) = &self.rig { Some(files) } else { None }
     }
 
@@ -185,7 +196,7 @@ impl StoredPair {
             }
             known => {
                 let images = [area_average(&left, reduced.width)?, area_average(&right, reduced.width)?];
-                let (numbers, rig) = known.at(scale)?.unzip();
+                let (numbers, rig) = known.at(full, scale)?.unzip();
                 (images, numbers, rig)
             }
         };
@@ -210,9 +221,11 @@ impl StoredPair {
 }
 
 impl StoredRig {
-    /// The rig of rectified images reduced by `scale`.
-    fn at(&self, scale: f64) -> Result<Option<(RigUpdate, Rig)>, FrameError> {
-        let (Self::Rectified(path, numbers) | Self::Recorded(path, numbers, _)) = self else { return Ok(None) };
+    /// The rig of rectified images of this size, reduced by `scale`.
+    fn at(&self, full: Dims, scale: f64) -> Result<Option<(RigUpdate, Rig)>, FrameError> {
+        let Self::Rectified(path, rig) = self else { return Ok(None) };
+        rig.check_images(full).map_err(|unfit| FrameError::Unfit(path.clone(), unfit))?;
+        let numbers = &rig.numbers;
         let (focal_px, offset_px) = (numbers.focal_px * scale, numbers.offset_px * scale);
         let reduced = RigUpdate { focal_px, offset_px, ..*numbers };
         let rig = reduced.rig().map_err(|error| FrameError::Rig(path.clone(), error))?;
@@ -269,7 +282,7 @@ pub(crate) const KITTI_STEPS: f32 = 256.0;
 pub type RectifiedPair = ([GrayImage; 2], Option<(RigUpdate, Rig)>);
 
 /// Makes a rectified pair of this size of a raw one, by the calibration files of its cameras.
-pub type RectifyRaw<'a> = dyn Fn(&[PathBuf], Dims, [GrayImage; 2]) -> Result<RectifiedPair, FrameError> + Sync + 'a;
+pub type RectifyRaw<'a> = dyn Fn(&[RigText], Dims, [GrayImage; 2]) -> Result<RectifiedPair, FrameError> + Sync + 'a;
 
 #[cfg(test)]
 mod tests {

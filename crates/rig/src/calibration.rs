@@ -50,11 +50,13 @@ pub enum CalibrationError {
     /// The cameras are turned against each other by more than 60 degrees.
     #[error("the cameras are turned against each other by more than 60 degrees")]
     Turned,
-    /// The baseline is outside 0.0001 ..= 100 m, or not finite.
-    #[error("baseline {0} m is outside 0.0001 to 100")]
+    /// The baseline is outside 0.0001 ..= 10 m, or not finite.
+    #[error("a baseline of {0} m is outside 0.0001 to 10: lengths are in metres, not in millimetres")]
     Baseline(f64),
     /// The right camera lies to the left of the left one.
-    #[error("the right camera lies to the left of the left one: exchange their images")]
+    #[error(
+        "the right camera lies to the left of the left one: exchange their images, or correct the translation's sign"
+    )]
     Swapped,
     /// The cameras lie above each other, or one behind the other, more than side by side.
     #[error("the cameras do not lie side by side")]
@@ -84,7 +86,7 @@ impl Calibration {
             return Err(CalibrationError::Turned);
         }
         let baseline = libm::sqrt(translation.iter().map(|t| t * t).sum());
-        if !(0.0001..=100.0).contains(&baseline) {
+        if !(0.0001..=10.0).contains(&baseline) {
             return Err(CalibrationError::Baseline(baseline));
         }
         let calibration = Self { left, right, rotation, translation };

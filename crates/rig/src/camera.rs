@@ -4,12 +4,13 @@
 //!
 //! ```text
 //! (x, y) = (X/Z, Y/Z)                              normalised plane
-//! (x', y') = lens(x, y)                            Brown-Conrady or equidistant fisheye
+//! (x', y') = lens(x, y)                            Brown-Conrady, rational or equidistant fisheye
 //! u = fx x' + skew y' + cx,   v = fy y' + cy       pixels; whole numbers are pixel centres
 //! ```
 //!
 //! # Source
-//! Brown, "Close-range camera calibration", 1971, and Conrady, 1919, in the form and with the names of OpenCV (k1 k2 p1 p2 k3); Kannala and
+//! Brown, "Close-range camera calibration", 1971, and Conrady, 1919, in the form and with the names of OpenCV (k1 k2 p1 p2 k3); Claus and
+//! Fitzgibbon, 2005, in the form of OpenCV's `CALIB_RATIONAL_MODEL` (k4 k5 k6 too); Kannala and
 //! Brandt, 2006, in the form of OpenCV's and Kalibr's equidistant fisheye model (k1 .. k4).
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
@@ -18,6 +19,9 @@ use linestereo::image::Dims;
 
 /// Tangent of the largest angle of rays off the axis, 76 degrees; a flat rectified image cannot show more.
 pub const MAX_TANGENT: f64 = 4.0;
+
+/// Largest lens coefficient: those of the rational model reach some hundreds.
+const MOST_COEFFICIENT: f32 = 10_000.0;
 
 /// Number of steps in which a lens is tested for folding.
 const STEPS: u32 = 512;
@@ -30,6 +34,13 @@ pub enum Lens<T = f64> {
         /// Radial: `1 + k1 r^2 + k2 r^4 + k3 r^6`.
         k: [T; 3],
         /// Tangential: `2 p1 x y + p2 (r^2 + 2 x^2)`, `p1 (r^2 + 2 y^2) + 2 p2 x y`.
+        p: [T; 2],
+    },
+    /// Rational: radial `(1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, and tangential.
+    Rational {
+        /// Radial: k1 k2 k3 above, k4 k5 k6 below the line.
+        k: [T; 6],
+        /// Tangential, as of Brown-Conrady.
         p: [T; 2],
     },
     /// Equidistant: `theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` in place of `tan(theta)`.
@@ -56,6 +67,12 @@ impl Lens {
                 let s = r * r;
                 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3))
             }
+            Self::Rational { k: [k1, k2, k3, k4, k5, k6], .. } => {
+                let s = r * r;
+                let slope = 1.0 + s * (3.0 * k1 + s * (5.0 * k2 + s * 7.0 * k3));
+                let (above, below) = (cubic(s, [k1, k2, k3]), cubic(s, [k4, k5, k6]));
+                (slope - 2.0 * s * (k4 + s * (2.0 * k5 + s * 3.0 * k6)) * above / below) / below
+            }
             Self::Fisheye { k: [k1, k2, k3, k4] } => {
                 let theta = libm::atan(r);
                 let t = theta * theta;
@@ -71,7 +88,7 @@ impl Lens {
         for i in 1..=STEPS {
             let r = f64::from(i) * step;
             let distorted = r * self.radial(r * r);
-            if distorted <= last {
+            if distorted <= last || distorted.is_nan() {
                 return f64::from(i - 1) * step;
             }
             last = distorted;
@@ -88,17 +105,20 @@ impl Lens {
 }
 
 impl<T: Real> Lens<T> {
-    fn coefficients(&self) -> impl Iterator<Item = T> {
-        let (a, b): ([T; 4], [T; 2]) = match *self {
-            Self::BrownConrady { k: [k1, k2, k3], p } => ([k1, k2, k3, T::from(0.0)], p),
-            Self::Fisheye { k } => (k, [T::from(0.0); 2]),
-        };
-        a.into_iter().chain(b)
+    /// Radial ones, then tangential ones; zeros fill up.
+    pub(crate) fn coefficients(&self) -> [T; 8] {
+        let zero = T::from(0.0);
+        match *self {
+            Self::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => [k1, k2, k3, p1, p2, zero, zero, zero],
+            Self::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => [k1, k2, k3, p1, p2, k4, k5, k6],
+            Self::Fisheye { k: [k1, k2, k3, k4] } => [k1, k2, k3, k4, zero, zero, zero, zero],
+        }
     }
 
     fn map<U>(self, each: impl Fn(T) -> U) -> Lens<U> {
         match self {
             Self::BrownConrady { k, p } => Lens::BrownConrady { k: k.map(&each), p: p.map(&each) },
+            Self::Rational { k, p } => Lens::Rational { k: k.map(&each), p: p.map(&each) },
             Self::Fisheye { k } => Lens::Fisheye { k: k.map(&each) },
         }
     }
@@ -114,7 +134,8 @@ impl<T: Real> Lens<T> {
     fn radial(&self, s: T) -> T {
         let one = T::from(1.0);
         match *self {
-            Self::BrownConrady { k: [k1, k2, k3], .. } => one + s * (k1 + s * (k2 + s * k3)),
+            Self::BrownConrady { k, .. } => cubic(s, k),
+            Self::Rational { k: [k1, k2, k3, k4, k5, k6], .. } => cubic(s, [k1, k2, k3]) / cubic(s, [k4, k5, k6]),
             Self::Fisheye { k: [k1, k2, k3, k4] } => {
                 let r = s.sqrt();
                 let theta = r.atan();
@@ -127,7 +148,7 @@ impl<T: Real> Lens<T> {
 
     fn tangential(&self, [x, y]: [T; 2]) -> [T; 2] {
         match *self {
-            Self::BrownConrady { p: [p1, p2], .. } => {
+            Self::BrownConrady { p: [p1, p2], .. } | Self::Rational { p: [p1, p2], .. } => {
                 let two = T::from(2.0);
                 let s = x * x + y * y;
                 [two * p1 * x * y + p2 * (s + two * x * x), p1 * (s + two * y * y) + two * p2 * x * y]
@@ -135,6 +156,11 @@ impl<T: Real> Lens<T> {
             Self::Fisheye { .. } => [T::from(0.0); 2],
         }
     }
+}
+
+/// `1 + a s + b s^2 + c s^3`.
+fn cubic<T: Real>(s: T, [a, b, c]: [T; 3]) -> T {
+    T::from(1.0) + s * (a + s * (b + s * c))
 }
 
 /// Number of a camera that is not usable.
@@ -152,8 +178,8 @@ pub enum CameraError {
     /// The skew is outside -1000 ..= 1000 px or not finite.
     #[error("skew {0} px is outside -1000 to 1000")]
     Skew(f64),
-    /// A lens coefficient is outside -1000 ..= 1000 or not finite.
-    #[error("lens coefficient {0} is outside -1000 to 1000")]
+    /// A lens coefficient is outside -10 000 ..= 10 000 or not finite.
+    #[error("lens coefficient {0} is outside -10000 to 10000")]
     Lens(f64),
     /// The lens folds the image over at this tangent of the viewing angle, inside the image.
     #[error("the lens coefficients fold the image over at a tangent of {0:.2}, inside the image")]
@@ -183,7 +209,7 @@ pub(crate) fn check_numbers<T: Real>(
     if !within(&skew, -1000.0, 1000.0) {
         return Err(CameraError::Skew(skew.into()));
     }
-    match lens.coefficients().find(|k| !within(k, -1000.0, 1000.0)) {
+    match lens.coefficients().into_iter().find(|k| !within(k, -MOST_COEFFICIENT, MOST_COEFFICIENT)) {
         Some(wrong) => Err(CameraError::Lens(wrong.into())),
         None => Ok(()),
     }

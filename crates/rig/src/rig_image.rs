@@ -6,7 +6,7 @@
 //! ```text
 //! offset  bytes                      all numbers little endian
 //!      0      4  magic               "LSRG"
-//!      4      2  version             2
+//!      4      2  version             3
 //!      6      2  length              of the whole image, checksum included
 //!      8      4  sequence            0 in a file; counted by boards that write images into two slots
 //!     12    2+2  rectified size      px
@@ -14,11 +14,11 @@
 //!     18      2  end of disparities  px
 //!     20    2+2  raw size            px
 //!     24    4*4  rectified view      f32: focal length, centre x y, px; baseline, m
-//!     40     84  left camera         f32: rotation from common to the camera's coordinates by rows (9*4), focal lengths x y, centre x y, skew,
-//!                                    px; lens (4) 0: Brown-Conrady, 1: fisheye, then coefficients k1 k2 k3 p1 p2, or k1 k2 k3 k4 0,
-//!                                    and the tangent of the angle up to which the lens is used
-//!    124     84  right camera        the same
-//!    208      4  CRC-32              of all bytes before it
+//!     40     96  left camera         f32: rotation from common to the camera's coordinates by rows (9*4), focal lengths x y, centre x y, skew,
+//!                                    px; lens (4) 0: Brown-Conrady, 1: fisheye, 2: rational, then eight coefficients, k1 k2 k3 p1 p2 0 0 0,
+//!                                    k1 k2 k3 k4 0 0 0 0, or k1 k2 k3 p1 p2 k4 k5 k6, and the tangent of the angle up to which the lens is used
+//!    136     96  right camera        the same
+//!    232      4  CRC-32              of all bytes before it
 //! ```
 //!
 //! Magic, version, length, sequence and a CRC-32 at the end have the same offsets in every version, so that another one is recognised.
@@ -41,7 +41,7 @@ use serde::{Deserialize, Serialize};
 /// First bytes of every image.
 const MAGIC: [u8; 4] = *b"LSRG";
 /// Version that is written.
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 /// Value of erased flash.
 const ERASED: u8 = 0xff;
 
@@ -107,7 +107,7 @@ pub enum RigImageError {
         found: u16,
     },
     /// A kind of lens that this version does not have.
-    #[error("{0} camera: lens {1} is not known, only 0 and 1 are")]
+    #[error("{0} camera: lens {1} is not known, only 0, 1 and 2 are")]
     LensKind(CameraSide, u32),
     /// A camera is not usable.
     #[error("{0} camera: {1}")]
@@ -158,7 +158,7 @@ impl RigImageHead {
 
 impl RigImage {
     /// Size of an image, bytes.
-    pub const BYTES: usize = 212;
+    pub const BYTES: usize = 236;
 
     /// A rig whose images are rectified to this size and view and searched at disparities `min_disparity .. max_disparity`, px.
     pub fn new(
@@ -293,7 +293,7 @@ struct CameraNumbers {
     skew: f32,
     #[serde(with = "postcard::fixint::le")]
     lens_kind: u32,
-    lens: [f32; 5],
+    lens: [f32; 8],
     limit: f32,
 }
 
@@ -302,24 +302,27 @@ struct LensKind;
 impl LensKind {
     const BROWN_CONRADY: u32 = 0;
     const FISHEYE: u32 = 1;
+    const RATIONAL: u32 = 2;
 }
 
 impl From<RemapCamera> for CameraNumbers {
     fn from(RemapCamera { rotation, focal, centre, skew, lens, limit }: RemapCamera) -> Self {
-        let (lens_kind, lens) = match lens {
-            Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => (LensKind::BROWN_CONRADY, [k1, k2, k3, p1, p2]),
-            Lens::Fisheye { k: [k1, k2, k3, k4] } => (LensKind::FISHEYE, [k1, k2, k3, k4, 0.0]),
+        let lens_kind = match lens {
+            Lens::BrownConrady { .. } => LensKind::BROWN_CONRADY,
+            Lens::Fisheye { .. } => LensKind::FISHEYE,
+            Lens::Rational { .. } => LensKind::RATIONAL,
         };
-        Self { rotation, focal, centre, skew, lens_kind, lens, limit }
+        Self { rotation, focal, centre, skew, lens_kind, lens: lens.coefficients(), limit }
     }
 }
 
 impl CameraNumbers {
     fn camera(self, side: CameraSide) -> Result<RemapCamera, RigImageError> {
-        let Self { rotation, focal, centre, skew, lens_kind, lens: [a, b, c, d, e], limit } = self;
+        let Self { rotation, focal, centre, skew, lens_kind, lens: [a, b, c, d, e, f, g, h], limit } = self;
         let lens = match lens_kind {
             LensKind::BROWN_CONRADY => Lens::BrownConrady { k: [a, b, c], p: [d, e] },
             LensKind::FISHEYE => Lens::Fisheye { k: [a, b, c, d] },
+            LensKind::RATIONAL => Lens::Rational { k: [a, b, c, f, g, h], p: [d, e] },
             kind => return Err(RigImageError::LensKind(side, kind)),
         };
         Ok(RemapCamera { rotation, focal, centre, skew, lens, limit })

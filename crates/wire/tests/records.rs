@@ -337,7 +337,7 @@ fn what_the_core_refuses_is_refused_by_name() {
             "a margin in metres needs a rig (focal length and baseline)",
         ),
         (rig(0.5, 0.1, 0.0), "focal length 0.5 px is outside 1 to 100000"),
-        (rig(400.0, f64::NAN, 0.0), "baseline NaN m is outside 0.0001 to 100"),
+        (rig(400.0, f64::NAN, 0.0), "baseline NaN m is outside 0.0001 to 10: is it in mm?"),
         (rig(400.0, 0.1, -1e9), "disparity offset -1000000000 px is outside -4096 to 4096"),
         (full_update(), "baseline"),
     ];

@@ -75,13 +75,27 @@ pub trait Memory {
 pub enum RunError {
     /// The core or this board has no frames of this size.
     Size(Dims),
+    /// A memory is too small for it, or its usable pixels are those of another rig.
+    NoRoom(NoRoom),
 }
 
 impl From<ViewError> for RunError {
     fn from(error: ViewError) -> Self {
         match error {
             ViewError::Dims(dims) => Self::Size(dims),
-            _ => Self::Size(Dims { width: 0, height: 0 }),
+            ViewError::TooShort { needed, given } => Self::NoRoom(NoRoom::Small { name: "frame", needed, given }),
+            _ => Self::NoRoom(NoRoom::NothingSeen),
+        }
+    }
+}
+
+impl From<linestereo::RunError> for RunError {
+    fn from(error: linestereo::RunError) -> Self {
+        match error {
+            linestereo::RunError::SizeMismatch { given, .. } => Self::Size(given),
+            linestereo::RunError::ScratchTooSmall { name, needed, given } => {
+                Self::NoRoom(NoRoom::Small { name, needed, given })
+            }
         }
     }
 }
@@ -149,7 +163,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         let [left, right] = views([&self.left, &self.right], valid, dims)?;
         let pair = Pair { left, right, times_us };
         let areas = areas.filter(|_| matcher.knows_rows());
-        matcher.run(pair, areas, self.core.view(), observer).map_err(|_| RunError::Size(dims))
+        Ok(matcher.run(pair, areas, self.core.view(), observer)?)
     }
 
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {
@@ -210,4 +224,25 @@ fn views<'a>(frames: [&'a [u8]; 2], valid: [&'a [Span]; 2], dims: Dims) -> Resul
 /// Of the left and the right frame, the pixels that may be used; none where all may.
 fn valid<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
     rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.valid() } else { &[] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::refusal;
+    use linestereo_wire::{Refusal, RigFault};
+
+    #[test]
+    fn every_error_is_refused_in_its_own_words() {
+        let of_core = |error: linestereo::RunError| refusal(error.into()).to_string();
+        let small = linestereo::RunError::ScratchTooSmall { name: "ROW", needed: 9, given: 4 };
+        assert_eq!(of_core(small), "ROW of the board's memory holds 4, these images need 9");
+        let [planned, given] = [320, 8].map(|width| Dims { width, height: 240 });
+        assert!(of_core(linestereo::RunError::SizeMismatch { planned, given }).starts_with("width is 8"));
+        let of_view = |error: ViewError| refusal(error.into());
+        let short = of_view(ViewError::TooShort { needed: 9, given: 4 }).to_string();
+        assert_eq!(short, "frame of the board's memory holds 4, these images need 9");
+        assert_eq!(of_view(ViewError::Spans { rows: 9, given: 4 }), Refusal::Rig(RigFault::View));
+        assert!(of_view(ViewError::Dims(given)).to_string().starts_with("width is 8"));
+    }
 }

@@ -5,7 +5,7 @@ use super::board_options::{BoardOptions, BoardSize, parse_board};
 use super::pairs::for_each_pair;
 use crate::draw;
 use crate::output::{OutputFiles, OutputPath, spare};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Write;
 use indicatif::ProgressBar;
 use linestereo::Dims;
@@ -14,7 +14,7 @@ use linestereo_calibration::boards::{
     NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
 };
 use linestereo_calibration::rig_file::{Quality, RigFile};
-use linestereo_frames::{GrayImage, load_gray};
+use linestereo_frames::{EXIF_REMEDY, GrayImage, UPRIGHT, exif_turn, load_gray};
 use std::path::PathBuf;
 
 /// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or an AprilGrid.
@@ -81,10 +81,11 @@ pub fn run(args: &Args) -> Result<()> {
     let (pairs, alone) = find_pairs(&args.folder, args.skip_unpaired)?;
     let photos = pairs.iter().flat_map(|pair| &pair.files).map(PathBuf::as_path);
     spare(asked_for([&args.out, &args.json, &args.report]), photos)?;
+    let turned = turned_by_exif(&pairs)?;
     let (dims, found) = find_boards(&board, &pairs)?;
     let (views, missing) = seen_by_both(&pairs, &found);
     if views.len() < LEAST_VIEWS {
-        bail!("{}", too_few(&board, pairs.len(), views.len(), &found));
+        bail!("{}{turned}", too_few(&board, pairs.len(), views.len(), &found));
     }
     let options = Options {
         lens: match args.lens {
@@ -99,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
     spinner.enable_steady_tick(core::time::Duration::from_millis(100));
     let estimate = estimate(&board, dims, &views, &options);
     spinner.finish_and_clear();
-    let estimate = estimate?;
+    let estimate = estimate.map_err(|error| anyhow!("{error}{turned}"))?;
     let assessment = assess(&estimate, args.max_disparity);
 
     let mut output = OutputFiles::new();
@@ -122,6 +123,9 @@ pub fn run(args: &Args) -> Result<()> {
     })?;
     let mut text =
         format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
+    if !turned.is_empty() {
+        let _ = writeln!(text, "  the rig is that of the turned images{turned}");
+    }
     for path in alone {
         let _ = writeln!(text, "  {}: no partner, left out", path.display());
     }
@@ -141,6 +145,19 @@ fn clearest_pair(estimate: &Estimate, pairs: &[PhotoPair]) -> Result<Option<[Gra
     };
     let [left, right] = &pair.files;
     Ok(Some([load_gray(left)?, load_gray(right)?]))
+}
+
+/// What is to be said where EXIF turns all photos; it refuses where it turns some. Cameras of a rig do not turn between photos.
+fn turned_by_exif(pairs: &[PhotoPair]) -> Result<String> {
+    let files: Vec<&PathBuf> = pairs.iter().flat_map(|pair| &pair.files).collect();
+    let turns = files.iter().map(|file| exif_turn(file)).collect::<Result<Vec<_>, _>>()?;
+    let mut turned = files.iter().zip(&turns).filter(|(_, turn)| **turn != UPRIGHT);
+    let Some((file, turn)) = turned.next() else { return Ok(String::new()) };
+    if turns.iter().any(|other| other != turn) {
+        let count = 1 + turned.count();
+        bail!("EXIF turns {} {turn}, and {count} of {} photos in all; {EXIF_REMEDY}", file.display(), files.len());
+    }
+    Ok(format!("; EXIF turns all photos {turn}, and images without EXIF are not turned: {EXIF_REMEDY}"))
 }
 
 /// Corners, or why there are none, of both photos of a pair.

@@ -53,7 +53,7 @@ pub(super) struct ImportArgs {
 impl ImportArgs {
     pub(super) fn options(&self) -> Options {
         let Self { from, size, translation_unit, lens, swap } = *self;
-        Options { from, size, translation_unit, lens, swap }
+        Options { from, size, translation_unit, lens, swap, images: None }
     }
 }
 
@@ -108,6 +108,7 @@ fn camera(camera: &Camera) -> String {
     let lens = match camera.lens() {
         Lens::NONE => "no distortion".to_owned(),
         Lens::BrownConrady { k, p } => format!("brown-conrady k {} p {}", numbers(&k), numbers(&p)),
+        Lens::Rational { k, p } => format!("rational k {} p {}", numbers(&k), numbers(&p)),
         Lens::Fisheye { k } => format!("fisheye k {}", numbers(&k)),
     };
     let skew = if camera.skew() == 0.0 { String::new() } else { format!("skew {:.2}, ", camera.skew()) };

@@ -45,7 +45,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = OutputFiles::new();
     let picture = || draw::explanation(&matched.images[0], &explanation);
     output.add_made(args.picture.as_ref(), || Ok(draw::png(&picture())?))?;
-    let mut text = String::new();
+    let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
     if pixel != args.pixel {
         text.push_str(&format!("pixel {x},{y} is {},{} of the images as matched\n", pixel.0, pixel.1));
     }

@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let (Some(rig), Some(out)) = (&args.rig, &args.out) else { unreachable!("clap asks for both") };
     let range = (0, args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY));
-    let image = args.view.image(core::slice::from_ref(rig), args.focal_px, range)?;
+    let image = args.view.image(&[rig.clone().into()], None, args.focal_px, range)?;
     let bytes = image.encode(0);
     let mut output = OutputFiles::new();
     output.add(out, &bytes)?;
@@ -92,6 +92,7 @@ fn camera(camera: &RemapCamera) -> String {
     let RemapCamera { focal: [fx, fy], centre: [cx, cy], skew, lens, .. } = camera;
     let lens = match lens {
         Lens::BrownConrady { k, p } => format!("Brown-Conrady k {k:?} p {p:?}"),
+        Lens::Rational { k, p } => format!("rational k {k:?} p {p:?}"),
         Lens::Fisheye { k } => format!("fisheye k {k:?}"),
     };
     format!("focal length {fx:.2} {fy:.2} px, centre ({cx:.2}, {cy:.2}), skew {skew} px, {lens}")

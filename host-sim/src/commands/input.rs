@@ -19,13 +19,14 @@ use linestereo::image::ViewError;
 use linestereo::image::shrink_to_valid;
 use linestereo::{Dims, Disparity, Gray, Params, Rig, RigError, Span};
 use linestereo_calibration::rectify::PairRectifier;
+use linestereo_frames::rectified::{check_baseline, check_centre, check_focal};
 use linestereo_frames::{
-    GrayImage, PairFiles, SceneInfo, StoredPair, area_average, check_baseline, check_same_size, check_size,
-    check_usable, load_images, scaled_max_disparity,
+    GrayImage, PairFiles, RigText, SceneInfo, StoredPair, area_average, check_same_size, check_size, check_usable,
+    load_images, scaled_max_disparity,
 };
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Disparity range where neither an option nor a scene file gives one, in images that are wide enough.
@@ -92,8 +93,10 @@ pub(super) enum Known {
     Nothing,
     /// It is rectified; the file that says what else is known.
     Scene(PathBuf, SceneInfo),
-    /// It is raw; the files with its rig.
-    Raw(Vec<PathBuf>),
+    /// A scene.json that nobody named lies beside the images: what it says, or why it is none.
+    Beside(PathBuf, Result<SceneInfo, String>),
+    /// It is raw; its rig.
+    Raw(Vec<RigText>),
 }
 
 impl Known {
@@ -101,7 +104,9 @@ impl Known {
     pub(super) fn matches_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Nothing, Self::Nothing) => true,
-            (Self::Scene(_, info), Self::Scene(_, other)) => info.matches_like(other),
+            (Self::Scene(_, info), Self::Scene(_, other)) | (Self::Beside(_, Ok(info)), Self::Beside(_, Ok(other))) => {
+                info.matches_like(other)
+            }
             (Self::Raw(files), Self::Raw(others)) => files == others,
             _ => false,
         }
@@ -126,6 +131,10 @@ pub(super) struct Setup<'a> {
     left_content: Vec<Span>,
     pub(super) params: Params,
     pub(super) rig_numbers: Option<RigUpdate>,
+    /// Disparity of what is infinitely far, px, where there is no rig.
+    zero_px: f64,
+    /// What is to be said of the scene.json beside the pair.
+    pub(super) note: Option<String>,
     /// Pairs are raw and of this rig.
     pub(super) rig: Option<RigImage>,
 }
@@ -143,15 +152,27 @@ impl InputArgs {
     /// Knowledge of a pair: by the options, else by the files beside it.
     pub(super) fn known_of(&self, pair: &StoredPair) -> Result<Known> {
         if !self.rig.is_empty() {
-            return Ok(Known::Raw(self.rig.clone()));
+            return Ok(Known::Raw(self.rig_texts()));
         }
         if let Some(path) = &self.scene {
             return Ok(Known::Scene(path.clone(), SceneInfo::load(path)?));
         }
-        match pair.raw_rig().filter(|_| self.focal_px.is_none() && self.fb.is_none()) {
-            Some(files) => Ok(Known::Raw(files.to_vec())),
-            None => Ok(pair.info()?.map_or(Known::Nothing, |(path, info)| Known::Scene(path, info))),
+        let has_no_rig = self.focal_px.is_none() && self.fb.is_none();
+        if let Some(rig) = pair.raw_rig().filter(|_| has_no_rig) {
+            return Ok(Known::Raw(rig.to_vec()));
         }
+        Ok(match (pair.info()?, beside(&pair.images).filter(|_| has_no_rig)) {
+            (Some((path, info)), _) => Known::Scene(path, info),
+            (None, Some(path)) => {
+                let info = SceneInfo::load(&path).map_err(|error| error.to_string());
+                Known::Beside(path, info)
+            }
+            (None, None) => Known::Nothing,
+        })
+    }
+
+    fn rig_texts(&self) -> Vec<RigText> {
+        self.rig.iter().cloned().map(RigText::from).collect()
     }
 
     /// Reads and checks both images; with --width they are reduced.
@@ -183,22 +204,40 @@ impl InputArgs {
     /// The set-up for pairs like this one.
     pub(super) fn setup_as(&self, pair: &Pair, known: &Known) -> Result<Setup<'_>> {
         let (loaded, given) = (pair.images[0].dims, pair.given);
+        let options = || "options".to_owned();
         let (setup, source) = match known {
-            Known::Nothing => (self.rectified(loaded, given, None)?, "options".to_owned()),
+            Known::Nothing => (self.rectified(loaded, given, None)?, options()),
             Known::Scene(path, info) => {
                 (self.rectified(loaded, given, Some((path, info)))?, path.display().to_string())
             }
-            Known::Raw(files) => (self.raw(loaded, files)?, files[0].display().to_string()),
+            Known::Beside(path, found) => {
+                let fits = found.as_ref().map_err(String::clone).and_then(|info| {
+                    info.check_images(given).map(|()| info).map_err(|unfit| format!("{}: {unfit}", path.display()))
+                });
+                match fits {
+                    Ok(info) => {
+                        let mut setup = self.rectified(loaded, given, Some((path, info)))?;
+                        setup.note = Some(format!("{} lies beside the pair: {}", path.display(), setup.described()));
+                        (setup, path.display().to_string())
+                    }
+                    Err(why) => {
+                        let note = Some(format!("the scene.json beside the pair is not used: {why}"));
+                        (Setup { note, ..self.rectified(loaded, given, None)? }, options())
+                    }
+                }
+            }
+            Known::Raw(rig) => (self.raw(loaded, Some(loaded), rig)?, rig[0].path.display().to_string()),
         };
         detail(|| format!("images of {given}, matched as {}; {} by {source}", setup.dims(), setup.described()));
         Ok(setup)
     }
 
     fn rectified(&self, loaded: Dims, given: Dims, scene: Option<(&PathBuf, &SceneInfo)>) -> Result<Setup<'_>> {
-        let scale = f64::from(loaded.width) / f64::from(given.width);
+        let (scale, full) = (f64::from(loaded.width) / f64::from(given.width), given);
         let (mut range, mut rig, mut rig_numbers) = (None, None, None);
         let zero = scene.as_ref().map_or(0.0, |(_, info)| info.disparity_zero_px);
         if let Some((path, info)) = &scene {
+            info.check_images(given).map_err(|unfit| anyhow!("{}: {unfit}", path.display()))?;
             let scaled = |range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 };
             range = info.max_disparity.map(scaled);
             rig = info.rig(path, scale)?;
@@ -208,8 +247,11 @@ impl InputArgs {
         if let Some((focal_px, baseline_m)) = self.focal_px.zip(self.baseline_m).or(product) {
             let offset_px = self.disparity_offset_px.unwrap_or(-zero);
             let numbers = RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
-            let given = numbers.rig();
-            rig = Some(given.map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?);
+            if self.fb.is_none() {
+                check_focal(focal_px, given.width).map_err(|unfit| anyhow!("--focal-px: {unfit}"))?;
+            }
+            let of_options = numbers.rig();
+            rig = Some(of_options.map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?);
             rig_numbers = Some(numbers);
         } else if self.disparity_offset_px.is_some() {
             bail!("--disparity-offset-px makes no depths alone; give --focal-px and --baseline-m, or --fb");
@@ -219,6 +261,9 @@ impl InputArgs {
         if self.fb.is_none() {
             let given = self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
             let centre = given.or_else(|| scene.and_then(|(_, info)| info.principal_point(scale)));
+            if let Some(option) = self.principal_point {
+                check_centre(option, full).map_err(|unfit| anyhow!("--principal-point: {unfit}"))?;
+            }
             if given.is_some() && rig.is_none() {
                 bail!("--principal-point makes no depths alone; give --focal-px and --baseline-m, or --scene");
             }
@@ -240,6 +285,8 @@ impl InputArgs {
             left_content: scene.as_ref().and_then(|(_, info)| info.left_content(loaded)).unwrap_or_default(),
             params,
             rig_numbers,
+            zero_px: zero * scale,
+            note: None,
             rig: None,
         })
     }
@@ -249,7 +296,7 @@ impl InputArgs {
         if self.rig.is_empty() {
             return self.rectified(dims, dims, None);
         }
-        let setup = self.raw(dims, &self.rig)?;
+        let setup = self.raw(dims, None, &self.rig_texts())?;
         if setup.dims() != dims {
             bail!("the board matches {dims}, with --rig it would be {}; give --size {dims}", setup.dims());
         }
@@ -258,7 +305,7 @@ impl InputArgs {
 
     /// Rectifies raw images of this size; `None` without --rig.
     pub(super) fn rectifier_of(&self, raw: Dims) -> Result<Option<PairRectifier>> {
-        let rig = if self.rig.is_empty() { None } else { self.raw(raw, &self.rig)?.rig };
+        let rig = if self.rig.is_empty() { None } else { self.raw(raw, Some(raw), &self.rig_texts())?.rig };
         Ok(rig.map(|rig| PairRectifier::new(rig.remap())).transpose()?)
     }
 
@@ -273,15 +320,15 @@ impl InputArgs {
         }
     }
 
-    fn raw(&self, loaded: Dims, rig: &[PathBuf]) -> Result<Setup<'_>> {
+    fn raw(&self, loaded: Dims, images: Option<Dims>, rig: &[RigText]) -> Result<Setup<'_>> {
         // Without a range the least one, until the size is known.
         let mut params = self.method.params(self.max_disparity.unwrap_or(LEAST_RANGE), None)?;
-        let mut image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
+        let mut image = self.view.image(rig, images, None, (params.min_disparity, params.max_disparity))?;
         if self.max_disparity.is_none() {
             let (rig_of, dims) = (image.params(params)?.rig, image.remap().dims());
             let reach = |nearest| range_to(nearest, rig_of.as_ref(), dims);
             params.max_disparity = self.nearest.map_or_else(|| Ok(default_range(dims)), reach)?;
-            image = self.view.image(rig, None, (params.min_disparity, params.max_disparity))?;
+            image = self.view.image(rig, images, None, (params.min_disparity, params.max_disparity))?;
         }
         Ok(Setup {
             args: self,
@@ -290,6 +337,8 @@ impl InputArgs {
             left_content: Vec::new(),
             params: image.params(params)?,
             rig_numbers: None,
+            zero_px: 0.0,
+            note: None,
             rig: Some(image),
         })
     }
@@ -379,6 +428,9 @@ impl Matcher {
             shrink_to_valid(&mut usable[0], setup.dims().width);
         }
         let mut engine = engine_with(&setup.params, setup.dims())?;
+        if setup.params.rig.is_none() {
+            engine.expect_infinity_at(setup.zero_px);
+        }
         if let Some(milliseconds) = setup.args.max_skew_ms {
             engine.allow_skew(1000 * milliseconds);
         }
@@ -423,7 +475,17 @@ impl Matcher {
 /// A distance between cameras in metres.
 pub(super) fn baseline(text: &str) -> Result<f64, String> {
     let metres = text.parse().map_err(|_| "give metres, such as 0.075")?;
-    check_baseline(metres).map(|()| metres)
+    check_baseline(metres).map(|()| metres).map_err(|unfit| unfit.to_string())
+}
+
+/// The scene.json in the folder of both images of a pair that stands alone.
+fn beside(images: &PairFiles) -> Option<PathBuf> {
+    let [left, right] = match images {
+        PairFiles::Two(_) | PairFiles::SideBySide(_) => images.paths().map(Path::parent),
+        PairFiles::Source(_) => return None,
+    };
+    let path = left.filter(|_| left == right)?.join("scene.json");
+    path.is_file().then_some(path)
 }
 
 fn position(text: &str) -> Result<[f64; 2], String> {

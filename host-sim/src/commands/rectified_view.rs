@@ -4,11 +4,10 @@ use super::scene::parse_size;
 use anyhow::{Result, anyhow, bail};
 use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
-use linestereo_calibration::interchange::{Options, load_rig};
-use linestereo_calibration::rectify::reduced;
-use linestereo_frames::{GrayImage, area_average, resampled_height};
+use linestereo_calibration::interchange::{Options, load_rig_texts};
+use linestereo_calibration::rectify::{RectifierError, reduced};
+use linestereo_frames::{GrayImage, RigText, area_average, resampled_height};
 use linestereo_rig::{Calibration, CameraSide, RectifyError, RigImage, RigImageError, View};
-use std::path::PathBuf;
 
 /// Size and view of the rectified images.
 #[derive(Debug, Default, clap::Args)]
@@ -26,9 +25,19 @@ pub(super) struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// The rig in these files, ready to rectify; a focal length that is asked for comes before alpha.
-    pub(super) fn image(&self, rig: &[PathBuf], focal_px: Option<f64>, range: (i16, u16)) -> Result<RigImage> {
-        let mut calibration = load_rig(rig, &Options::default())?.rig.calibration;
+    /// This rig, ready to rectify images of this size where they are at hand; a focal length that is asked for comes before alpha.
+    pub(super) fn image(
+        &self,
+        rig: &[RigText],
+        images: Option<Dims>,
+        focal_px: Option<f64>,
+        range: (i16, u16),
+    ) -> Result<RigImage> {
+        let mut calibration = load_rig_texts(rig, &Options { images, ..Options::default() })?.rig.calibration;
+        let needed = calibration.camera(CameraSide::Left).dims();
+        if let Some(given) = images.filter(|&given| given != needed) {
+            bail!(RectifierError::Size { needed, given });
+        }
         if let Some(width) = self.raw_width {
             let full = calibration.camera(CameraSide::Left).dims();
             if !(MIN_SIDE..full.width).contains(&width) {

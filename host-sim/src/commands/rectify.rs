@@ -6,7 +6,7 @@ use crate::draw;
 use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::{Dataset, GrayImage, PairFiles, StoredPair, check_same_size, load_images};
+use linestereo_frames::{Dataset, GrayImage, PairFiles, RigText, StoredPair, check_same_size, load_gray, load_images};
 use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 
@@ -45,12 +45,18 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let image = args.view.image(&args.rig, None, ANY_RANGE)?;
+    let pairs = match &args.right {
+        Some(_) => Vec::new(),
+        None => Dataset::sequence(&args.left, false)?.pairs,
+    };
+    let first = pairs.first().map_or(args.left.as_path(), StoredPair::left);
+    let rig: Vec<RigText> = args.rig.iter().cloned().map(RigText::from).collect();
+    let image = args.view.image(&rig, Some(load_gray(first)?.dims), None, ANY_RANGE)?;
     let mut rectifier = PairRectifier::new(image.remap())?;
     let summary = summary(image.remap(), &rectifier);
     match (&args.right, &args.out) {
         (Some(right), _) => one(args, &mut rectifier, right, summary),
-        (None, Some(out)) => say(&(summary + &folder(args, out, &mut rectifier)?)),
+        (None, Some(out)) => say(&(summary + &folder(args, &pairs, out, &mut rectifier)?)),
         (None, None) => unreachable!("clap asks for one of them"),
     }
 }
@@ -70,16 +76,15 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
 }
 
 /// Rectifies one pair; returns the names of the files written, in words.
-fn folder(args: &Args, out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
+fn folder(args: &Args, pairs: &[StoredPair], out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
     let root = args.left.as_path();
-    let pairs = Dataset::sequence(root, false)?.pairs;
     // A single pair keeps the folder's name, which is that of OUT.
     let is_root = |pair: &StoredPair| pair.folder == root && pairs.len() == 1;
     let target = |pair: &StoredPair| if is_root(pair) { out.to_path_buf() } else { out.join(&pair.name) };
     let targets: Vec<PathBuf> = pairs.iter().flat_map(|pair| WRITTEN.map(|name| target(pair).join(name))).collect();
     spare(targets.iter().map(PathBuf::as_path), pairs.iter().flat_map(StoredPair::files))?;
     let progress = named_bar(pairs.len());
-    for stored in &pairs {
+    for stored in pairs {
         progress.set_message(stored.name.clone());
         let pair = Pair::load(&stored.images, &args.view, rectifier)?;
         let target = target(stored);

@@ -108,7 +108,8 @@ pub fn run(args: &Args) -> Result<()> {
         output.add_made(args.sectors.mavlink.as_ref(), || Ok(directions.mavlink(args.sectors.policy.into())))?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
-    let mut text = summary(left.dims, &setup.params, &result, &cost);
+    let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
+    text.push_str(&summary(left.dims, &setup.params, &result, &cost));
     text.push_str(&objects.as_ref().map_or(String::new(), Asked::summary));
     text.extend(answers.queries.iter().flatten().map(Query::summary));
     text.push_str(&notes);

@@ -1,7 +1,7 @@
 """The compiled part: `linestereo` says what is for use."""
 
 from os import PathLike
-from typing import Any, List, Optional, Tuple, Union
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -24,12 +24,18 @@ class Rig:
 class Calibration:
     """Two calibrated cameras, and the view that their images are rectified to."""
     @staticmethod
-    def load(path: Union[str, PathLike[str]], size: Optional[Tuple[int, int]] = None, alpha: float = 0.0,
-             focal_px: Optional[float] = None) -> Calibration:
-        """Of a `rig.toml` as `linestereo calibrate` and `linestereo convert-rig` write it.
+    def load(path: Union[str, PathLike[str], Sequence[Union[str, PathLike[str]]]],
+             size: Optional[Tuple[int, int]] = None, alpha: float = 0.0, focal_px: Optional[float] = None,
+             raw_size: Optional[Tuple[int, int]] = None,
+             translation_unit: Union[str, float, None] = None) -> Calibration:
+        """Of a `rig.toml`, or of files of OpenCV, Kalibr, ROS or EuRoC: a list of two, the left camera's first, where each has its own.
 
         size: columns and rows of rectified images, those of raw ones without. alpha: 0 keeps no pixel without a source, 1 every raw pixel.
-        focal_px: focal length of rectified images, px, instead of alpha."""
+        focal_px: focal length of rectified images, px, instead of alpha. raw_size: columns and rows of raw images, where a file of OpenCV does
+        not say them. translation_unit: of OpenCV's T: "m", "mm", or the side of the board's squares in mm; it is assumed without."""
+    @property
+    def notes(self) -> List[str]:
+        """What had to be assumed, a sentence each."""
     @property
     def size(self) -> Tuple[int, int]:
         """Columns and rows of rectified images, px."""

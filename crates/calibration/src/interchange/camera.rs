@@ -1,7 +1,7 @@
 //! One camera from the numbers that all formats have in some order.
 //!
 //! Coefficients of radial-tangential lenses are `k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tau_x tau_y]]]]` in all formats (OpenCV's order), of
-//! equidistant ones `k1 k2 k3 k4`. Those beyond `k3` are taken if they are zero.
+//! equidistant ones `k1 k2 k3 k4`. Those beyond `k6` are taken if they are zero.
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
@@ -18,8 +18,8 @@ pub enum LensModel {
     Fisheye,
 }
 
-/// Names of the coefficients beyond `k3`.
-const FURTHER: [&str; 9] = ["k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
+/// Names of the coefficients beyond `k6`.
+const FURTHER: [&str; 6] = ["s1", "s2", "s3", "s4", "tau_x", "tau_y"];
 
 impl LensModel {
     /// By the names that Kalibr, ROS and EuRoC use; "none" has no coefficients.
@@ -49,7 +49,10 @@ impl LensModel {
             (Self::Fisheye, &[k1, k2, k3, k4]) => Ok(Lens::Fisheye { k: [k1, k2, k3, k4] }),
             (Self::Fisheye, _) => wrong("4 coefficients of a fisheye lens"),
             (Self::BrownConrady, &[k1, k2, p1, p2]) => Ok(Lens::BrownConrady { k: [k1, k2, 0.0], p: [p1, p2] }),
-            (Self::BrownConrady, &[k1, k2, p1, p2, k3, ref further @ ..]) if [0, 3, 7, 9].contains(&further.len()) => {
+            (Self::BrownConrady, &[k1, k2, p1, p2, k3]) => Ok(Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] }),
+            (Self::BrownConrady, &[k1, k2, p1, p2, k3, k4, k5, k6, ref further @ ..])
+                if [0, 4, 6].contains(&further.len()) =>
+            {
                 let names: Vec<&str> = FURTHER
                     .into_iter()
                     .zip(further)
@@ -59,7 +62,11 @@ impl LensModel {
                 if !names.is_empty() {
                     return Err(Problem::Coefficients { names: names.join(", ") }.at(coefficients.place));
                 }
-                Ok(Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] })
+                Ok(if [k4, k5, k6] == [0.0; 3] {
+                    Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] }
+                } else {
+                    Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] }
+                })
             }
             (Self::BrownConrady, _) => wrong("0, 4, 5, 8, 12 or 14 coefficients"),
         }
@@ -96,6 +103,7 @@ pub(super) fn coefficients(lens: Lens, short: bool) -> Vec<f64> {
     match lens {
         Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } if short && k3 == 0.0 => vec![k1, k2, p1, p2],
         Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => vec![k1, k2, p1, p2, k3],
+        Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => vec![k1, k2, p1, p2, k3, k4, k5, k6],
         Lens::Fisheye { k } => k.to_vec(),
     }
 }

@@ -3,6 +3,7 @@
 use crate::rig_file::RigFileError;
 use core::fmt;
 use linestereo::Dims;
+use linestereo_frames::Unfit;
 use linestereo_rig::{CalibrationError, CameraError, CameraSide, RectifyError};
 use std::io;
 use std::path::PathBuf;
@@ -105,8 +106,8 @@ pub enum Problem {
     NoCameraMatrix(String),
     /// Lens coefficients that this program does not model are not zero.
     #[error(
-        "lens coefficients {names} are not zero and not modelled; calibrate with k1 k2 p1 p2 k3 or \
-         as fisheye"
+        "lens coefficients {names} are not zero and not modelled; calibrate with k1 k2 p1 p2 k3, \
+         with k4 k5 k6 too, or as fisheye"
     )]
     Coefficients {
         /// Their names.
@@ -117,11 +118,11 @@ pub enum Problem {
     Model(String),
     /// The projections do not put the cameras side by side.
     #[error("{0}")]
-    Projection(&'static str),
+    Projection(String),
     /// No size of the images, neither in the file nor as an option.
     #[error(
-        "does not say the size of the images; give --size WxH (the optical centre suggests about \
-         {:.0}x{:.0})",
+        "does not say the size of the images (the optical centre suggests about {0:.0}x{1:.0}); \
+         make a rig that says it: linestereo convert-rig FILES --size {0:.0}x{1:.0} --out rig.toml",
         .guess[0], .guess[1]
     )]
     NoSize {
@@ -142,13 +143,23 @@ pub enum Problem {
     /// A camera is none.
     #[error("{0} camera: {1}")]
     Camera(CameraSide, CameraError),
+    /// A camera's numbers are not those of its images.
+    #[error("{0} camera: {1}")]
+    Unfit(CameraSide, Unfit),
+    /// Binning, region, or their images do not fit.
+    #[error("{0}")]
+    Window(Unfit),
+    /// Focal lengths across and down of which one is more than twice the other.
+    #[error("{0} camera: focal lengths of {1} and {2} px are none of one lens; correct the wrong one")]
+    PixelShape(CameraSide, f64, f64),
     /// The cameras are no pair.
     #[error("{0}")]
     Pair(CalibrationError),
     /// The first camera is the right one.
     #[error(
-        "the second camera lies to the left of the first: convert-rig --swap makes it the left \
-         one, and so have its images to be"
+        "the second camera lies to the left of the first: either it is the left one (convert-rig \
+         --swap makes it that, and so have its images to be), or the pose is that of the inverse \
+         direction, or its sign is wrong"
     )]
     Swapped,
     /// `rig.toml` itself is wrong.
@@ -157,7 +168,7 @@ pub enum Problem {
     /// The rig cannot be written in a format.
     #[error(
         "{format} has no place for {what}; write rig-toml, or opencv-yaml{more}",
-        more = if .what.ends_with("k3") { LEAVE_OUT_K3 } else { "" }
+        more = if .what.ends_with("coefficient k3") { LEAVE_OUT_K3 } else { "" }
     )]
     NotRepresentable {
         /// The format.

@@ -59,6 +59,7 @@ pub(super) fn four_coefficients(
             let name = if matches!(camera.lens(), Lens::Fisheye { .. }) { "equidistant" } else { radial };
             Ok((name, values))
         }
+        values if values.len() > 5 => Err(Problem::NotRepresentable { format, what: "the lens coefficients k4 k5 k6" }),
         _ => Err(Problem::NotRepresentable { format, what: "the lens coefficient k3" }),
     }
 }

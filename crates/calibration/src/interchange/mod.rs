@@ -26,6 +26,8 @@ use crate::rig_file::RigFile;
 use core::fmt;
 use error::{Fault, Place};
 use linestereo::Dims;
+use linestereo_frames::RigText;
+use linestereo_frames::rectified::{check_baseline, check_centre_of, check_focal};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::{Calibration, CameraSide};
 use node::Node;
@@ -92,6 +94,8 @@ pub struct Options {
     pub from: Option<Format>,
     /// Size of the raw images; needed where the file lacks it, an error where it differs.
     pub size: Option<Dims>,
+    /// Size of the images at hand: taken where neither the file nor `size` says it.
+    pub images: Option<Dims>,
     /// Unit of OpenCV's `T`; else that of `square_size` in the file, else metres below 5, millimetres above.
     pub translation_unit: Option<TranslationUnit>,
     /// Meaning of OpenCV's coefficients; else what the file says, else radial-tangential.
@@ -145,10 +149,41 @@ pub fn load_rig(paths: &[PathBuf], options: &Options) -> Result<Imported, Interc
     let texts = paths.iter().enumerate().map(|(file, path)| read_text(path, file)).collect::<Result<Vec<_>, _>>();
     let texts = texts.map_err(name)?;
     let is_own = paths.first().is_some_and(is_toml) || texts.first().is_some_and(|text| looks_like_toml(text));
-    if options.from == Some(Format::RigToml) || (options.from.is_none() && is_own) {
-        return own(paths, options).map_err(name);
+    let read = if options.from == Some(Format::RigToml) || (options.from.is_none() && is_own) {
+        own(paths, options)
+    } else {
+        foreign(&texts, options)
+    };
+    read.map_err(name)
+}
+
+/// The same, of texts that are no files of their own too.
+pub fn load_rig_texts(rig: &[RigText], options: &Options) -> Result<Imported, InterchangeError> {
+    let paths: Vec<PathBuf> = rig.iter().map(|rig| rig.path.clone()).collect();
+    let Some(texts) = rig.iter().map(|rig| rig.text.clone()).collect::<Option<Vec<String>>>() else {
+        return load_rig(&paths, options);
+    };
+    foreign(&texts, options).map_err(|Fault { place, problem }| {
+        let path = place.and_then(|place| paths.get(place.file)).or(paths.first()).cloned().unwrap_or_default();
+        InterchangeError { path, line: None, problem } // its lines are in no file
+    })
+}
+
+/// Refuses cameras whose numbers are not of their images, or not in px. The images of ROS may be part of those that the principal point is of.
+fn check_cameras(calibration: &Calibration, format: Format) -> Result<(), Fault> {
+    for eye in CameraSide::BOTH {
+        let camera = calibration.camera(eye);
+        let ([fx, fy], dims) = (camera.focal(), camera.dims());
+        let unfit = |unfit| Problem::Unfit(eye, unfit).anywhere();
+        check_focal(fx, dims.width).map_err(unfit)?;
+        if format != Format::Ros {
+            check_centre_of(camera.centre(), dims).map_err(unfit)?;
+        }
+        if !(0.5..=2.0).contains(&(fx / fy)) {
+            return Err(Problem::PixelShape(eye, fx, fy).anywhere());
+        }
     }
-    foreign(&texts, options).map_err(name)
+    check_baseline(calibration.baseline()).map_err(|unfit| Problem::Window(unfit).anywhere())
 }
 
 /// A rig as the texts of the files of a format.
@@ -178,6 +213,7 @@ fn own(paths: &[PathBuf], options: &Options) -> Result<Imported, Fault> {
     let [path] = paths else { return Err(file_count(Format::RigToml, "one file")) };
     let rig = RigFile::load(path).map_err(|error| Problem::RigFile(error).anywhere())?;
     check_size(&rig.calibration, options)?;
+    check_cameras(&rig.calibration, Format::RigToml)?;
     let notes = if options.swap {
         vec!["a rig.toml says which camera is the left one: they are not exchanged".to_owned()]
     } else {
@@ -214,6 +250,7 @@ fn foreign(texts: &[String], options: &Options) -> Result<Imported, Fault> {
         }
     };
     check_size(&calibration, options)?;
+    check_cameras(&calibration, format)?;
     Ok(Imported { rig: RigFile { calibration, quality: None }, format, stored, notes })
 }
 

@@ -21,6 +21,7 @@ use super::pose::{self, Pose, Rows};
 use super::{Options, StoredRectification, TranslationUnit};
 use crate::rig_file::quaternion;
 use linestereo::Dims;
+use linestereo_frames::rectified::check_centre;
 use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use nalgebra::{Matrix3, Vector3};
 
@@ -120,7 +121,12 @@ fn dims(names: &Names<'_>, options: &Options, centre: [f64; 2]) -> Result<Dims, 
     match (names.size()?, options.size) {
         (Some((file, place)), Some(given)) if file != given => Err(Problem::SizeDiffers { file, given }.at(place)),
         (Some((dims, _)), _) | (None, Some(dims)) => Ok(dims),
-        (None, None) => Err(Problem::NoSize { guess: centre.map(|c| 2.0 * c) }.anywhere()),
+        (None, None) => match options.images {
+            Some(images) => check_centre(centre, images)
+                .map(|()| images)
+                .map_err(|unfit| Problem::Unfit(CameraSide::Left, unfit).anywhere()),
+            None => Err(Problem::NoSize { guess: centre.map(|c| 2.0 * c + 1.0) }.anywhere()),
+        },
     }
 }
 

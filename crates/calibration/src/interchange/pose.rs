@@ -4,6 +4,7 @@
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
+use linestereo_frames::Unfit;
 use linestereo_rig::{Calibration, CalibrationError, Camera, rotation_matrix};
 use nalgebra::{Matrix3, Vector3};
 
@@ -115,7 +116,7 @@ pub(super) fn rows(matrix: &Matrix3<f64>) -> Rows {
 /// `P2[0][3] = focal * t_x`, with `t_x = -baseline` (OpenCV `stereoRectify`; ROS `sensor_msgs/CameraInfo`), so `t = R2^T (t_x, 0, 0)`.
 pub(super) fn from_rectification(rotations: [&Matrix3<f64>; 2], [left, right]: [&Matrix; 2]) -> Result<Pose, Fault> {
     let (p1, p2) = (left.shaped::<12>(3, 4)?, right.shaped::<12>(3, 4)?);
-    let wrong = |what, matrix: &Matrix| Err(Problem::Projection(what).at(matrix.place));
+    let wrong = |what: &str, matrix: &Matrix| Err(Problem::Projection(what.to_owned()).at(matrix.place));
     if p2[0] <= 0.0 || p1[0] <= 0.0 {
         return wrong("the focal length of the projection is not above 0; calibrate as a stereo pair", right);
     }
@@ -127,6 +128,9 @@ pub(super) fn from_rectification(rotations: [&Matrix3<f64>; 2], [left, right]: [
     }
     if p2[3] == 0.0 {
         return wrong("the projection of the right camera has no baseline; calibrate as a stereo pair", right);
+    }
+    if (p1[0] - p2[0]).abs() > 0.01 * p2[0] {
+        return wrong(&Unfit::FocalsDiffer(p1[0], p2[0]).to_string(), right);
     }
     let [r1, r2] = rotations;
     let along = Vector3::new(p2[3] / p2[0], 0.0, 0.0);

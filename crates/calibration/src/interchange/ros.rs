@@ -3,7 +3,8 @@
 //! # Conventions
 //! Matrices by rows. `rectification_matrix` turns a camera into the rectified directions; the baseline `B` in metres stands in the right
 //! projection, `P[0][3] = -fx' B`. There is no pose: it follows from both rectifications (see [`pose::from_rectification`]). `plumb_bob` is
-//! `k1 k2 p1 p2 k3`, `rational_polynomial` has `k4 k5 k6` too, `equidistant` is `k1 .. k4`.
+//! `k1 k2 p1 p2 k3`, `rational_polynomial` has `k4 k5 k6` too, `equidistant` is `k1 .. k4`. `binning_x`, `binning_y` and `roi` of a message turn the
+//! camera matrix into that of the images as sent.
 //!
 //! # Source
 //! ROS `sensor_msgs/CameraInfo.msg` and REP 104; `camera_calibration_parsers` for the file.
@@ -14,6 +15,8 @@ use super::node::{Matrix, Node};
 use super::opencv::projections;
 use super::pose;
 use linestereo::Dims;
+use linestereo_frames::rectified::check_centre_of;
+use linestereo_frames::{SentWindow, Unfit};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, View};
 use nalgebra::Matrix3;
 
@@ -44,6 +47,12 @@ struct Info {
 pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
     let (left, right) = (info(left, CameraSide::Left)?, info(right, CameraSide::Right)?);
     let place = right.projection.place;
+    if let (Ok(p1), Ok(p2)) = (left.projection.shaped::<12>(3, 4), right.projection.shaped::<12>(3, 4))
+        && (p2[3] > 0.0 || p1[3] > 0.0 && p2[3] >= 0.0)
+    {
+        let unfit = Unfit::Sign { left: p1[3], right: p2[3] };
+        return Err(Problem::Projection(unfit.to_string()).at(place));
+    }
     let pose = pose::from_rectification([&left.rotation, &right.rotation], [&left.projection, &right.projection])?;
     pose.pair([left.camera, right.camera], swap, Some(place))
 }
@@ -60,14 +69,35 @@ fn info(node: &Node, eye: CameraSide) -> Result<Info, Fault> {
         Some((name, side)) => side.whole(name),
         None => Err(Problem::Missing(format!("there is no \"{long}\"")).at(node.place)),
     };
-    let dims = Dims { width: side("image_width", "width")?, height: side("image_height", "height")? };
+    let full = Dims { width: side("image_width", "width")?, height: side("image_height", "height")? };
     let model = node.require("distortion_model")?;
     let lens = match LensModel::named(model.text().unwrap_or("a list"), model.place)? {
         Some(model) => model.lens(&values)?,
         None => Lens::NONE,
     };
-    let camera = camera((eye, matrix.place), dims, intrinsics(&matrix)?, lens)?;
+    let (focal, centre, skew) = intrinsics(&matrix)?;
+    check_centre_of(centre, full).map_err(|unfit| Problem::Unfit(eye, unfit).at(matrix.place))?;
+    let window = window(node, full)?;
+    let mut sent = [focal[0], skew, centre[0], 0.0, focal[1], centre[1]];
+    window.apply(&mut sent, 3);
+    let [fx, skew, cx, _, fy, cy] = sent;
+    let dims = window.sent().map_err(|unfit| Problem::Window(unfit).at(node.place))?;
+    let camera = camera((eye, matrix.place), dims, ([fx, fy], [cx, cy], skew), lens)?;
     Ok(Info { camera, rotation: pose::rotation(&rotation?)?, projection: projection? })
+}
+
+/// What a message says is sent of the full image.
+fn window(node: &Node, Dims { width, height }: Dims) -> Result<SentWindow, Fault> {
+    let whole = |node: Option<&Node>, name: &str| match node.and_then(|node| node.get(name)) {
+        Some(value) => value.whole(name).map(u32::from),
+        None => Ok(0),
+    };
+    let roi = |name| whole(node.get("roi"), name);
+    Ok(SentWindow {
+        full: [width, height].map(u32::from),
+        binning: [whole(Some(node), "binning_x")?, whole(Some(node), "binning_y")?],
+        roi: [roi("x_offset")?, roi("y_offset")?, roi("width")?, roi("height")?],
+    })
 }
 
 /// Both files.
@@ -79,7 +109,11 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
         let camera = calibration.camera(eye);
         let Dims { width, height } = camera.dims();
         let values = coefficients(camera.lens(), false);
-        let model = if matches!(camera.lens(), Lens::Fisheye { .. }) { "equidistant" } else { "plumb_bob" };
+        let model = match camera.lens() {
+            Lens::Fisheye { .. } => "equidistant",
+            Lens::Rational { .. } => "rational_polynomial",
+            Lens::BrownConrady { .. } => "plumb_bob",
+        };
         let mut text =
             format!("image_width: {width}\nimage_height: {height}\ncamera_name: {name}\ndistortion_model: {model}\n");
         for (name, rows, data) in [

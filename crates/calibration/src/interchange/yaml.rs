@@ -10,7 +10,7 @@ use saphyr_parser::{Event, Parser};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The first document of a text.
+/// The only document of a text. `---` with nothing behind it, with which `ros2 topic echo` ends, begins none.
 pub(super) fn parse(text: &str, file: usize) -> Result<Node, Fault> {
     let (body, skipped) = without_header(text);
     let body = spaced(body);
@@ -55,6 +55,8 @@ struct Builder {
     whole: Option<Node>,
     anchors: HashMap<usize, Node>,
     values: usize,
+    /// Where a second document begins.
+    second: Option<Place>,
 }
 
 /// A list or map that is not complete.
@@ -72,6 +74,13 @@ enum Nodes {
 
 impl Builder {
     fn take(&mut self, event: Event<'_>, place: Place) -> Result<(), Fault> {
+        if let Some(begin) = self.second {
+            return match event {
+                Event::Scalar(text, ..) if text.is_empty() || text == "~" => Ok(()),
+                Event::DocumentStart(_) | Event::DocumentEnd | Event::StreamEnd | Event::Nothing => Ok(()),
+                _ => Err(Problem::Syntax("a second document begins: keep one message".to_owned()).at(begin)),
+            };
+        }
         match event {
             Event::Scalar(text, _, anchor, _) => {
                 self.add(Node { place, value: Value::Text(text.into_owned()) }, anchor, 1)?;
@@ -86,9 +95,7 @@ impl Builder {
                 let values = copy.count();
                 self.add(Node { place, ..copy }, 0, values)?;
             }
-            Event::DocumentStart(_) if self.whole.is_some() => {
-                return Err(Problem::Syntax("a second document begins".to_owned()).at(place));
-            }
+            Event::DocumentStart(_) if self.whole.is_some() => self.second = Some(place),
             Event::DocumentStart(_) | Event::DocumentEnd | Event::StreamStart | Event::StreamEnd | Event::Nothing => {}
         }
         Ok(())

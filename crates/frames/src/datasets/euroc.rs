@@ -10,7 +10,7 @@ use crate::error::{FrameError, LayoutFault};
 use crate::folder::Listing;
 use crate::layout::Layout;
 use crate::sequence::Sequence;
-use crate::stored::{StoredPair, StoredRig};
+use crate::stored::{RigText, StoredPair, StoredRig};
 
 /// The pairs of a recording; nothing where there is none.
 pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
@@ -31,7 +31,7 @@ pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
         folder: folder.path.clone(),
         images: pair.files,
         truth: None,
-        rig: StoredRig::Raw(files.to_vec()),
+        rig: StoredRig::Raw(files.clone().map(RigText::from).to_vec()),
         max_disparity: None,
     });
     Ok(pairs.collect())

@@ -21,6 +21,7 @@ use crate::decode::dimensions;
 use crate::error::{FrameError, LayoutFault};
 use crate::folder::Listing;
 use crate::layout::Layout;
+use crate::rectified::RectifiedRig;
 use crate::sequence::PairFiles;
 use crate::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
 use linestereo_wire::RigUpdate;
@@ -136,7 +137,7 @@ fn views(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
     let rig = steps.map_or(StoredRig::Unknown, |steps| {
         let numbers =
             RigUpdate { focal_px: FOCAL_2006_PX / steps, baseline_m: BASELINE_2006_M, offset_px: least / steps };
-        StoredRig::Rectified(path, numbers)
+        StoredRig::Rectified(path, RectifiedRig { numbers, centre_px: None, size: None })
     });
     let truth = truth.map(|file| stored(file, folder.image("disp5"), Scale::ByHeight(STEPS_2006)));
     let one = |(name, images)| StoredPair {

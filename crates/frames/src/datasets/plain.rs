@@ -62,7 +62,7 @@ fn stored(
         }
     };
     let scale = info.and_then(SceneInfo::disparity_scale).map_or(Scale::SixteenBit, Scale::Steps);
-    let rig = info.and_then(|info| info.rig_numbers(1.0));
+    let rig = info.and_then(SceneInfo::rectified_rig);
     StoredPair {
         name: pair.name.clone(),
         number: None,

@@ -27,12 +27,12 @@ use crate::ros::kind::{Content, Kind};
 use crate::ros::messages::CameraInfo;
 use core::fmt;
 use linestereo_frames::grey::StoredGray;
+use linestereo_frames::rectified::Dims;
 use linestereo_frames::untrusted::printable;
-use linestereo_frames::{FrameError, Layout, PairFiles, PairSource, StoredPair, Views};
+use linestereo_frames::{FrameError, Layout, PairFiles, PairSource, StoredPair, StoredRig, Views};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tempfile::TempDir;
 
 pub use detections::{Detection, Detections};
 pub use fault::RecordingFault;
@@ -45,6 +45,9 @@ const MOST_IMAGES: usize = 1 << 19;
 /// Most topics, and bytes of a name.
 const MOST_TOPICS: usize = 4096;
 const MOST_NAME_BYTES: usize = 1024;
+
+/// Images that are tried for their size, by which the calibration is checked.
+const MOST_UNREAD: usize = 16;
 
 /// An image of a topic.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +65,7 @@ struct Topic {
     name: String,
     content: Content,
     images: Vec<Stored>,
-    /// The first one.
+    /// The first one that says anything.
     info: Option<CameraInfo>,
     info_changes: bool,
     frame_id: String,
@@ -77,8 +80,6 @@ pub struct Recording {
     frame_id: String,
     window_ms: f64,
     rig: String,
-    /// Files with the rig of raw images, for as long as somebody may read them.
-    _files: Option<TempDir>,
 }
 
 /// A pair of a recording: places of messages, read when it is loaded.
@@ -107,7 +108,10 @@ pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
         return Err(fault(RecordingFault::NoPair(counts, choice.window_ms)));
     }
     let infos = choice.infos(&all, chosen);
-    let (rig, told, folder) = rig::of(path, chosen.map(|topic| topic.name.as_str()), infos).map_err(fault)?;
+    let (rig, told) = match pairs.iter().take(MOST_UNREAD).find_map(|[left, _]| size(&files, left)) {
+        Some(images) => rig::of(path, chosen.map(|topic| topic.name.as_str()), infos, images).map_err(fault)?,
+        None => (StoredRig::Unknown, "no rig by the recording: its images cannot be read".to_owned()),
+    };
     let recording = Arc::new(Recording {
         path: path.to_path_buf(),
         files,
@@ -116,7 +120,6 @@ pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
         frame_id: chosen[0].frame_id.clone(),
         window_ms: choice.window_ms,
         rig: told,
-        _files: folder,
     });
     let pairs = (0..recording.pairs.len()).map(|index| {
         let stamp = recording.pairs[index][0].stamp_ns;
@@ -127,6 +130,12 @@ pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
         stored
     });
     Ok((pairs.collect(), alone, recording))
+}
+
+/// Size of a stored image; `None` where it cannot be read.
+fn size(files: &Files, image: &Stored) -> Option<Dims> {
+    let message = files.message(image.file, image.place).ok()?;
+    images::grey(&message, image.kind).ok().map(|image| image.dims)
 }
 
 /// Every topic with images or a calibration, of all files.
@@ -239,9 +248,11 @@ impl Topic {
 
     fn calibrated(&mut self, data: &[u8], kind: Kind) -> Result<(), RecordingFault> {
         let info = kind.calibration(data).ok_or_else(|| self.broken())?;
+        // A driver that is not ready sends zeros.
+        let is_blank = |info: &CameraInfo| info.k[0] == 0.0 && info.p[0] == 0.0;
         match &self.info {
-            None => self.info = Some(info),
-            Some(first) => self.info_changes |= *first != info,
+            Some(first) if !is_blank(first) => self.info_changes |= *first != info && !is_blank(&info),
+            _ => self.info = Some(info),
         }
         Ok(())
     }

@@ -1,60 +1,84 @@
 //! `CameraInfo` of both cameras -> the rig of rectified images, or files with that of raw ones.
 //!
 //! Images are rectified where their topic says so, or where the calibration has no lens and no rotation. `P` of the right camera holds the
-//! baseline, `P[3] = -f B`; the principal points are those of both `P`.
+//! baseline, `P[3] = -f B`; the principal points are those of both `P`. Binning and region of `CameraInfo` turn the numbers of the full image into
+//! those of the images as sent, which have to have the size that this makes.
 
 use super::RecordingFault;
-use super::topics::is_rectified;
-use crate::ros::messages::CameraInfo;
+use super::topics::{Infos, is_rectified};
+use crate::ros::messages::{CameraInfo, RegionOfInterest};
 use core::fmt::Write;
-use linestereo_frames::StoredRig;
+use linestereo_frames::rectified::{Dims, check_centre_of};
+use linestereo_frames::{RectifiedRig, RigText, SentWindow, StoredRig, Unfit};
 use linestereo_wire::RigUpdate;
-use std::path::Path;
-use tempfile::TempDir;
+use std::path::{Path, PathBuf};
 
-/// Shares of a focal length by which those of two rectified images may differ.
-const SAME_FOCAL: f64 = 1e-6;
-
-type Infos<'a> = [Option<(&'a CameraInfo, bool)>; 2];
-
-/// The rig, what is said of it, and the folder that its files are in.
+/// The rig of images of this size, and what is said of it.
 pub(super) fn of(
     path: &Path,
     topics: [&str; 2],
     infos: Infos<'_>,
-) -> Result<(StoredRig, String, Option<TempDir>), RecordingFault> {
-    let unknown = |what: &str| Ok((StoredRig::Unknown, format!("no rig by the recording: {what}"), None));
-    let [Some((left, left_changes)), Some((right, right_changes))] = infos else {
+    images: Dims,
+) -> Result<(StoredRig, String), RecordingFault> {
+    let unknown = |what: &str| Ok((StoredRig::Unknown, format!("no rig by the recording: {what}")));
+    let fault = |unfit: Unfit| RecordingFault::Calibration(unfit.to_string());
+    let [Some((left_topic, left, left_changes)), Some((right_topic, right, right_changes))] = infos else {
         return unknown("it has no CameraInfo of both");
     };
+    let full = [left, right];
+    let [left, right] = [as_sent(left, images).map_err(fault)?, as_sent(right, images).map_err(fault)?];
     let changes = if left_changes || right_changes { ", the first of several that differ" } else { "" };
-    if left.k[0] == 0.0 || right.k[0] == 0.0 {
+    let named = topics.map(is_rectified);
+    if named[0] != named[1] {
+        return Err(RecordingFault::Calibration(
+            "one of the topics is rectified by its name, the other one is not".to_owned(),
+        ));
+    }
+    let is_rectified = named == [true; 2] || [&left, &right].into_iter().all(is_ideal);
+    if [&left, &right].into_iter().any(|info| if is_rectified { info.p[0] == 0.0 } else { info.k[0] == 0.0 }) {
         return unknown("its CameraInfo is of cameras that are not calibrated");
     }
-    if !topics.into_iter().all(is_rectified) && ![left, right].into_iter().all(is_ideal) {
-        let (rig, folder) = raw([left, right]).map_err(|error| RecordingFault::Calibration(error.to_string()))?;
-        return Ok((rig, format!("raw, rectified by their CameraInfo{changes}"), Some(folder)));
+    if !is_rectified {
+        let rig = StoredRig::Raw(vec![raw(path, left_topic, full[0], images), raw(path, right_topic, full[1], images)]);
+        return Ok((rig, format!("raw, rectified by their CameraInfo{changes}")));
     }
-    let numbers = [&left.p, &right.p].map(|p| p.iter().all(|value| value.is_finite()));
-    let (focal_px, along) = (left.p[0], right.p[3] - left.p[3]);
-    if numbers != [true; 2] || focal_px <= 0.0 {
-        return Err(RecordingFault::Calibration("P is no projection".to_owned()));
-    }
-    let differs = |a: usize| (left.p[a] - right.p[a]).abs() > SAME_FOCAL * focal_px;
-    if differs(0) || left.p[5] != right.p[5] && differs(5) || differs(6) {
-        return Err(RecordingFault::Calibration("P of left and right differ by more than the baseline".to_owned()));
-    }
-    let baseline_m = -along / focal_px;
-    if baseline_m == 0.0 {
-        return unknown("P of the right camera has no baseline");
-    }
-    if baseline_m < 0.0 {
-        return Err(RecordingFault::Calibration("the right camera is on the left; exchange the topics".to_owned()));
-    }
-    let rig = RigUpdate { focal_px, baseline_m, offset_px: right.p[2] - left.p[2] };
-    rig.rig().map_err(|error| RecordingFault::Calibration(error.to_string()))?;
+    let rig = match RectifiedRig::of_projections([&left.p, &right.p], None) {
+        Err(Unfit::NoBaseline) => return unknown("P of the right camera has no baseline"),
+        rig => RectifiedRig { size: Some(images), ..rig.map_err(fault)? },
+    };
+    rig.check_images(images).map_err(fault)?;
+    let RigUpdate { focal_px, baseline_m, .. } = rig.numbers;
     let told = format!("rectified, focal length {focal_px:.3} px, baseline {baseline_m:.5} m by CameraInfo{changes}");
-    Ok((StoredRig::Recorded(path.to_path_buf(), rig, [left.p[2], left.p[6]]), told, None))
+    Ok((StoredRig::Rectified(path.to_path_buf(), rig), told))
+}
+
+/// Size of the full image: that of the images where nobody set it.
+fn full_size(info: &CameraInfo, images: Dims) -> [u32; 2] {
+    if info.width > 0 && info.height > 0 {
+        [info.width, info.height]
+    } else {
+        [images.width, images.height].map(u32::from)
+    }
+}
+
+/// The calibration of images of this size, which are the part of the full image that it says is sent.
+fn as_sent(info: &CameraInfo, images: Dims) -> Result<CameraInfo, Unfit> {
+    let RegionOfInterest { x_offset, y_offset, width, height, .. } = info.roi;
+    let full = full_size(info, images);
+    let [Ok(full_width), Ok(full_height)] = full.map(u16::try_from) else {
+        return Err(Unfit::Window(info.binning_x, info.binning_y, full[0], full[1]));
+    };
+    let centre = if info.p[0] > 0.0 { [info.p[2], info.p[6]] } else { [info.k[2], info.k[5]] };
+    if info.p[0] > 0.0 || info.k[0] > 0.0 {
+        check_centre_of(centre, Dims { width: full_width, height: full_height })?;
+    }
+    let window =
+        SentWindow { full, binning: [info.binning_x, info.binning_y], roi: [x_offset, y_offset, width, height] };
+    window.check_images(images)?;
+    let mut sent = info.clone();
+    window.apply(&mut sent.k, 3);
+    window.apply(&mut sent.p, 4);
+    Ok(sent)
 }
 
 /// True for a camera whose images need no rectification.
@@ -67,17 +91,16 @@ fn is_ideal(info: &CameraInfo) -> bool {
     info.d.iter().all(|&value| value == 0.0) && pairs(&info.r, &straight) && pairs(&info.k, &projected)
 }
 
-/// Both as the files that `camera_info_manager` writes, which the rectification takes.
-fn raw(infos: [&CameraInfo; 2]) -> std::io::Result<(StoredRig, TempDir)> {
-    let folder = tempfile::Builder::new().prefix("linestereo-rig-").tempdir()?;
-    let paths = ["left.yaml", "right.yaml"].map(|name| folder.path().join(name));
-    for (info, path) in infos.into_iter().zip(&paths) {
-        let model: String = info.distortion_model.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
-        let mut text = format!("width: {}\nheight: {}\ndistortion_model: \"{model}\"\n", info.width, info.height);
-        for (name, values) in [("d", &info.d[..]), ("k", &info.k), ("r", &info.r), ("p", &info.p)] {
-            let _ = writeln!(text, "{name}: {values:?}");
-        }
-        std::fs::write(path, text)?;
+/// As a file that `camera_info_manager` writes, which the rectification takes.
+fn raw(path: &Path, topic: &str, info: &CameraInfo, images: Dims) -> RigText {
+    let model: String = info.distortion_model.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+    let [width, height] = full_size(info, images);
+    let mut text = format!("width: {width}\nheight: {height}\ndistortion_model: \"{model}\"\n");
+    let RegionOfInterest { x_offset, y_offset, width, height, .. } = info.roi;
+    let _ = writeln!(text, "binning_x: {}\nbinning_y: {}", info.binning_x, info.binning_y);
+    let _ = writeln!(text, "roi: {{x_offset: {x_offset}, y_offset: {y_offset}, width: {width}, height: {height}}}");
+    for (name, values) in [("d", &info.d[..]), ("k", &info.k), ("r", &info.r), ("p", &info.p)] {
+        let _ = writeln!(text, "{name}: {values:?}");
     }
-    Ok((StoredRig::Raw(paths.to_vec()), folder))
+    RigText { path: PathBuf::from(format!("{}, {topic}", path.display())), text: Some(text) }
 }

@@ -15,8 +15,15 @@ use linestereo_frames::{SIDES, without_side};
 pub const DEFAULT_WINDOW_MS: f64 = 10.0;
 /// Sides in names of topics, besides those of files.
 const NUMBERED: [[&str; 2]; 3] = [["camera_0", "camera_1"], ["cam_0", "cam_1"], ["0", "1"]];
+/// Words in names of topics with rectified images, words that say the contrary, and those of raw images.
+const RECTIFIED: [&str; 4] = ["rect", "rectified", "rectify", "recti"];
+const NOT: [&str; 6] = ["not", "no", "non", "un", "before", "pre"];
+const RAW: [&str; 6] = ["raw", "unrect", "unrectified", "notrectified", "nonrectified", "distorted"];
 /// Topics that a message lists.
 const LISTED: usize = 8;
+
+/// Of both cameras the topic with its calibration, that, and whether it changes.
+pub(super) type Infos<'a> = [Option<(&'a str, &'a CameraInfo, bool)>; 2];
 
 /// Topics and limits by which pairs are taken from a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +75,7 @@ impl Choice {
     }
 
     /// The calibrations of both.
-    pub(super) fn infos<'a>(&self, all: &'a [Topic], chosen: [&Topic; 2]) -> [Option<(&'a CameraInfo, bool)>; 2] {
+    pub(super) fn infos<'a>(&self, all: &'a [Topic], chosen: [&Topic; 2]) -> Infos<'a> {
         let named = |images: &Topic| {
             let base = images.name.strip_suffix("/compressed").unwrap_or(&images.name);
             let name = format!("{}/camera_info", base.rsplit_once('/').map_or("", |(space, _)| space));
@@ -84,7 +91,7 @@ impl Choice {
         };
         let of = |eye: usize| {
             let topic = named(chosen[eye]).or_else(|| by_side(eye))?;
-            Some((topic.info.as_ref()?, topic.info_changes))
+            Some((&*topic.name, topic.info.as_ref()?, topic.info_changes))
         };
         [of(0), of(1)]
     }
@@ -111,9 +118,27 @@ fn by_sides(all: &[Topic]) -> Vec<[&Topic; 2]> {
     found
 }
 
-/// Images of rectified names, these alone.
+/// Images of rectified names, these alone: the last part of the name that has a word for it decides.
 pub(super) fn is_rectified(topic: &str) -> bool {
-    topic.contains("rect") && !topic.contains("unrect")
+    topic.rsplit('/').find_map(says_rectified) == Some(true)
+}
+
+/// `image_rect_raw` and `imageRect` are rectified, `image_not_rectified` and `image_raw` are not; `None` of other parts.
+fn says_rectified(part: &str) -> Option<bool> {
+    let mut words = String::new();
+    let mut was_lower = false;
+    for letter in part.chars() {
+        if letter.is_ascii_uppercase() && was_lower {
+            words.push(' ');
+        }
+        was_lower = letter.is_ascii_lowercase();
+        words.push(if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { ' ' });
+    }
+    let has = |list: &[&str]| words.split(' ').any(|word| list.contains(&word));
+    match (has(&RECTIFIED), has(&NOT)) {
+        (true, is_not) => Some(!is_not),
+        (false, _) => has(&RAW).then_some(false),
+    }
 }
 
 /// The best are lowest.
@@ -169,6 +194,34 @@ mod tests {
             let names: Vec<String> = rests[..=best].iter().flat_map(|rest| sides(rest)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             assert_eq!(chosen(&names), Ok(sides(rests[best])));
+        }
+    }
+
+    #[test]
+    fn whole_words_say_that_images_are_rectified() {
+        for name in [
+            "/stereo/left/image_rect",
+            "/stereo/left/image_rect_color/compressed",
+            "/camera/infra1/image_rect_raw",
+            "/zed/zed_node/left/gray/rect/image",
+            "/left/imageRect",
+            "/left/image-rectified",
+            "/raw_recorder/left/rectified",
+        ] {
+            assert!(is_rectified(name), "{name}");
+        }
+        for name in [
+            "/direct_drive/left/image_raw",
+            "/left/image_not_rectified",
+            "/left/image_unrectified",
+            "/left/image_non_rect",
+            "/left/rectangle",
+            "/corrected/left/image",
+            "/rect_test/left/image_raw",
+            "/rectangular/left/image_mono",
+            "/left/image",
+        ] {
+            assert!(!is_rectified(name), "{name}");
         }
     }
 

@@ -171,6 +171,11 @@ impl Show<'_> {
         }
         let mut events = vec![("frame", text::json(frame)?)];
         let dims = Dims { width: frame.head.width, height: frame.head.height };
+        if dims.width == 0 || dims.height == 0 {
+            // A pair that the board missed: it has nothing to be placed.
+            self.server.send("pair", &events);
+            return Ok(());
+        }
         let setup = match self.setup.take().filter(|setup| setup.dims() == dims) {
             Some(setup) => setup,
             None => self.args.input.setup_of(dims)?,
@@ -187,7 +192,13 @@ impl Show<'_> {
     /// is left out, with a note.
     fn photo(&mut self, [left, _]: &[GrayImage; 2]) -> Result<()> {
         if self.rectifier.is_none() {
-            self.rectifier = self.args.input.rectifier_of(left.dims)?;
+            match self.args.input.rectifier_of(left.dims) {
+                Ok(rectifier) => self.rectifier = rectifier,
+                Err(error) => {
+                    self.note(&format!("a photograph is left out: {error:#}"));
+                    return Ok(());
+                }
+            }
         }
         let shown = match &mut self.rectifier {
             Some(rectifier) => rectifier.image(CameraSide::Left, left),
