@@ -80,7 +80,7 @@ export class Matcher {
     const started = performance.now();
     const code = this.core.linestereo_run(this.matcher, this.images[0].at, this.images[1].at, 0);
     const milliseconds = performance.now() - started;
-    this.check(code);
+    if (code < NO_DEPTH) this.check(code); // a pair that is not fit to be used has no segments and no points; `health` says why
     const health = this.health();
     const segments = Array.from({ length: health.matched }, (_, i) => this.segment(i));
     return { milliseconds, health, segments, points: this.pointList() };

@@ -1,8 +1,7 @@
 //! Objects of a detector, given by options, and their depths: the same for every command that matches pairs.
 
 use super::input::Setup;
-use crate::engine::{Engine, FrameResult};
-use crate::results::health;
+use crate::engine::Engine;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use core::fmt::Write;
@@ -66,13 +65,7 @@ impl ObjectArgs {
     }
 
     /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
-    pub(super) fn depths(
-        &self,
-        setup: &Setup<'_>,
-        image: &Path,
-        engine: &mut Engine,
-        result: &FrameResult,
-    ) -> Option<Asked> {
+    pub(super) fn depths(&self, setup: &Setup<'_>, image: &Path, engine: &mut Engine) -> Option<Asked> {
         let path = self.objects.as_deref()?;
         let no_file = path.is_dir() && file_of(path, image).is_none();
         let objects = match self.read(path, setup, image) {
@@ -81,7 +74,7 @@ impl ObjectArgs {
         };
         let dims = setup.dims();
         let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
-        let depths = engine.objects(&regions, health::is_fit(result.health));
+        let depths = engine.objects(&regions);
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));

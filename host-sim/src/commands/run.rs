@@ -170,7 +170,7 @@ fn here(setup: &Setup<'_>, pair: &Pair, args: &Args) -> Result<Found> {
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(args.objects.areas(setup, &args.left));
     let matched = matcher.run(setup, pair, None)?;
-    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine, &matched.result);
+    let objects = args.objects.depths(setup, &args.left, &mut matcher.engine);
     let queries = if args.query.is_empty() { None } else { Some(matcher.ask(setup, &args.query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
@@ -256,6 +256,6 @@ fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> Str
         let list: Vec<String> = lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
         let _ = writeln!(text, "rejected: {}", list.join(", "));
     }
-    text.push_str(&health::summary(result.health, result.pair.as_ref()));
+    text.push_str(&health::summary(result));
     text
 }
