@@ -135,6 +135,9 @@ fn unevenness_q8(samples: &[Sample], dims: Dims) -> u16 {
         let place = |sample: &Sample| sample.place.get(axis).copied().unwrap_or(0);
         let middle = median(samples, &|sample| Some(place(sample)));
         let part = |sample: &Sample| usize::from(place(sample) >= middle);
+        if samples.iter().all(|sample| part(sample) == 1) {
+            return 0; // all at one place
+        }
         let of_parts = |value: &dyn Fn(&Sample) -> i16| {
             [0, 1].map(|of| i32::from(median(samples, &|sample| (part(sample) == of).then(|| value(sample)))))
         };
