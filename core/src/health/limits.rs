@@ -32,8 +32,8 @@ pub struct HealthLimits {
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
     /// Largest change of the difference of rows from one half of the image to the other, 1/256 px; more is uneven, and its median is not used. What
-    /// turns rows turns columns as far: disparities near the border are wrong by as much, in every region. Default 32 (0.125 px): captured pairs, at
-    /// several sizes, and those of a robot's camera as it was delivered and as JPEG of quality 75 stay below 0.1 px.
+    /// turns rows turns columns as far: disparities near the border are wrong by as much, in every region. Default 48 (0.19 px): captured pairs, at
+    /// several sizes, and those of a robot's camera as it was delivered stay below 0.13 px, as JPEG of quality 75 below 0.18 px.
     pub row_spread_q8: u16,
     /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,
@@ -42,7 +42,7 @@ pub struct HealthLimits {
     /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 15: images of two scenes
     /// match up to 14, but for textures that repeat; captured pairs 69 and more, and 22 and more as JPEG of quality 80.
     pub matched_permille: u16,
-    /// The same where nothing says how far rows are apart, or fewer than [`HealthLimits::unique_permille`] are unique. Default 140.
+    /// The same where nothing says how far rows are apart, or fewer than [`HealthLimits::unique_permille`] are unique. Default 130.
     pub unwitnessed_permille: u16,
     /// Least share of the compared left segments whose cost curves have one minimum, per thousand. Default 320: images of two scenes, and exchanged
     /// ones, have up to 290 (14 captured pairs and 12 rendered ones), captured pairs 355 and more, as JPEG of quality 80 as well.
@@ -76,11 +76,11 @@ impl HealthLimits {
         row_offset_q8: 51,
         row_limit_q8: 384,
         row_drift_q8: 38,
-        row_spread_q8: 32,
+        row_spread_q8: 48,
         min_row_samples: 6,
         row_pairs: (8, 256),
         matched_permille: 15,
-        unwitnessed_permille: 140,
+        unwitnessed_permille: 130,
         unique_permille: 320,
         least_disparity_q6: -64,
         min_beyond_range: 3,
