@@ -24,7 +24,7 @@ type PcScratch = Scratch<
 
 /// Least share of the compared segments that are matched for the exchanged pair not to be tried, and how many times as many it has to match, and how many
 /// at least, to be the right one.
-const EXCHANGE: (f64, u16, u16) = (0.25, 3, 20);
+const EXCHANGE: (f64, u16, u16) = (0.25, 2, 20);
 
 /// Result of one pair, owned.
 #[derive(Clone, Debug)]

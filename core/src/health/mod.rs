@@ -332,17 +332,20 @@ fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool
     let is_below = |count: u16, permille: u16| u32::from(count) * 1000 < u32::from(compared) * u32::from(permille);
     let ambiguous = [Rejection::WindowNotUnique, Rejection::CensusNotUnique].map(|reason| counts.rejected(reason));
     let unique = compared.saturating_sub(ambiguous.into_iter().sum());
-    let has_witness = rows_are_known && !is_below(unique, limits.unique_permille);
-    let least = if has_witness { limits.matched_permille } else { limits.unwitnessed_permille };
+    let (with_rows, without) = limits.unique_permille;
+    let is_witnessed = !is_below(unique, if rows_are_known { with_rows } else { without });
+    let least = if is_witnessed { limits.matched_permille } else { limits.unwitnessed_permille };
     compared >= MIN_COMPARED && is_below(counts.matched, least)
 }
 
-/// Least number of matches whose differences of rows can be uneven.
-const LEAST_SAMPLES: u8 = 4;
+/// Least number of matches whose differences of rows can be uneven, and number up to which they have to be so twice as much.
+const FEW_SAMPLES: (u8, u8) = (4, 12);
 
 /// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither: even rows of few are no measurement.
 fn are_uneven(rows: &Rows, limits: &HealthLimits) -> Option<bool> {
-    let is_uneven = rows.samples >= LEAST_SAMPLES && rows.spread_q8 > limits.row_spread_q8;
+    let (least, few) = FEW_SAMPLES;
+    let spread_q8 = if rows.samples < few { rows.spread_q8 / 2 } else { rows.spread_q8 };
+    let is_uneven = rows.samples >= least && spread_q8 > limits.row_spread_q8;
     (is_uneven || rows.samples >= limits.min_row_samples).then_some(is_uneven)
 }
 
@@ -378,9 +381,11 @@ mod tests {
         let limits = HealthLimits::DEFAULT;
         let told = |samples, spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples }, &limits);
         let HealthLimits { row_spread_q8: most, min_row_samples: enough, .. } = limits;
-        assert_eq!([most, most + 1].map(|spread| told(enough, spread)), [Some(false), Some(true)]);
-        assert_eq!([most, most + 1].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
-        assert_eq!(told(LEAST_SAMPLES - 1, u16::MAX), None);
+        let (least, few) = FEW_SAMPLES;
+        assert_eq!([most, most + 1].map(|spread| told(few, spread)), [Some(false), Some(true)]);
+        assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(few - 1, spread)), [Some(false), Some(true)]);
+        assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
+        assert_eq!(told(least - 1, u16::MAX), None);
     }
 
     #[test]
@@ -388,7 +393,7 @@ mod tests {
         let limits = HealthLimits {
             matched_permille: 100,
             unwitnessed_permille: 200,
-            unique_permille: 500,
+            unique_permille: (500, 600),
             ..HealthLimits::DEFAULT
         };
         let few = |segments: u16, less_prominent: u16, ambiguous: u16, matched: u16, rows_are_known| {
@@ -401,6 +406,7 @@ mod tests {
         };
         assert_eq!([3, 4].map(|matched| few(50, 10, 20, matched, true)), [true, false]);
         assert_eq!([7, 8].map(|matched| few(50, 10, 20, matched, false)), [true, false]);
+        assert_eq!([3, 4].map(|matched| few(50, 10, 16, matched, false)), [true, false], "enough are unique");
         assert_eq!([7, 8].map(|matched| few(50, 10, 21, matched, true)), [true, false], "less than half are unique");
         assert_eq!([23, 24].map(|compared| few(compared, 0, 0, 0, true)), [false, true], "of fewer nothing is said");
     }
@@ -525,6 +531,7 @@ mod tests {
         let matches = [rows::tests::matched([(0, 0); 2], [-64; 2]); 3];
         let mut counts = Counts::default();
         (counts.segments_left, counts.matched) = (100, 3);
+        counts.reject_many(Rejection::WindowNotUnique, 60);
         let mut range = RangeCheck::default();
         (range.beyond, range.windows) = (5, 100);
         let support = Support::new(&crate::Params::default(), still::tests::DIMS, &points, 0);

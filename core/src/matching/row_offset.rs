@@ -68,8 +68,8 @@ pub(crate) fn estimate(
     (peak(&votes).map(crate::units::narrow), cut)
 }
 
-/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the votes of an even spread, and four standard deviations more:
-/// of few votes the largest cluster is large by chance.
+/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the votes of an even spread, and five standard deviations
+/// more: of few votes the largest cluster is large by chance. It takes six to move rows: those of a rectified pair are about where they belong.
 fn peak(votes: &[u32; BINS]) -> Option<i32> {
     let total: u32 = votes.iter().sum();
     let mut best = (0, 0_i32);
@@ -84,7 +84,8 @@ fn peak(votes: &[u32; BINS]) -> Option<i32> {
     // Times the number of bins: the cluster, the five bins of an even spread, and the difference between both.
     let (cluster, even) = (weight * BINS as u32, total * 5);
     let more = u64::from(cluster.saturating_sub(even));
-    let is_clear = more * more >= 16 * BINS as u64 * u64::from(even);
+    let deviations = if centre_q5.abs() < 16 { 5 } else { 6 };
+    let is_clear = more * more >= deviations * deviations * BINS as u64 * u64::from(even);
     (weight >= MIN_VOTES && cluster >= even * 3 / 2 && is_clear).then_some(centre_q5)
 }
 
@@ -98,16 +99,16 @@ mod tests {
         assert_eq!(peak(&[3; BINS]), None);
         for (middle, offset_q5) in [(25, 36), (7, -36)] {
             let mut votes = [1; BINS];
-            votes.iter_mut().skip(middle - 2).zip([2, 6, 9, 6, 2]).for_each(|(slot, count)| *slot = count);
+            votes.iter_mut().skip(middle - 2).zip([4, 12, 18, 12, 4]).for_each(|(slot, count)| *slot = count);
             assert_eq!(peak(&votes), Some(offset_q5));
         }
-        // A cluster of 10 among 33 others is chance, one of 20 is not.
+        // A cluster of 15 among 33 others is chance, one of 30 is not.
         let among_others = |count| {
             let mut votes = [1; BINS];
             votes[20] += count;
             peak(&votes)
         };
-        assert_eq!([10, 20].map(|count| among_others(count).is_some()), [false, true]);
+        assert_eq!([15, 30].map(|count| among_others(count).is_some()), [false, true]);
         let alone = |count| peak(&core::array::from_fn(|bin| if bin == 20 { count } else { 0 }));
         assert_eq!([MIN_VOTES - 1, MIN_VOTES].map(alone), [None, Some(16)]);
     }
