@@ -338,15 +338,16 @@ fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool
     compared >= MIN_COMPARED && is_below(counts.matched, least)
 }
 
-/// Least number of matches whose differences of rows can be uneven, and number up to which they have to be so twice as much.
+/// Least number of matches whose differences of rows can be uneven, and least number with which a limit decides: fewer have to exceed it twice.
 const FEW_SAMPLES: (u8, u8) = (4, 12);
 
-/// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither: even rows of few are no measurement.
+/// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither: they are no measurement.
 fn are_uneven(rows: &Rows, limits: &HealthLimits) -> Option<bool> {
-    let (least, few) = FEW_SAMPLES;
-    let spread_q8 = if rows.samples < few { rows.spread_q8 / 2 } else { rows.spread_q8 };
-    let is_uneven = rows.samples >= least && spread_q8 > limits.row_spread_q8;
-    (is_uneven || rows.samples >= limits.min_row_samples).then_some(is_uneven)
+    let (least, enough) = FEW_SAMPLES;
+    let most_q8 = if rows.samples < enough { limits.row_spread_q8.saturating_mul(2) } else { limits.row_spread_q8 };
+    let is_uneven = rows.samples >= least && rows.spread_q8 > most_q8;
+    let is_even = rows.samples >= limits.min_row_samples && rows.spread_q8 <= limits.row_spread_q8;
+    (is_uneven || is_even).then_some(is_uneven)
 }
 
 /// True when enough windows match beyond the range.
@@ -381,10 +382,11 @@ mod tests {
         let limits = HealthLimits::DEFAULT;
         let told = |samples, spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples }, &limits);
         let HealthLimits { row_spread_q8: most, min_row_samples: enough, .. } = limits;
-        let (least, few) = FEW_SAMPLES;
-        assert_eq!([most, most + 1].map(|spread| told(few, spread)), [Some(false), Some(true)]);
-        assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(few - 1, spread)), [Some(false), Some(true)]);
-        assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
+        let (least, many) = FEW_SAMPLES;
+        assert_eq!([most, most + 1].map(|spread| told(many, spread)), [Some(false), Some(true)]);
+        let of_few = |samples| [most, most + 1, 2 * most, 2 * most + 1].map(|spread| told(samples, spread));
+        assert_eq!(of_few(many - 1), [Some(false), None, None, Some(true)]);
+        assert_eq!(of_few(enough - 1), [None, None, None, Some(true)]);
         assert_eq!(told(least - 1, u16::MAX), None);
     }
 
