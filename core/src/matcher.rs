@@ -131,6 +131,7 @@ impl Matcher {
     }
 
     /// Where a check is due, matches a pair with segments, for its health and its row offset.
+    #[inline(never)] // most pairs do without
     fn check_with_segments<'a>(
         &mut self,
         images: [Gray<'a>; 2],

@@ -108,8 +108,8 @@ pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Opt
             break;
         }
     }
-    let centre = median(&samples, &|sample| Some(sample.offset_q8));
-    let near = NEAR_Q8.max(3 * median(&samples, &|sample| Some((sample.offset_q8 - centre).abs())));
+    let centre = median(&samples, 0, false);
+    let near = NEAR_Q8.max(3 * median(&samples, centre, true));
     let (mut sum, mut count) = (0, 0);
     for offset in samples.iter().map(|sample| sample.offset_q8).filter(|offset| (offset - centre).abs() <= near) {
         sum += i32::from(offset);
@@ -117,8 +117,8 @@ pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Opt
     }
     (count > 0).then(|| Rows {
         offset_q8: quotient(2 * sum + count * sum.signum(), 2 * count) as i16,
-        spread_q8: unevenness_q8(&samples, left.dims()),
         samples: samples.len() as u8,
+        spread_q8: unevenness_q8(&mut samples, left.dims()),
     })
 }
 
@@ -129,35 +129,39 @@ struct Sample {
     place: [i16; 2],
 }
 
-/// The larger difference of rows along one of both axes, 1/256 px.
-fn unevenness_q8(samples: &[Sample], dims: Dims) -> u16 {
-    let along = |axis: usize, side: u16| {
-        let place = |sample: &Sample| sample.place.get(axis).copied().unwrap_or(0);
-        let middle = median(samples, &|sample| Some(place(sample)));
-        let part = |sample: &Sample| usize::from(place(sample) >= middle);
-        if samples.iter().all(|sample| part(sample) == 1) {
-            return 0; // all at one place
+/// The larger difference of rows along one of both axes, 1/256 px; sorts the samples.
+fn unevenness_q8(samples: &mut [Sample], dims: Dims) -> u16 {
+    let (mut most, half) = (0, samples.len() / 2);
+    for (axis, side) in [dims.width, dims.height].into_iter().enumerate() {
+        let place = |sample: &Sample| i32::from(sample.place.get(axis).copied().unwrap_or(0));
+        sort_by_key(samples, place);
+        let [mut rows, mut places] = [[0; 2]; 2];
+        let mut off: Vec<i16, MOST> = Vec::new();
+        for (at, part) in samples.rchunks(half.max(1)).take(2).enumerate() {
+            // The first of an odd number is in neither half.
+            let row = median(part, 0, false);
+            part.iter().for_each(|sample| _ = off.push((sample.offset_q8 - row).abs()));
+            if let (Some(own), Some(middle)) = (rows.get_mut(at), places.get_mut(at)) {
+                (*own, *middle) = (i32::from(row), part.get(part.len() / 2).map_or(0, place));
+            }
         }
-        let of_parts = |value: &dyn Fn(&Sample) -> i16| {
-            [0, 1].map(|of| i32::from(median(samples, &|sample| (part(sample) == of).then(|| value(sample)))))
-        };
-        let rows = of_parts(&|sample| sample.offset_q8);
-        let [from, to] = of_parts(&place);
-        let off = |sample: &Sample| i32::from(sample.offset_q8) - rows.get(part(sample)).copied().unwrap_or(0);
-        let scatter = i32::from(median(samples, &|sample| Some(crate::units::narrow(off(sample).abs()))));
+        let scatter = i32::from(middle(&mut off).unwrap_or(0)).max(LEAST_SCATTER_Q8);
         let root_q4 = (256 * samples.len() as u32).isqrt() as i32;
-        let certain = (rows[0] - rows[1]).abs() - quotient(16 * SCATTERS * scatter.max(LEAST_SCATTER_Q8), root_q4);
-        let half = i32::from(side / 2);
-        quotient(certain.max(0) * half, (to - from).max(half / MOST_SLOPE)) as u16
-    };
-    along(0, dims.width).max(along(1, dims.height))
+        let certain = (rows[0] - rows[1]).abs() - quotient(16 * SCATTERS * scatter, root_q4);
+        let half_side = i32::from(side / 2);
+        most = most.max(quotient(certain * half_side, (places[0] - places[1]).max(half_side / MOST_SLOPE)));
+    }
+    most as u16
 }
 
-/// Median of the values that samples have; 0 of none.
-#[inline(never)] // once for all values
-fn median(samples: &[Sample], value: &dyn Fn(&Sample) -> Option<i16>) -> i16 {
+/// Median of the samples' differences less a value, or of their distances from it, 1/256 px; 0 of none.
+#[inline(never)] // its list is on the stack only while it runs
+fn median(samples: &[Sample], centre: i16, are_distances: bool) -> i16 {
     let mut values: Vec<i16, MOST> = Vec::new();
-    samples.iter().filter_map(value).for_each(|value| _ = values.push(value));
+    for sample in samples {
+        let off = sample.offset_q8 - centre;
+        let _ = values.push(if are_distances { off.abs() } else { off });
+    }
     middle(&mut values).unwrap_or(0)
 }
 
@@ -456,11 +460,11 @@ pub(super) mod tests {
         // Sixteen samples all over the image, left to right and up and down in turn.
         let dims = Dims { width: 320, height: 240 };
         let sampled = |scale: i16, offset_q8: &dyn Fn(i16) -> i16| {
-            let samples: [_; 16] = core::array::from_fn(|i| {
+            let mut samples: [_; 16] = core::array::from_fn(|i| {
                 let i = i as i16;
                 Sample { offset_q8: offset_q8(i), place: [20 * i / scale, 15 * (5 * i % 16) / scale] }
             });
-            unevenness_q8(&samples, dims)
+            unevenness_q8(&mut samples, dims)
         };
         assert_eq!(sampled(1, &|_| 40), 0);
         // Of sixteen samples 60 are scatter.
@@ -472,7 +476,7 @@ pub(super) mod tests {
         assert_eq!(sampled(1, &|i| if i % 2 == 0 { 70 } else { -70 }), 0);
         // A turn by 32 a sample, 256 from one half to the other, scatters itself.
         assert_eq!(sampled(1, &|i| 32 * i), 256 - 5 * 64 / 4);
-        assert_eq!(unevenness_q8(&[], dims), 0);
+        assert_eq!(unevenness_q8(&mut [], dims), 0);
     }
 
     #[test]
