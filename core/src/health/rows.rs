@@ -131,27 +131,32 @@ struct Sample {
 
 /// The larger difference of rows along one of both axes, 1/256 px; sorts the samples.
 fn unevenness_q8(samples: &mut [Sample], dims: Dims) -> u16 {
-    let (mut most, half) = (0, samples.len() / 2);
-    for (axis, side) in [dims.width, dims.height].into_iter().enumerate() {
-        let place = |sample: &Sample| i32::from(sample.place.get(axis).copied().unwrap_or(0));
-        sort_by_key(samples, place);
-        let [mut rows, mut places] = [[0; 2]; 2];
-        let mut off: Vec<i16, MOST> = Vec::new();
-        for (at, part) in samples.rchunks(half.max(1)).take(2).enumerate() {
-            // The first of an odd number is in neither half.
-            let row = median(part, 0, false);
-            part.iter().for_each(|sample| _ = off.push((sample.offset_q8 - row).abs()));
-            if let (Some(own), Some(middle)) = (rows.get_mut(at), places.get_mut(at)) {
-                (*own, *middle) = (i32::from(row), part.get(part.len() / 2).map_or(0, place));
-            }
-        }
-        let scatter = i32::from(middle(&mut off).unwrap_or(0)).max(LEAST_SCATTER_Q8);
-        let root_q4 = (256 * samples.len() as u32).isqrt() as i32;
-        let certain = (rows[0] - rows[1]).abs() - quotient(16 * SCATTERS * scatter, root_q4);
-        let half_side = i32::from(side / 2);
-        most = most.max(quotient(certain * half_side, (places[0] - places[1]).max(half_side / MOST_SLOPE)));
-    }
-    most as u16
+    along(samples, 0, dims.width).max(along(samples, 1, dims.height)) as u16
+}
+
+/// Difference of rows from one half of an axis to the other, 1/256 px; not below 0.
+#[inline(never)] // once for both axes
+fn along(samples: &mut [Sample], axis: usize, side: u16) -> i32 {
+    sort_by_key(samples, |sample| sample.place.get(axis).copied());
+    let half = samples.len() / 2;
+    let mut off: Vec<i16, MOST> = Vec::new();
+    // The middle one of an odd number is in neither half.
+    let (row, place) = half_of(samples.get(..half).unwrap_or(&[]), axis, &mut off);
+    let (other_row, other_place) = half_of(samples.get(samples.len() - half..).unwrap_or(&[]), axis, &mut off);
+    let scatter = i32::from(middle(&mut off).unwrap_or(0)).max(LEAST_SCATTER_Q8);
+    let root_q4 = (256 * samples.len() as u32).isqrt() as i32;
+    let certain = ((row - other_row).abs() - quotient(16 * SCATTERS * scatter, root_q4)).max(0);
+    let half_side = i32::from(side / 2);
+    quotient(certain * half_side, (other_place - place).max(half_side / MOST_SLOPE))
+}
+
+/// Median difference of sorted samples, 1/256 px, and place of their middle one, px; adds their distances from that median.
+#[inline(never)] // once for both halves
+fn half_of(part: &[Sample], axis: usize, off: &mut Vec<i16, MOST>) -> (i32, i32) {
+    let row = median(part, 0, false);
+    part.iter().for_each(|sample| _ = off.push((sample.offset_q8 - row).abs()));
+    let place = part.get(part.len() / 2).and_then(|sample| sample.place.get(axis));
+    (row.into(), place.copied().unwrap_or(0).into())
 }
 
 /// Median of the samples' differences less a value, or of their distances from it, 1/256 px; 0 of none.
