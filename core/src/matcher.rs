@@ -12,7 +12,7 @@
 
 use crate::area::Area;
 use crate::focus::Focus;
-use crate::health::{HealthLimits, HealthMonitor};
+use crate::health::{HealthLimits, HealthMonitor, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
 use crate::observe::{Observer, StageEvent};
@@ -115,40 +115,49 @@ impl Matcher {
             });
         }
         let are_points_alone = self.plan.params.parts == Parts::Support;
-        let (mut is_check, mut silent) = (are_points_alone && self.is_check_due(), ());
-        loop {
-            let is_whole = is_check || areas.is_none() && !are_points_alone;
-            let mut plan = self.plan;
-            if is_check {
-                plan.params.parts = Parts::Both;
-            }
-            let areas = areas.filter(|_| !is_check);
-            let focus = Focus { areas, row_offset_q5: self.row_offset_q5.filter(|_| !is_whole) };
-            let watched: &mut dyn Observer = if is_check { &mut silent } else { observer };
-            let mut matched = plan.run_stages([left, right], &focus, scratch, watched);
-            self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
-            // An offset that was measured in a pair that is not fit is none.
-            if is_whole && health.flags.is_fit() {
-                self.row_offset_q5 = matched.summary.row_offset_q5.or(self.row_offset_q5);
-            }
-            if is_check {
-                let (seldom, often) = CHECK_EVERY;
-                let is_well = self.row_offset_q5.is_some() && health.flags.is_fit();
-                self.until_check = if is_well { seldom } else { often };
-                scratch = matched.into_scratch();
-                is_check = false;
-                continue;
-            }
-            observer.on_event(StageEvent::Health(&health));
-            matched.summary.health = health;
-            return Ok(matched);
+        if are_points_alone {
+            scratch = self.check_with_segments([left, right], scratch, &mut health);
         }
+        let is_whole = areas.is_none() && !are_points_alone;
+        let focus = Focus { areas, row_offset_q5: self.row_offset_q5.filter(|_| !is_whole) };
+        let mut matched = self.plan.run_stages([left, right], &focus, scratch, observer);
+        self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
+        if is_whole {
+            self.learn_rows(matched.summary.row_offset_q5, &health);
+        }
+        observer.on_event(StageEvent::Health(&health));
+        matched.summary.health = health;
+        Ok(matched)
     }
 
-    /// True for a pair of support points alone that has to be matched with segments before, for its health and its row offset.
-    fn is_check_due(&mut self) -> bool {
+    /// Where a check is due, matches a pair with segments, for its health and its row offset.
+    #[inline(never)] // most pairs do without
+    fn check_with_segments<'a>(
+        &mut self,
+        images: [Gray<'a>; 2],
+        scratch: ScratchView<'a>,
+        health: &mut PairHealth,
+    ) -> ScratchView<'a> {
         self.until_check = self.until_check.saturating_sub(1);
-        self.until_check == 0
+        if self.until_check > 0 {
+            return scratch;
+        }
+        let mut plan = self.plan;
+        plan.params.parts = Parts::Both;
+        let matched = plan.run_stages(images, &Focus::WHOLE, scratch, &mut ());
+        self.monitor.check_matches(&self.limits, images, &matched.findings(), health);
+        self.learn_rows(matched.summary.row_offset_q5, health);
+        let (seldom, often) = CHECK_EVERY;
+        let is_well = self.row_offset_q5.is_some() && health.flags.is_fit();
+        self.until_check = if is_well { seldom } else { often };
+        matched.into_scratch()
+    }
+
+    /// Keeps the row offset of a whole pair, 1/32 px, if it was measured in one that is fit.
+    fn learn_rows(&mut self, measured_q5: Option<i16>, health: &PairHealth) {
+        if health.flags.is_fit() {
+            self.row_offset_q5 = measured_q5.or(self.row_offset_q5);
+        }
     }
 
     /// Resets the state of health; the row offset stays.
