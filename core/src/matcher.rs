@@ -41,7 +41,7 @@ pub struct Matcher {
     pub limits: HealthLimits,
     plan: Plan,
     monitor: HealthMonitor,
-    /// Row offset of the last fit pair that was matched as a whole and measured it, 1/32 px.
+    /// Row offset of the last fit pair that was matched as a whole and measured it, 1/32 px; 0 if none of them did.
     row_offset_q5: Option<i16>,
     /// Pairs of support points alone until the next one is checked with segments.
     until_check: u8,
@@ -72,7 +72,7 @@ impl Matcher {
         self.plan = plan;
     }
 
-    /// True when a whole pair that was fit has measured its row offset.
+    /// True when a whole pair that was fit has been matched.
     #[must_use]
     pub fn knows_rows(&self) -> bool {
         self.row_offset_q5.is_some()
@@ -153,10 +153,10 @@ impl Matcher {
         matched.into_scratch()
     }
 
-    /// Keeps the row offset of a whole pair, 1/32 px, if it was measured in one that is fit.
+    /// Keeps the row offset of a whole pair that is fit, 1/32 px: measured, else as before, else the 0 at which it has matched.
     fn learn_rows(&mut self, measured_q5: Option<i16>, health: &PairHealth) {
         if health.flags.is_fit() {
-            self.row_offset_q5 = measured_q5.or(self.row_offset_q5);
+            self.row_offset_q5 = measured_q5.or(self.row_offset_q5).or(Some(0));
         }
     }
 
