@@ -598,7 +598,9 @@ fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
     let mut memory = Box::new(Workspace::new());
     let mut camera = Painter::new(DIMS);
     let mut session = Session::new(BOARD);
-    session.limits.frozen_pairs = u8::MAX; // the picture stays
+    // The picture stays, and is small.
+    session.limits.frozen_pairs = u8::MAX;
+    session.limits.unwitnessed_permille = 0;
     let mut live = Live::start(session, port.clone(), port.clone());
     port.send(1, Request::Start);
     let (mut decoder, mut heads, mut expected) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);

@@ -42,11 +42,11 @@ pub struct HealthLimits {
     /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 15: images of two scenes
     /// match up to 14, but for textures that repeat; captured pairs 69 and more, and 22 and more as JPEG of quality 80.
     pub matched_permille: u16,
-    /// The same where fewer than [`HealthLimits::unique_permille`] are unique. Default 100.
+    /// The same where fewer than [`HealthLimits::unique_permille`] are unique. Default 120.
     pub unwitnessed_permille: u16,
     /// Least share of the compared left segments whose cost curves have one minimum, per thousand, where the row offset of the pair is known and where it
-    /// is not. Default 320 and 450: images of two scenes, and exchanged ones, have up to 290 (14 captured pairs and 56 rendered ones), those with rows
-    /// 3 to 5 px off up to 440, but for one; captured pairs 355 and more, also as JPEG of quality 80.
+    /// is not. Default 320 and 1000: images of two scenes, and exchanged ones, have up to 290 (14 captured pairs and 56 rendered ones), captured pairs
+    /// 355 and more, also as JPEG of quality 80; where rows do not match, most have as many.
     pub unique_permille: (u16, u16),
     /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64 (-1 px).
     pub least_disparity_q6: i16,
@@ -81,8 +81,8 @@ impl HealthLimits {
         min_row_samples: 6,
         row_pairs: (8, 256),
         matched_permille: 15,
-        unwitnessed_permille: 100,
-        unique_permille: (320, 450),
+        unwitnessed_permille: 120,
+        unique_permille: (320, 1000),
         least_disparity_q6: -64,
         min_beyond_range: 3,
         beyond_range_permille: 20,
