@@ -29,6 +29,7 @@ mod owners;
 mod pitfalls;
 mod query;
 mod rectify;
+mod refusal;
 mod rig;
 mod rig_image;
 mod slopes;
