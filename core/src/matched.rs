@@ -3,15 +3,11 @@
 //! In: a plan, the pair, the memory of its run. Out: segments, points, the depth of objects and pixels.
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
-//!
-//! A pair that is not [fit](crate::HealthFlags::is_fit) to be used has no segments and no points, and no object and no pixel has a depth. What it
-//! was matched to remains in [`Matched::findings`], [`Matched::candidates`] and [`Matched::support`].
 
-use crate::health::{Findings, HealthFlags, PairHealth};
+use crate::health::{Findings, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
-use crate::params::Parts;
 use crate::plan::Plan;
 use crate::query::{PixelDepth, PixelEvidence, PixelRejection, Query};
 use crate::report::Report;
@@ -25,8 +21,8 @@ use heapless::vec::VecView;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Summary {
     pub(crate) counts: Counts,
-    /// Rows to add to a left row for the matching right one, 1/32 px; `None` when they were neither measured nor given.
-    pub(crate) row_offset_q5: Option<i16>,
+    /// Rows to add to a left row for the matching right one, 1/32 px.
+    pub(crate) row_offset_q5: i16,
     /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
@@ -54,24 +50,18 @@ impl Summary {
 
     /// Row of the right image that matches row 0 of the left one, px.
     pub(crate) fn row_offset(&self) -> i32 {
-        (i32::from(self.row_offset_q5()) + 16) >> 5
+        (i32::from(self.row_offset_q5) + 16) >> 5
     }
 
     /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as given by
-    /// [`Focus`](crate::Focus); 0 when neither says them.
+    /// [`Focus`](crate::Focus).
     #[must_use]
     pub fn row_offset_q5(&self) -> i16 {
-        self.row_offset_q5.unwrap_or(0)
-    }
-
-    /// True when the pair is [fit](crate::HealthFlags::is_fit) to be used: only then segments, points, objects and pixels are answered.
-    #[must_use]
-    pub fn is_fit(&self) -> bool {
-        self.health.flags.is_fit()
+        self.row_offset_q5
     }
 }
 
-/// A matched pair; without results if it is not fit to be used.
+/// A matched pair; without results if the pair was refused.
 #[derive(Debug)]
 pub struct Matched<'a> {
     pub(crate) plan: Plan,
@@ -105,13 +95,6 @@ impl<'a> Matched<'a> {
         &self.summary.health
     }
 
-    /// Adds faults of the pair that the caller knows of.
-    pub fn add_faults(&mut self, faults: HealthFlags) {
-        let health = &mut self.summary.health;
-        health.now |= faults;
-        health.flags |= faults;
-    }
-
     /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
@@ -121,20 +104,14 @@ impl<'a> Matched<'a> {
     /// Matched segments, most confident first.
     #[must_use]
     pub fn segments(&self) -> &[Match] {
-        if self.summary.is_fit() { self.scratch.matches } else { &[] }
+        self.scratch.matches
     }
 
     /// Matches, counts and support points by which the health of the pair is judged.
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
-        Findings {
-            matches: self.scratch.matches,
-            counts: self.counts(),
-            support: self.support(),
-            range: self.summary.range,
-            has_rows: self.summary.row_offset_q5.is_some(),
-            has_segments: self.plan.params.parts != Parts::Support,
-        }
+        let range = self.summary.range;
+        Findings { matches: self.segments(), counts: self.counts(), support: self.support(), range }
     }
 
     /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.
@@ -151,8 +128,7 @@ impl<'a> Matched<'a> {
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence); [`Matched::points`] lists each pixel once.
     pub fn support_points(&self) -> impl Iterator<Item = Point> + use<'_> {
-        let is_fit = self.summary.is_fit();
-        self.support().credible(self.plan.params.min_confidence).filter(move |_| is_fit)
+        self.support().credible(self.plan.params.min_confidence)
     }
 
     /// Calls `each` with every point: those of segments, most probable sides first, then support points; at most one per pixel.
@@ -160,18 +136,16 @@ impl<'a> Matched<'a> {
     /// # Cost
     /// Some 40 instructions a point.
     pub fn points(&mut self, mut each: impl FnMut(Point)) {
-        if self.summary.is_fit() {
-            let (mut report, _) = Report::new(&self.plan, self.images, &mut self.scratch, self.summary.detail_q8);
-            report.list_points(&mut each);
-        }
+        let (mut report, _) = Report::new(&self.plan, self.images, &mut self.scratch, self.summary.detail_q8);
+        report.list_points(&mut each);
     }
 
-    /// Calls `each` with the depth of every region, in the order given.
+    /// Calls `each` with the depth of every region, in the order given. Without depth for a pair that is not [fit](crate::HealthFlags::is_fit).
     ///
     /// # Cost
     /// On a Cortex-M7 some 92 000 instructions for a box of a fifteenth of a QVGA image.
     pub fn objects(&mut self, regions: &[Region<'_>], mut each: impl FnMut(ObjectDepth)) {
-        if !self.summary.is_fit() {
+        if !self.summary.health.flags.is_fit() {
             let refused = |region: &Region<'_>| ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0);
             return regions.iter().map(refused).for_each(each);
         }
@@ -195,32 +169,25 @@ impl<'a> Matched<'a> {
     /// The depth of one pixel, on a segment or not; `region` is the one that it belongs to, if known.
     ///
     /// # Errors
-    /// The reason why there is none; [`PixelRejection::UnhealthyPair`] for a pair that is not fit to be used.
+    /// The reason why there is none; [`PixelRejection::UnhealthyPair`] for a pair that was refused.
     ///
     /// # Cost
     /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 70 000 where segments are dense.
     pub fn pixel(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, PixelRejection> {
-        let is_fit = self.summary.is_fit();
-        self.query(is_fit, |query| query.answer(pixel, region))
+        self.query(|query| query.answer(pixel, region))
     }
 
-    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability and of any pair that was matched: the data that models are
-    /// fitted on.
+    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability: the data that models are fitted on.
     pub fn pixel_evidence(
         &mut self,
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<(i32, PixelEvidence), PixelRejection> {
-        let is_matched = !self.summary.health.is_refused();
-        self.query(is_matched, |query| query.evidence_of(pixel, region))
+        self.query(|query| query.evidence_of(pixel, region))
     }
 
-    fn query<T>(
-        &mut self,
-        is_answered: bool,
-        evaluate: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>,
-    ) -> Result<T, PixelRejection> {
-        if !is_answered {
+    fn query<T>(&mut self, evaluate: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>) -> Result<T, PixelRejection> {
+        if self.summary.health.is_refused() {
             return Err(PixelRejection::UnhealthyPair);
         }
         let ScratchView { candidates, support, rows, work, .. } = &mut self.scratch;

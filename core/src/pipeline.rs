@@ -58,7 +58,7 @@ impl Plan {
         let regions = SearchRegions::new(focus, self.dims);
         let mut counts = Counts::default();
         let row_offset_q5 = if self.params.parts == Parts::Support {
-            given_rows(focus)
+            focus.row_offset_q5.unwrap_or(0).clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5)
         } else {
             self.find_segments(images, (focus, &regions), &mut m, &mut counts, observer)
         };
@@ -111,7 +111,7 @@ impl Plan {
         Ok(ScratchView { marks, ..scratch })
     }
 
-    /// Detects the segments of both images and keeps the prominent ones of the left. Returns the row offset, 1/32 px, if it is known.
+    /// Detects the segments of both images and keeps the prominent ones of the left. Returns the row offset, 1/32 px.
     #[inline(never)] // its variables are on the stack only while it runs
     fn find_segments(
         &self,
@@ -120,7 +120,7 @@ impl Plan {
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
         observer: &mut dyn Observer,
-    ) -> Option<i16> {
+    ) -> i16 {
         let lines = LineParams {
             anchor: self.params.anchor_gradient.into(),
             edge: self.params.edge_gradient.into(),
@@ -146,12 +146,15 @@ impl Plan {
         }
         observer.on_event(StageEvent::LinesRight(m.right));
         counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
-        let row_offset_q5 = given_rows(focus).or_else(|| {
-            let (offset_q5, cut) =
-                row_offset::estimate(m.left, m.right, self.disparities(), Area::of(self.dims).pixels());
-            counts.comparisons_cut = cut;
-            offset_q5
-        });
+        let row_offset_q5 = match focus.row_offset_q5 {
+            Some(known) => known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5),
+            None => {
+                let (offset_q5, cut) =
+                    row_offset::estimate(m.left, m.right, self.disparities(), Area::of(self.dims).pixels());
+                counts.comparisons_cut = cut;
+                offset_q5
+            }
+        };
         let lost = lines::keep_prominent(
             m.left,
             (self.params.cell.into(), m.candidates.capacity()),
@@ -162,7 +165,7 @@ impl Plan {
         lines::sort_by_top(m.left);
         counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         counts.reject_many(Rejection::LessProminent, lost);
-        observer.on_event(StageEvent::Selection(row_offset_q5.unwrap_or(0).into(), m.left));
+        observer.on_event(StageEvent::Selection(row_offset_q5.into(), m.left));
         row_offset_q5
     }
 
@@ -236,9 +239,4 @@ impl Plan {
     fn disparities(&self) -> (i32, i32) {
         (self.params.min_disparity.into(), self.params.max_disparity.into())
     }
-}
-
-/// The row offset of the caller, 1/32 px.
-fn given_rows(focus: &Focus<'_>) -> Option<i16> {
-    focus.row_offset_q5.map(|known| known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5))
 }

@@ -250,7 +250,7 @@ fn raw_pairs_are_rectified_row_by_row() {
         lists.flatten().copied().collect::<Vec<_>>()
     };
     assert_eq!(matches_of(1), expected);
-    assert_eq!(matches_of(3), [], "both images are those of the pair before: frozen");
+    assert_eq!(matches_of(3), expected, "what came before a pair does not matter");
     let heads: Vec<_> =
         frames.iter().filter_map(|m| if let Message::Frame(head) = m { Some(head) } else { None }).collect();
     assert!(heads.iter().all(|head| (head.width, head.height) == (128, 96)));
@@ -430,8 +430,7 @@ fn live_serves_commands_and_survives_its_camera() {
     let Message::Frame(head) = &frame[0] else { panic!("no frame: {frame:?}") };
     assert_eq!((head.sequence, head.width), (3, 128));
     assert!(head.pair.unwrap().skew_us.is_none() && head.pair.unwrap().cameras[0].level > 0);
-    // Three pairs without the fault clear its flag: until then there are no results.
-    assert!(head.segments == 0 && head.capture_time_us > 0 && head.health.of_pair().contains(HealthFlags::SKEW));
+    assert!(head.segments > 10 && head.capture_time_us > 0);
     assert_eq!(frame.len(), 1 + usize::from(head.segments).div_ceil(SEGMENTS_PER_PACKET));
 
     send(2, Request::Pair(pair_head(Dims { width: 16, height: 16 }, 0)));
@@ -597,11 +596,7 @@ fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
     let port = Port::with_capacity(6000);
     let mut memory = Box::new(Workspace::new());
     let mut camera = Painter::new(DIMS);
-    let mut session = Session::new(BOARD);
-    // The picture stays, and is small.
-    session.limits.frozen_pairs = u8::MAX;
-    session.limits.unwitnessed_permille = 0;
-    let mut live = Live::start(session, port.clone(), port.clone());
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     port.send(1, Request::Start);
     let (mut decoder, mut heads, mut expected) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
     for _ in 0..200 {

@@ -4,8 +4,8 @@ use linestereo::diagnostics::{Model, Models, Observer, SUPPORT_EVIDENCE};
 use linestereo::image::ViewError;
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Area, Dims, Gray, HealthFlags, HealthLimits, Match, Matched, Matcher, ObjectDepth, Pair, ParamError, Params,
-    PixelDepth, PixelRejection, Plan, Point, Region, Rejection, RunError, Scratch, Span, Summary,
+    Area, Dims, Gray, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params,
+    PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
@@ -22,10 +22,6 @@ type PcScratch = Scratch<
     { most_support_points(LARGEST) },
 >;
 
-/// Least share of the compared segments that are matched for the exchanged pair not to be tried, and how many times as many it has to match, and how many
-/// at least, to be the right one.
-const EXCHANGE: (f64, u16, u16) = (0.25, 2, 20);
-
 /// Result of one pair, owned.
 #[derive(Clone, Debug)]
 pub struct FrameResult {
@@ -39,21 +35,12 @@ pub struct FrameResult {
     pub health: Health,
     /// The numbers behind it; `None` when nobody looked.
     pub pair: Option<PairReport>,
-    /// Segments of the exchanged pair: matched, and all of them. `None` unless it matches far more of them.
-    pub exchanged: Option<[u16; 2]>,
 }
 
 impl FrameResult {
     /// Points of another method, without segments: what the scores of the core are computed from.
     pub fn of_points(points: Vec<Point>) -> Self {
-        Self {
-            matches: Vec::new(),
-            points,
-            counts: Counts::default(),
-            health: Health::GOOD,
-            pair: None,
-            exchanged: None,
-        }
+        Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None }
     }
 
     /// The same; without its points if asked. The counts stay.
@@ -76,8 +63,6 @@ pub struct FittedModels {
 pub struct Engine {
     matcher: Matcher,
     scratch: Box<PcScratch>,
-    /// Memory of pairs that are tried; none before the first.
-    trial: Option<Box<PcScratch>>,
     /// Where pairs are matched; everywhere without.
     areas: Option<Vec<Area>>,
     /// The last pair, for questions that come later.
@@ -116,7 +101,6 @@ impl Engine {
         Ok(Self {
             matcher,
             scratch: Box::new(PcScratch::new()),
-            trial: None,
             areas: None,
             last: (Summary::default(), [blank(), blank()]),
         })
@@ -165,8 +149,12 @@ impl Engine {
         plan.resume(summary, [left, right], self.scratch.view()).expect("as it was matched")
     }
 
-    /// The depth of each region in the pair that was matched last.
-    pub fn objects(&mut self, regions: &[Region<'_>]) -> Vec<ObjectDepth> {
+    /// The depth of each region in the pair that was matched last; `fit` says whether it is healthy enough to be believed.
+    pub fn objects(&mut self, regions: &[Region<'_>], fit: bool) -> Vec<ObjectDepth> {
+        let refused = |region: &Region<'_>| ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0);
+        if !fit {
+            return regions.iter().map(refused).collect();
+        }
         let mut found = Vec::with_capacity(regions.len());
         self.matched().objects(regions, |object| found.push(object));
         found
@@ -198,8 +186,7 @@ impl Engine {
         self.run_next((left, right), None, observer)
     }
 
-    /// Runs the core on the next pair of a rig. A pair that is not fit to be used has an empty result; one of which the exchanged pair matches far more
-    /// segments is none.
+    /// Runs the core on the next pair of a rig. A pair that is refused has an empty result.
     pub fn run_next(
         &mut self,
         (left, right): (Gray<'_>, Gray<'_>),
@@ -208,10 +195,6 @@ impl Engine {
     ) -> Result<FrameResult, RunError> {
         let pair = Pair { left, right, times_us };
         let mut matched = self.matcher.run(pair, self.areas.as_deref(), self.scratch.view(), observer)?;
-        let exchanged = try_exchanged(&matched, [right, left], *self.matcher.plan(), &mut self.trial);
-        if exchanged.is_some() {
-            matched.add_faults(HealthFlags::FEW_MATCHES);
-        }
         let mut points = Vec::new();
         matched.points(|point| points.push(point));
         let mut counts: Counts = matched.counts().into();
@@ -223,7 +206,6 @@ impl Engine {
             counts,
             health: Health::of(matched.counts()) | health.flags.into(),
             pair: Some(health.into()),
-            exchanged,
         };
         let summary = *matched.summary();
         let (last, images) = &mut self.last;
@@ -233,24 +215,4 @@ impl Engine {
         }
         Ok(result)
     }
-}
-
-/// Matches the exchanged pair where few segments of a whole pair match: `(matched, all)` of its segments if they are far more. The same holds for images
-/// that are both mirrored or upside down.
-fn try_exchanged(
-    matched: &Matched<'_>,
-    exchanged: [Gray<'_>; 2],
-    plan: Plan,
-    trial: &mut Option<Box<PcScratch>>,
-) -> Option<[u16; 2]> {
-    let (enough, times, least) = EXCHANGE;
-    let compared = |counts: &linestereo::Counts| counts.segments_left - counts.rejected(Rejection::LessProminent);
-    let counts = matched.counts();
-    if f64::from(counts.matched) >= enough * f64::from(compared(counts)) || matched.health().is_refused() {
-        return None;
-    }
-    let trial = trial.get_or_insert_with(|| Box::new(PcScratch::new()));
-    let other = plan.run(exchanged, trial.view()).ok()?;
-    let found = other.counts();
-    (found.matched >= least.max(times * counts.matched)).then(|| [found.matched, compared(found)])
 }

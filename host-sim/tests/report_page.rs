@@ -33,7 +33,7 @@ fn run(seed: u64) -> Run {
     let rejected = log.rejected(engine.matched().candidates());
     let area = Area { left: 40, top: 30, right: 200, bottom: 200 };
     let object = Object { label: 5, name: Some("<box>".to_owned()), pixels: Pixels::Box(area) };
-    let depths = engine.objects(&[object.region(DIMS).unwrap()]);
+    let depths = engine.objects(&[object.region(DIMS).unwrap()], true);
     let objects = vec![(object, listing::Object::new(&depths[0], Some("<box>")))];
     let mut log = CurveLog::default();
     engine.run_observed(views.0, views.1, &mut log).unwrap();

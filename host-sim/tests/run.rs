@@ -127,8 +127,9 @@ fn json_has_the_promised_keys_and_shapes() {
     assert_eq!(health["flags"], serde_json::json!([]));
     assert!(health["skew_us"].is_null() && health["row_drift_px"].is_null(), "a single file has neither: {health}");
     assert_eq!(keys(&health["left"]), ["black", "detail", "level", "view", "white"]);
+    // The rows are level: known as well as the samples say themselves, who are few.
     let rows = |name: &str| health["rows"][name].as_f64().unwrap();
-    let is_level = || rows("spread_px") < 0.1 && rows("offset_px").abs() <= 0.2;
+    let is_level = || rows("spread_px") < 0.1 && rows("offset_px").abs() <= 2.0 * rows("spread_px");
     assert!(health["rows"].is_null() || is_level(), "{health}");
 }
 

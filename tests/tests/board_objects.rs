@@ -26,8 +26,8 @@ fn expected(engine: &mut Engine, rendering: &Rendering, boxes: &[RegionBox], onl
     let dims = rendering.left.dims;
     let regions: Vec<_> = boxes.iter().map(|of| of.region(dims).unwrap()).collect();
     engine.focus(only.then(|| regions.iter().map(linestereo::Region::area).collect()));
-    engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
-    engine.objects(&regions)
+    let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+    engine.objects(&regions, linestereo_sim::results::health::is_fit(result.health))
 }
 
 #[test]

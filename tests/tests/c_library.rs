@@ -97,7 +97,7 @@ pub(crate) fn expected([left, right]: &[GrayImage; 2]) -> String {
     let [width, height] = [left.dims.width / 4, left.dims.height / 4];
     let middle = Area { left: width, top: height, right: 3 * width, bottom: 3 * height };
     let flags: HealthFlags = engine.matched().health().flags;
-    let object = engine.objects(&[Region::boxed(0, middle, left.dims).unwrap()]).remove(0);
+    let object = engine.objects(&[Region::boxed(0, middle, left.dims).unwrap()], flags.is_fit()).remove(0);
     match object.disparity {
         Err(reason) => writeln!(text, "middle: {reason}").unwrap(),
         Ok(disparity) => {

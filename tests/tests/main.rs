@@ -29,7 +29,6 @@ mod owners;
 mod pitfalls;
 mod query;
 mod rectify;
-mod refusal;
 mod rig;
 mod rig_image;
 mod slopes;

@@ -70,8 +70,8 @@ fn ask(left: &GrayImage, right: &GrayImage, step: usize) -> Vec<((u16, u16), Res
     let params = Params { max_disparity: RANGE, ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let (left, right) = (left.view().unwrap(), right.view().unwrap());
-    let mut matched = engine.run_in_place(left, right).unwrap();
-    grid(left.dims(), step).map(|pixel| (pixel, matched.pixel(pixel, None))).collect()
+    engine.run(left, right).unwrap();
+    grid(left.dims(), step).map(|pixel| (pixel, engine.depth_at(pixel, None))).collect()
 }
 
 #[test]

@@ -277,7 +277,7 @@ fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
     matcher.run(pair, None, scratch, &mut ()).unwrap().objects(&[region], |object| found.push(object));
     let mut engine = Engine::new(&Params::default(), dims).unwrap();
     engine.run(pair.left, pair.right).unwrap();
-    assert_eq!(found, engine.objects(&[region]));
+    assert_eq!(found, engine.objects(&[region], true));
 }
 
 /// Line of an object, as the page has to say it.
@@ -287,7 +287,8 @@ fn said(images: &[GrayImage; 2], area: Area) -> String {
     let [left, right] = images;
     let mut engine = Engine::new(&params, left.dims).unwrap();
     engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-    let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()]).remove(0);
+    let fit = engine.matched().health().flags.is_fit();
+    let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()], fit).remove(0);
     let disparity = match found.disparity {
         Err(reason) => return format!("no depth: {reason}"),
         Ok(disparity) => disparity.to_num::<f64>(),

@@ -152,7 +152,7 @@ impl Engine {
             rows_q8: health.rows.map_or(0, |rows| rows.offset_q8),
             rows_samples: health.rows.map_or(0, |rows| rows.samples.into()),
             segments_found: counts.segments_left,
-            segments_matched: matched.segments().len() as u16, // at most 4096
+            segments_matched: counts.matched,
             is_cut: counts.is_cut().into(),
         })
     }

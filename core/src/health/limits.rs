@@ -33,23 +33,18 @@ pub struct HealthLimits {
     pub row_limit_q8: u16,
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
-    /// Largest change of the difference of rows from one half of the image to the other, 1/256 px; more is uneven, and its median is not used. What
-    /// turns rows turns columns as far: disparities near the border are wrong by as much, in every region. Default 48 (0.19 px): captured pairs, at
-    /// several sizes, and those of a robot's camera as it was delivered stay below 0.13 px, as JPEG of quality 75 below 0.18 px.
+    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 32 (0.125 px):
+    /// captured pairs, at several sizes, and those of a robot's camera as it was delivered stay below 0.1 px.
     pub row_spread_q8: u16,
     /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,
     /// Number of pairs over which the difference of rows is smoothed, and of its long mean. Default 8 and 256; at most 1024.
     pub row_pairs: (u16, u16),
-    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 15: images of two scenes
-    /// match up to 14, but for textures that repeat; captured pairs 69 and more, and 22 and more as JPEG of quality 80.
+    /// Least share of the compared left segments that are matched, per thousand, where at least 24 are compared. Default 60: of captured pairs
+    /// without a fault the least is 69 (stairs, a robot's camera), most have 400 and more.
     pub matched_permille: u16,
-    /// The same where fewer than [`HealthLimits::unique_permille`] are unique. Default 120.
+    /// The same where too few of them can say how far rows are apart. Default 140; the least of such captured pairs is 159.
     pub unwitnessed_permille: u16,
-    /// Least share of the compared left segments whose cost curves have one minimum, per thousand, where the row offset of the pair is known and where it
-    /// is not. Default 320 and 1000: images of two scenes, and exchanged ones, have up to 290 (14 captured pairs and 56 rendered ones), captured pairs
-    /// 355 and more, also as JPEG of quality 80; where rows do not match, most have as many.
-    pub unique_permille: (u16, u16),
     /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64 (-1 px).
     pub least_disparity_q6: i16,
     /// Least number of windows that match beyond the disparity range for it to be too small. Default 3.
@@ -79,12 +74,11 @@ impl HealthLimits {
         row_offset_q8: 51,
         row_limit_q8: 384,
         row_drift_q8: 38,
-        row_spread_q8: 48,
+        row_spread_q8: 32,
         min_row_samples: 6,
         row_pairs: (8, 256),
-        matched_permille: 15,
-        unwitnessed_permille: 120,
-        unique_permille: (320, 1000),
+        matched_permille: 60,
+        unwitnessed_permille: 140,
         least_disparity_q6: -64,
         min_beyond_range: 3,
         beyond_range_permille: 20,

@@ -8,9 +8,8 @@
 //! after it:        HealthMonitor::check_matches          difference of rows (rows), few matches, matches beyond infinity and beyond the range,
 //!                                                        what is at the same pixel of both images (still), torn images (tear)
 //! ```
-//! A flag is raised by the pair that shows the fault and stays until [`HealthLimits::clear_after`] pairs in a row were free of it. A pair that cannot
-//! measure rows (no edges to compare them with), or was matched without segments, does not change the flags of rows and of segments: they are faults
-//! of the rig. Differences of rows are smoothed first:
+//! A flag is raised by the pair that shows the fault and stays until [`HealthLimits::clear_after`] pairs in a row were free of it; a pair in
+//! which the quantity cannot be measured (no edges to compare rows with) does not change it. Differences of rows are smoothed first:
 //!
 //! ```text
 //! short += (offset - short) / min(pairs, 8)       rows_off    |short| above the limit
@@ -101,10 +100,6 @@ pub struct Findings<'a> {
     pub support: Support<'a>,
     /// Windows that match beyond the disparity range.
     pub range: RangeCheck,
-    /// The row offset of the pair was measured by segments, or given.
-    pub has_rows: bool,
-    /// Segments were matched; without, nothing is said of rows, of few matches and of those beyond infinity.
-    pub has_segments: bool,
 }
 
 impl PairHealth {
@@ -191,14 +186,12 @@ impl HealthMonitor {
         health: &mut PairHealth,
     ) {
         let (mut now, mut tested) = self.check_rows(limits, images, found.matches, health);
-        if found.has_segments {
-            tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY;
-            now |=
-                HealthFlags::FEW_MATCHES.when(are_few(found.counts, limits, found.has_rows || health.rows.is_some()));
-            health.least_disparity_q6 = third_least_q6(found.matches);
-            let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
-            now |= HealthFlags::BEYOND_INFINITY.when(beyond);
-        }
+        tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY | HealthFlags::TORN;
+        now |= HealthFlags::FEW_MATCHES.when(are_few(found.counts, limits, health.rows.is_some()));
+
+        health.least_disparity_q6 = third_least_q6(found.matches);
+        let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
+        now |= HealthFlags::BEYOND_INFINITY.when(beyond);
 
         health.range = Some(found.range);
         // A fault of a camera leaves windows without a match as well.
@@ -207,8 +200,8 @@ impl HealthMonitor {
             now |= HealthFlags::RANGE_SMALL.when(is_small(&found.range, limits));
         }
         health.still = still::measure(images, found.support);
-        tested |= HealthFlags::NO_PARALLAX | HealthFlags::SAME_PIXEL | HealthFlags::TORN;
         if let Some(still) = health.still {
+            tested |= HealthFlags::NO_PARALLAX | HealthFlags::SAME_PIXEL;
             now |= HealthFlags::NO_PARALLAX.when(still.still_permille > limits.still_permille);
             now |= HealthFlags::SAME_PIXEL.when(still.pattern_permille > limits.pattern_permille);
         }
@@ -324,30 +317,23 @@ impl Default for HealthMonitor {
 /// Flags that are tested before matching, without [`HealthFlags::SKEW`].
 const CAMERA_FLAGS: HealthFlags = HealthFlags::from_bits_retain((HealthFlags::EXPOSURES_DIFFER.bits() << 1) - 1);
 
-/// True when so few of the segments compared are matched that images of two scenes would match as many: hardly any, or few in a pair that nothing else
-/// vouches for. What both images show matches better at its own disparity than at any other, in whatever noise; what one of them shows alone does so
-/// as seldom as chance has it.
+/// True when few of the segments compared are matched.
 fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool {
     let compared = counts.segments_left.saturating_sub(counts.rejected(Rejection::LessProminent));
-    let is_below = |count: u16, permille: u16| u32::from(count) * 1000 < u32::from(compared) * u32::from(permille);
-    let ambiguous = [Rejection::WindowNotUnique, Rejection::CensusNotUnique].map(|reason| counts.rejected(reason));
-    let unique = compared.saturating_sub(ambiguous.into_iter().sum());
-    let (with_rows, without) = limits.unique_permille;
-    let is_witnessed = !is_below(unique, if rows_are_known { with_rows } else { without });
-    let least = if is_witnessed { limits.matched_permille } else { limits.unwitnessed_permille };
-    compared >= MIN_COMPARED && is_below(counts.matched, least)
+    let least = if rows_are_known { limits.matched_permille } else { limits.unwitnessed_permille };
+    compared >= MIN_COMPARED && u32::from(counts.matched) * 1000 < u32::from(compared) * u32::from(least)
 }
 
-/// Least number of matches whose differences of rows can be uneven, and least number with which a limit decides: fewer have to exceed it twice.
-const FEW_SAMPLES: (u8, u8) = (4, 12);
+/// Least number of matches whose differences of rows can be uneven.
+const LEAST_SAMPLES: u8 = 4;
 
-/// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither: they are no measurement.
+/// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither.
 fn are_uneven(rows: &Rows, limits: &HealthLimits) -> Option<bool> {
-    let (least, enough) = FEW_SAMPLES;
-    let most_q8 = if rows.samples < enough { limits.row_spread_q8.saturating_mul(2) } else { limits.row_spread_q8 };
-    let is_uneven = rows.samples >= least && rows.spread_q8 > most_q8;
-    let is_even = rows.samples >= limits.min_row_samples && rows.spread_q8 <= limits.row_spread_q8;
-    (is_uneven || is_even).then_some(is_uneven)
+    if rows.samples >= limits.min_row_samples {
+        return Some(rows.spread_q8 > limits.row_spread_q8);
+    }
+    // The spread of few is known less well: it takes twice as much, and an even one is no measurement.
+    (rows.samples >= LEAST_SAMPLES && rows.spread_q8 / 2 > limits.row_spread_q8).then_some(true)
 }
 
 /// True when enough windows match beyond the range.
@@ -378,39 +364,27 @@ mod tests {
     use crate::support::SupportPoint;
 
     #[test]
-    fn few_matches_tell_rows_that_are_uneven_alone() {
+    fn few_matches_tell_rows_that_are_very_uneven_alone() {
         let limits = HealthLimits::DEFAULT;
         let told = |samples, spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples }, &limits);
         let HealthLimits { row_spread_q8: most, min_row_samples: enough, .. } = limits;
-        let (least, many) = FEW_SAMPLES;
-        assert_eq!([most, most + 1].map(|spread| told(many, spread)), [Some(false), Some(true)]);
-        let of_few = |samples| [most, most + 1, 2 * most, 2 * most + 1].map(|spread| told(samples, spread));
-        assert_eq!(of_few(many - 1), [Some(false), None, None, Some(true)]);
-        assert_eq!(of_few(enough - 1), [None, None, None, Some(true)]);
-        assert_eq!(told(least - 1, u16::MAX), None);
+        assert_eq!([most, most + 1].map(|spread| told(enough, spread)), [Some(false), Some(true)]);
+        assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
+        assert_eq!(told(LEAST_SAMPLES - 1, u16::MAX), None);
     }
 
     #[test]
     fn few_are_matched_below_a_share_of_those_compared() {
-        let limits = HealthLimits {
-            matched_permille: 100,
-            unwitnessed_permille: 200,
-            unique_permille: (500, 600),
-            ..HealthLimits::DEFAULT
-        };
-        let few = |segments: u16, less_prominent: u16, ambiguous: u16, matched: u16, rows_are_known| {
+        let limits = HealthLimits { matched_permille: 100, unwitnessed_permille: 200, ..HealthLimits::DEFAULT };
+        let few = |segments: u16, less_prominent: u16, matched: u16, rows_are_known| {
             let mut counts = Counts::default();
             (counts.segments_left, counts.matched) = (segments, matched);
             counts.reject_many(Rejection::LessProminent, less_prominent);
-            counts.reject_many(Rejection::WindowNotUnique, ambiguous / 2);
-            counts.reject_many(Rejection::CensusNotUnique, ambiguous - ambiguous / 2);
             are_few(&counts, &limits, rows_are_known)
         };
-        assert_eq!([3, 4].map(|matched| few(50, 10, 20, matched, true)), [true, false]);
-        assert_eq!([7, 8].map(|matched| few(50, 10, 20, matched, false)), [true, false]);
-        assert_eq!([3, 4].map(|matched| few(50, 10, 16, matched, false)), [true, false], "enough are unique");
-        assert_eq!([7, 8].map(|matched| few(50, 10, 21, matched, true)), [true, false], "less than half are unique");
-        assert_eq!([23, 24].map(|compared| few(compared, 0, 0, 0, true)), [false, true], "of fewer nothing is said");
+        assert_eq!([3, 4].map(|matched| few(50, 10, matched, true)), [true, false]);
+        assert_eq!([7, 8].map(|matched| few(50, 10, matched, false)), [true, false]);
+        assert_eq!([23, 24].map(|compared| few(compared, 0, 0, true)), [false, true], "of fewer nothing is said");
     }
 
     #[test]
@@ -533,12 +507,10 @@ mod tests {
         let matches = [rows::tests::matched([(0, 0); 2], [-64; 2]); 3];
         let mut counts = Counts::default();
         (counts.segments_left, counts.matched) = (100, 3);
-        counts.reject_many(Rejection::WindowNotUnique, 60);
         let mut range = RangeCheck::default();
         (range.beyond, range.windows) = (5, 100);
         let support = Support::new(&crate::Params::default(), still::tests::DIMS, &points, 0);
-        let findings =
-            Findings { matches: &matches, counts: &counts, support, range, has_rows: false, has_segments: true };
+        let findings = Findings { matches: &matches, counts: &counts, support, range };
         let raised = |limits: &HealthLimits, before| {
             let mut health = PairHealth { now: before, ..PairHealth::default() };
             HealthMonitor::new().check_matches(limits, [image; 2], &findings, &mut health);

@@ -9,13 +9,8 @@
 //!     one clear peak of at least 0.83; the right gradients there correlated with the left ones moved by -1 and 1 px as well, so that texture
 //!     beside the edge gives no bias: equal images differ by 0 exactly
 //!     the vertex of the means of both correlations is a sample
-//! median of the samples; mean of those near it
-//! spread: medians of the left and of the right half of the samples, and of the upper and of the lower one: the difference, less what samples scatter,
-//!     5 * median distance from the median of the own half (3/16 px at least) / sqrt(samples), over half of the image at the same slope; the larger
+//! median of the samples; mean of those near it; spread = median distance from the median
 //! ```
-//! A camera that is turned about its axis moves rows one way left and the other way right, another focal length or distortion one way above and the
-//! other way below. Samples of noisy or compressed images scatter as far, and evenly: by 0.28 px in pairs that match well.
-//!
 //! The disparity of an edge along the columns follows from the texture beside it and does not depend on its row, so the remaining difference is
 //! that of rows. Matching moves windows by whole rows only, which does not change the difference.
 //!
@@ -34,7 +29,7 @@
 //! Normalised correlation with a sub-pixel vertex is standard. A parabola's vertex is biased towards whole pixels (a shift of 0.3 px is measured
 //! as 0.275), a Gaussian's away from them (0.316), both on 14 captured pairs moved by a windowed sinc; the function used lies between.
 
-use crate::image::{Dims, Gray};
+use crate::image::Gray;
 use crate::result::Match;
 use crate::sort::sort_by_key;
 use crate::units::quotient;
@@ -76,13 +71,6 @@ const MIN_PEAK_Q12: i32 = 3400;
 const MAX_SECOND_PEAK_Q8: i32 = 200;
 /// Largest distance from the median of samples that are averaged, 1/256 px, or three times the spread.
 const NEAR_Q8: i16 = 32;
-/// Scatter of samples by which the medians of two halves may differ, in median distances over the root of the number of samples, and the least such
-/// distance, 1/256 px: some two standard errors of a normal distribution. Of 255 pairs with even rows, noisy and compressed ones among them, none
-/// has a spread above 0.18 px then, of 158 with a roll of 0.3 degrees and more, another focal length or distortion 113 have more.
-const SCATTERS: i32 = 5;
-const LEAST_SCATTER_Q8: i32 = 48;
-/// Largest ratio of half of the image to the distance between both halves of the samples.
-const MOST_SLOPE: i32 = 4;
 
 /// Difference of rows of one pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -91,7 +79,7 @@ const MOST_SLOPE: i32 = 4;
 pub struct Rows {
     /// Row in the right image minus row in the left image, 1/256 px: positive when the right image is too low.
     pub offset_q8: i16,
-    /// Difference of rows from the middle of one half of the image to the other, beyond the scatter of samples, 1/256 px.
+    /// Median distance of a sample from the median, 1/256 px.
     pub spread_q8: u16,
     /// Number of matches measured.
     pub samples: u8,
@@ -99,78 +87,33 @@ pub struct Rows {
 
 /// Measures the difference of rows; `None` without a match that allows it.
 pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Option<Rows> {
-    let mut samples: Vec<Sample, MOST> = Vec::new();
+    let mut offsets: Vec<i16, MOST> = Vec::new();
     for edge in matches.iter().filter_map(Edge::of).take(MOST_MEASURED) {
-        if let Some(offset_q8) = edge.offset_q8(left, right)
-            && samples.push(Sample { offset_q8, place: edge.middle() }).is_ok()
-            && samples.is_full()
+        if let Some(offset) = edge.offset_q8(left, right)
+            && offsets.push(offset).is_ok()
+            && offsets.is_full()
         {
             break;
         }
     }
-    let centre = median(&samples, 0, false);
-    let near = NEAR_Q8.max(3 * median(&samples, centre, true));
+    let median = median(&mut offsets)?;
+    let mut distances = offsets.clone();
+    distances.iter_mut().for_each(|offset| *offset = (*offset - median).abs());
+    let spread = self::median(&mut distances)?;
+    let near = NEAR_Q8.max(3 * spread);
     let (mut sum, mut count) = (0, 0);
-    for offset in samples.iter().map(|sample| sample.offset_q8).filter(|offset| (offset - centre).abs() <= near) {
+    for &offset in offsets.iter().filter(|&&offset| (offset - median).abs() <= near) {
         sum += i32::from(offset);
         count += 1;
     }
-    (count > 0).then(|| Rows {
+    Some(Rows {
         offset_q8: quotient(2 * sum + count * sum.signum(), 2 * count) as i16,
-        samples: samples.len() as u8,
-        spread_q8: unevenness_q8(&mut samples, left.dims()),
+        spread_q8: spread.unsigned_abs(),
+        samples: offsets.len() as u8,
     })
 }
 
-/// Vertical difference at an edge, 1/256 px, and the middle of the edge, column and row, px.
-#[derive(Clone, Copy)]
-struct Sample {
-    offset_q8: i16,
-    place: [i16; 2],
-}
-
-/// The larger difference of rows along one of both axes, 1/256 px; sorts the samples.
-fn unevenness_q8(samples: &mut [Sample], dims: Dims) -> u16 {
-    along(samples, 0, dims.width).max(along(samples, 1, dims.height)) as u16
-}
-
-/// Difference of rows from one half of an axis to the other, 1/256 px; not below 0.
-#[inline(never)] // once for both axes
-fn along(samples: &mut [Sample], axis: usize, side: u16) -> i32 {
-    sort_by_key(samples, |sample| sample.place.get(axis).copied());
-    let half = samples.len() / 2;
-    let mut off: Vec<i16, MOST> = Vec::new();
-    // The middle one of an odd number is in neither half.
-    let (row, place) = half_of(samples.get(..half).unwrap_or(&[]), axis, &mut off);
-    let (other_row, other_place) = half_of(samples.get(samples.len() - half..).unwrap_or(&[]), axis, &mut off);
-    let scatter = i32::from(middle(&mut off).unwrap_or(0)).max(LEAST_SCATTER_Q8);
-    let root_q4 = (256 * samples.len() as u32).isqrt() as i32;
-    let certain = ((row - other_row).abs() - quotient(16 * SCATTERS * scatter, root_q4)).max(0);
-    let half_side = i32::from(side / 2);
-    quotient(certain * half_side, (other_place - place).max(half_side / MOST_SLOPE))
-}
-
-/// Median difference of sorted samples, 1/256 px, and place of their middle one, px; adds their distances from that median.
-#[inline(never)] // once for both halves
-fn half_of(part: &[Sample], axis: usize, off: &mut Vec<i16, MOST>) -> (i32, i32) {
-    let row = median(part, 0, false);
-    part.iter().for_each(|sample| _ = off.push((sample.offset_q8 - row).abs()));
-    let place = part.get(part.len() / 2).and_then(|sample| sample.place.get(axis));
-    (row.into(), place.copied().unwrap_or(0).into())
-}
-
-/// Median of the samples' differences less a value, or of their distances from it, 1/256 px; 0 of none.
-#[inline(never)] // its list is on the stack only while it runs
-fn median(samples: &[Sample], centre: i16, are_distances: bool) -> i16 {
-    let mut values: Vec<i16, MOST> = Vec::new();
-    for sample in samples {
-        let off = sample.offset_q8 - centre;
-        let _ = values.push(if are_distances { off.abs() } else { off });
-    }
-    middle(&mut values).unwrap_or(0)
-}
-
-fn middle(values: &mut [i16]) -> Option<i16> {
+fn median(values: &mut [i16]) -> Option<i16> {
     sort_by_key(values, |&value| value);
     values.get(values.len() / 2).copied()
 }
@@ -204,12 +147,6 @@ impl Edge {
             d_q6: d0,
             d_slope_q12: quotient((d1 - d0) << 12, dx).clamp(-(1 << 13), 1 << 13),
         })
-    }
-
-    /// Column and row of its middle, px.
-    fn middle(&self) -> [i16; 2] {
-        let x = (self.x0 + self.x1) >> 6;
-        [x, self.at(x).0].map(crate::units::narrow)
     }
 
     /// Nearest row and disparity, 1/64 px, at a column.
@@ -455,33 +392,9 @@ pub(super) mod tests {
 
     #[test]
     fn the_middle_of_the_sorted_values_is_their_median() {
-        assert_eq!(middle(&mut [5, -3, 9]), Some(5));
-        assert_eq!(middle(&mut [4, 1, 3, 2]), Some(3));
-        assert_eq!(middle(&mut []), None);
-    }
-
-    #[test]
-    fn rows_are_uneven_where_halves_differ_by_more_than_samples_scatter() {
-        // Sixteen samples all over the image, left to right and up and down in turn.
-        let dims = Dims { width: 320, height: 240 };
-        let sampled = |scale: i16, offset_q8: &dyn Fn(i16) -> i16| {
-            let mut samples: [_; 16] = core::array::from_fn(|i| {
-                let i = i as i16;
-                Sample { offset_q8: offset_q8(i), place: [20 * i / scale, 15 * (5 * i % 16) / scale] }
-            });
-            unevenness_q8(&mut samples, dims)
-        };
-        assert_eq!(sampled(1, &|_| 40), 0);
-        // Of sixteen samples 60 are scatter.
-        assert_eq!(sampled(1, &|i| if i < 8 { -50 } else { 90 }), 80, "left and right");
-        assert_eq!(sampled(1, &|i| if 5 * i % 16 < 8 { -50 } else { 90 }), 80, "above and below");
-        // The same in a half and in a tenth of the image: a steeper slope, up to a limit.
-        assert_eq!([1, 2, 10].map(|scale| sampled(scale, &|i| if i < 8 { -50 } else { 90 })), [80, 160, 320]);
-        // 70 to either side in turn, wherever it is: of the halves either has as many of both.
-        assert_eq!(sampled(1, &|i| if i % 2 == 0 { 70 } else { -70 }), 0);
-        // A turn by 32 a sample, 256 from one half to the other, scatters itself.
-        assert_eq!(sampled(1, &|i| 32 * i), 256 - 5 * 64 / 4);
-        assert_eq!(unevenness_q8(&mut [], dims), 0);
+        assert_eq!(median(&mut [5, -3, 9]), Some(5));
+        assert_eq!(median(&mut [4, 1, 3, 2]), Some(3));
+        assert_eq!(median(&mut []), None);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! for every left and right near-horizontal segment that could be the same edge: a vote for the difference of their rows
-//! the offset is the largest cluster of votes within +-2 px, if votes that spread evenly would hardly make one as large; else it is not known
+//! the offset is the largest cluster of votes within +-2 px, if it has enough of them; else 0
 //! ```
 //! Votes of true pairs agree, those of false ones spread evenly over the interval. No pixels are read.
 //!
@@ -24,14 +24,9 @@ const PIXELS_A_COMPARISON: u32 = 6;
 /// Least votes in the cluster.
 const MIN_VOTES: u32 = 8;
 
-/// Row offset of the right image against the left, 1/32 px, `None` when the votes do not determine it; and the number of left segments that were not
+/// Row offset of the right image against the left, 1/32 px, 0 when the votes do not determine it; and the number of left segments that were not
 /// compared, because an image of so many `pixels` had enough of them.
-pub(crate) fn estimate(
-    left: &[Segment],
-    right: &[Segment],
-    disparities: (i32, i32),
-    pixels: u32,
-) -> (Option<i16>, u16) {
+pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i32), pixels: u32) -> (i16, u16) {
     let limit_q5 = i32::from(LIMIT_Q5);
     let mut votes = [0_u32; BINS];
     let flat = || left.iter().filter(|s| s.near_horizontal);
@@ -65,12 +60,11 @@ pub(crate) fn estimate(
             }
         }
     }
-    (peak(&votes).map(crate::units::narrow), cut)
+    (crate::units::narrow(peak(&votes)), cut)
 }
 
-/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the votes of an even spread, and five standard deviations
-/// more: of few votes the largest cluster is large by chance. It takes six to move rows: those of a rectified pair are about where they belong.
-fn peak(votes: &[u32; BINS]) -> Option<i32> {
+/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the votes of an even spread; else 0.
+fn peak(votes: &[u32; BINS]) -> i32 {
     let total: u32 = votes.iter().sum();
     let mut best = (0, 0_i32);
     for (window, start) in votes.windows(5).zip(0_i32..) {
@@ -81,12 +75,7 @@ fn peak(votes: &[u32; BINS]) -> Option<i32> {
         }
     }
     let (weight, centre_q5) = best;
-    // Times the number of bins: the cluster, the five bins of an even spread, and the difference between both.
-    let (cluster, even) = (weight * BINS as u32, total * 5);
-    let more = u64::from(cluster.saturating_sub(even));
-    let deviations = if centre_q5.abs() < 16 { 5 } else { 6 };
-    let is_clear = more * more >= deviations * deviations * BINS as u64 * u64::from(even);
-    (weight >= MIN_VOTES && cluster >= even * 3 / 2 && is_clear).then_some(centre_q5)
+    if weight >= MIN_VOTES && weight * BINS as u32 >= total * 5 * 3 / 2 { centre_q5 } else { 0 }
 }
 
 #[cfg(test)]
@@ -96,21 +85,14 @@ mod tests {
 
     #[test]
     fn votes_that_agree_are_an_offset_and_spread_ones_are_none() {
-        assert_eq!(peak(&[3; BINS]), None);
+        assert_eq!(peak(&[3; BINS]), 0);
         for (middle, offset_q5) in [(25, 36), (7, -36)] {
             let mut votes = [1; BINS];
-            votes.iter_mut().skip(middle - 2).zip([4, 12, 18, 12, 4]).for_each(|(slot, count)| *slot = count);
-            assert_eq!(peak(&votes), Some(offset_q5));
+            votes.iter_mut().skip(middle - 2).zip([2, 6, 9, 6, 2]).for_each(|(slot, count)| *slot = count);
+            assert_eq!(peak(&votes), offset_q5);
         }
-        // A cluster of 15 among 33 others is chance, one of 30 is not.
-        let among_others = |count| {
-            let mut votes = [1; BINS];
-            votes[20] += count;
-            peak(&votes)
-        };
-        assert_eq!([15, 30].map(|count| among_others(count).is_some()), [false, true]);
         let alone = |count| peak(&core::array::from_fn(|bin| if bin == 20 { count } else { 0 }));
-        assert_eq!([MIN_VOTES - 1, MIN_VOTES].map(alone), [None, Some(16)]);
+        assert_eq!([MIN_VOTES - 1, MIN_VOTES].map(alone), [0, 16]);
     }
 
     /// From `x` on, px; the row in 1/32 px.
@@ -141,7 +123,7 @@ mod tests {
                     three.copy_from_slice(&[edge(row, 0), another, another]);
                 }
                 right.sort_unstable_by_key(|segment| segment.ends_q5().1);
-                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (Some(moved_q5), 0));
+                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (moved_q5, 0));
             }
         }
     }

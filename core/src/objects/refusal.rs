@@ -10,8 +10,7 @@
 //!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of that: the surface is what stands beside the region
 //!     beside         a third of what surrounds the region is on the plane, and in it less than 0.4 a point: paths carry the disparity of what is
 //!                    beside a blank face over its border
-//!     blank          thrice as much on the plane around the region as in it, and in it less than 0.4 a point of the grid, matched or not; with
-//!         16 around it also where no point in it is credible: a plain object that is nearer than the range has the outline of what is behind it
+//!     blank          thrice as much on the plane around the region as in it, and in it less than 0.4 a point of the grid, matched or not
 //!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.4 a point is on the plane: periodic texture and damaged
 //!                    pairs give such surfaces, and what is seen in a gap is seldom so poorly matched
 //!     none of them for a mask of at most 4 px a row: points in it show what is behind
@@ -137,17 +136,17 @@ impl Agreement {
 
     fn refusal(&self, is_box: bool) -> Option<NoDepth> {
         let Self { pixels, inside, around } = self;
-        // 0.4
-        let less_than_of = |points: u32| 10 * inside.on < 4 * 256 * points;
-        let is_blank = less_than_of(pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if inside.all < LEAST_POINTS_Q8 {
-            return (is_blank && around.on > 16 * LEAST_POINTS_Q8).then_some(NoDepth::OnlyOutline);
+            return None;
         }
         let is_part = 8 * inside.on < 7 * inside.all;
         let product = |of: u32, by: u32| u64::from(of) * u64::from(by);
         let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
+        // 0.4
+        let less_than_of = |points: u32| 10 * inside.on < 4 * 256 * points;
         let is_poor = less_than_of(inside.points);
+        let is_blank = less_than_of(pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {
             Some(NoDepth::TwoSurfaces)
         } else if is_beside || is_blank || is_poor && 3 * around.on > around.all {
@@ -226,12 +225,9 @@ mod tests {
     }
 
     #[test]
-    fn few_points_refuse_nothing_but_the_surface_around_them() {
+    fn few_points_refuse_nothing() {
         let mut sums = Sums::default();
         sums.add(OFF_Q6 + 1, LEAST_POINTS_Q8 - 1);
         assert_eq!(refused(sums, points(0, 20, 0)), [None, None]);
-        assert_eq!(refused(sums, points(16, 20, 0)), [None, None]);
-        assert_eq!(refused(sums, points(17, 20, 0)), [Some(NoDepth::OnlyOutline); 2]);
-        assert_eq!(refused_of(0, sums, points(17, 20, 0)), [None, None], "smaller than the grid");
     }
 }

@@ -412,11 +412,14 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let matcher = self.session.matcher(pair.dims).ok()?;
         let mut matched = memory.run(matcher, areas.as_deref(), pair.times_us, &mut ()).ok()?;
         let health = *matched.health();
+        if health.is_refused() {
+            self.times.matching_us = saturated(self.time() - now_us);
+            self.write_frame(failed_frame(0, time_us, pair.dims, captured).with_pair(&health), None);
+            return Some(());
+        }
         let objects = self.session.objects(&mut matched);
         self.times.matching_us = saturated(self.time() - now_us);
-        if !health.is_refused() {
-            self.autopilot.set_view(self.session.directions(pair.dims));
-        }
+        self.autopilot.set_view(self.session.directions(pair.dims));
         self.autopilot.see(&matched, health.flags, now_us); // of the clock of its turns
         let head = FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
         self.write_frame(head, Some((matched.segments(), &objects)));

@@ -133,7 +133,7 @@ fn objects(room: &Scene, rendering: &Rendering, truth: &Truth, engine: &mut Engi
         let range = [0.05, 0.95].map(|share| interpolated_quantile(&values, share).unwrap_or(true_at_centre));
         let runs = mask.runs(label.into());
         let region = Region::masked(label.into(), &runs, DIMS).ok();
-        let depth = region.and_then(|region| engine.objects(&[region]).pop());
+        let depth = region.and_then(|region| engine.objects(&[region], true).pop());
         let answer = depth.map_or(Err(NoDepth::LittleSupport), |depth| {
             depth.disparity.map(|disparity| (disparity.to_num(), depth.confidence.to_num()))
         });

@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
         text.push_str(&format!("pixel {x},{y} is {},{} of the images as matched\n", pixel.0, pixel.1));
     }
     text.push_str(&explanation.to_string());
-    text.push_str(&health::summary(&matched.result));
+    text.push_str(&health::summary(matched.result.health, matched.result.pair.as_ref()));
     text.push_str(&written([&args.picture]));
     output.commit_and_say(&text)
 }

@@ -1,7 +1,8 @@
 //! Objects of a detector, given by options, and their depths: the same for every command that matches pairs.
 
 use super::input::Setup;
-use crate::engine::Engine;
+use crate::engine::{Engine, FrameResult};
+use crate::results::health;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use core::fmt::Write;
@@ -115,7 +116,13 @@ struct OfPair {
 
 impl Objects<'_> {
     /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
-    pub(super) fn depths(&self, setup: &Setup<'_>, pair: &StoredPair, engine: &mut Engine) -> Option<Asked> {
+    pub(super) fn depths(
+        &self,
+        setup: &Setup<'_>,
+        pair: &StoredPair,
+        engine: &mut Engine,
+        result: &FrameResult,
+    ) -> Option<Asked> {
         let path = self.args.objects.as_deref()?;
         let OfPair { objects, told, is_missing } = match self.read(path, setup, pair) {
             Ok(of_pair) => of_pair,
@@ -123,7 +130,7 @@ impl Objects<'_> {
         };
         let dims = setup.dims();
         let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
-        let depths = engine.objects(&regions);
+        let depths = engine.objects(&regions, health::is_fit(result.health));
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
         let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));

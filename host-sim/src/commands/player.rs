@@ -132,7 +132,7 @@ impl<'a> Player<'a> {
             matcher.engine.focus(asked.areas(setup, pair));
         }
         let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
-        let objects = asked.depths(setup, pair, &mut matcher.engine);
+        let objects = asked.depths(setup, pair, &mut matcher.engine, &result);
         Ok(Played { images, result, objects })
     }
 }

@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<()> {
     let wall = Wall { region, rig: setup.params.rig.as_ref(), distance_m: args.distance };
     let (quality, answers) = wall.evaluate(&points);
     let verdict = Verdict::of(&quality, args.distance);
-    let text = text(&quality, args.distance, &verdict) + &health::remedies(flags);
+    let text = text(&quality, args.distance, &verdict) + &health::summary(flags, None);
     let mut output = OutputFiles::new();
     let mut value = serde_json::to_value(&quality)?;
     value["verdict"] = json!(verdict.grade.name());

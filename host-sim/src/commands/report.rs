@@ -109,7 +109,7 @@ fn add(
         let (title, max_disparity, rig) = (title.to_owned(), params.max_disparity, params.rig);
         Page::new(PageSetup { title, max_disparity, rig, many })
     });
-    let objects = objects.depths(setup, pair, engine).unwrap_or_default();
+    let objects = objects.depths(setup, pair, engine, &matched.result).unwrap_or_default();
     if let Some(error) = objects.error {
         bail!("{error}");
     }

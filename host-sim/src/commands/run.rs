@@ -165,7 +165,7 @@ fn matched(
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(asked.areas(setup, given));
     let matched = matcher.run(setup, pair, None)?;
-    let objects = asked.depths(setup, given, &mut matcher.engine);
+    let objects = asked.depths(setup, given, &mut matcher.engine, &matched.result);
     let queries = if query.is_empty() { None } else { Some(matcher.ask(setup, query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
@@ -205,6 +205,6 @@ fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> Str
         let list: Vec<String> = lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
         let _ = writeln!(text, "rejected: {}", list.join(", "));
     }
-    text.push_str(&health::summary(result));
+    text.push_str(&health::summary(result.health, result.pair.as_ref()));
     text
 }

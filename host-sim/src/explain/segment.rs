@@ -4,7 +4,6 @@ use super::curve::{Curve, Low, Mark, Plot, ratio, words};
 use super::log::{CurveLog, TestedSegment};
 use super::{Account, REACH, Step};
 use crate::engine::FrameResult;
-use crate::results::health::is_fit;
 use crate::results::listing::{finite_metres, owner_name};
 use linestereo::diagnostics::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, Segment,
@@ -62,9 +61,6 @@ pub(super) fn account(
     let verdict = match (reason, found) {
         (Some(reason), _) => meaning(reason).to_owned(),
         (None, Some(found)) => answer(found),
-        (None, None) if !is_fit(result.health) => {
-            "it would be among the matches, but the pair is not fit to be used".to_owned()
-        }
         (None, None) => "it is among the matches".to_owned(),
     };
     let mut plots = curves.plots();

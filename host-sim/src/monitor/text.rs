@@ -73,8 +73,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let dims = Dims { width: head.width, height: head.height };
     let FrameHead { counts, health, pair, times, .. } = *head;
     let FrameTimes { waiting_us, matching_us, port_us } = times;
-    let result =
-        FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair, exchanged: None };
+    let result = FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair };
     let text = listing::json(dims, &result, &Answers::default())?;
     let mut listing: Value = serde_json::from_str(&text)?;
     serde_json::to_string(&Listing {
@@ -83,7 +82,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
         clock: head.clock.name(),
         size: [head.width, head.height],
         times_us: json!({ "waiting": waiting_us, "matching": matching_us, "port": port_us }),
-        health: health::Listing::new(&result),
+        health: health::Listing::new(health, pair.as_ref()),
         segments: listing["segments"].take(),
         counts: head.counts,
     })

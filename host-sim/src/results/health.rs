@@ -1,14 +1,10 @@
 //! The health of a pair, for people and for JSON.
 
 use crate::engine::FrameResult;
+use linestereo::HealthFlags;
 use linestereo::health::CameraHealth;
-use linestereo::{HealthFlags, Rejection};
 use linestereo_wire::{Health, PairReport, RangeReport};
 use serde::Serialize;
-
-/// Least number of compared segments, and their share below which the matched ones are said to be few.
-const LEAST_COMPARED: u16 = 24;
-const FEW: f64 = 0.15;
 
 /// Flags with their remedies: first those by which the pair is not fit to be used, then warnings, then what only costs yield.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -61,9 +57,6 @@ pub fn names(health: Health) -> Vec<String> {
 #[derive(Clone, Debug, Serialize)]
 pub struct Listing {
     flags: Vec<String>,
-    /// Segments of the exchanged pair that match, and all of them.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    exchanged: Option<[u16; 2]>,
     #[serde(flatten)]
     numbers: Option<Numbers>,
 }
@@ -119,9 +112,8 @@ struct Rows {
 
 impl Listing {
     /// Flags and, when somebody looked, the numbers behind them.
-    pub fn new(result: &FrameResult) -> Self {
-        let FrameResult { health, pair, exchanged, .. } = result;
-        Self { flags: names(*health), exchanged: *exchanged, numbers: pair.as_ref().map(Numbers::from) }
+    pub fn new(health: Health, pair: Option<&PairReport>) -> Self {
+        Self { flags: names(health), numbers: pair.map(Numbers::from) }
     }
 }
 
@@ -168,38 +160,10 @@ impl From<&CameraHealth> for Camera {
     }
 }
 
-/// One line per flag with what to do; nothing when all is well.
-pub fn remedies(health: Health) -> String {
-    let mut text: String = advice(health).map(|(name, what)| format!("health: {name}: {what}\n")).collect();
-    if !is_fit(health) {
-        text.push_str(
-            "health: not fit to be used: segments, points, objects, pixels and directions are not answered\n",
-        );
-    }
-    text
-}
-
-/// The [`remedies`], and the numbers behind those about exchanged images, rows and range.
-pub fn summary(result: &FrameResult) -> String {
-    let (health, pair) = (result.health, result.pair.as_ref());
+/// One line per flag with what to do, and the difference of rows behind those about rows; nothing when all is well.
+pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
     let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_DRIFT;
-    let mut text = String::new();
-    if let Some([matched, segments]) = result.exchanged {
-        text.push_str(&format!(
-            "health: left and right are exchanged, or both images are mirrored or upside down: exchange them, then {matched} of {segments} segments \
-             match\n"
-        ));
-    }
-    text.push_str(&remedies(health));
-    let counts = &result.counts;
-    let compared = counts.segments_left.saturating_sub(counts.rejected(Rejection::LessProminent));
-    if is_fit(health) && compared >= LEAST_COMPARED && f64::from(counts.matched) < FEW * f64::from(compared) {
-        text.push_str(&format!(
-            "health: {} of {compared} segments match, the others are left out: noise, blur and compression cost matches (JPEG below quality 90 half of \
-             them)\n",
-            counts.matched
-        ));
-    }
+    let mut text: String = advice(health).map(|(name, what)| format!("health: {name}: {what}\n")).collect();
     let offset = pair.and_then(|pair| pair.row_offset_q8);
     if let Some(offset) = offset.filter(|_| rows.names().any(|name| health.names().any(|set| set == name))) {
         let px = f64::from(offset) / 256.0;

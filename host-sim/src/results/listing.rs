@@ -162,7 +162,7 @@ pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::
         segments: result.matches.iter().enumerate().map(segment).collect(),
         points: points.map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num()))).collect(),
         counts: counts(&result.counts),
-        health: health::Listing::new(result),
+        health: health::Listing::new(result.health, result.pair.as_ref()),
         answers,
     };
     let mut text = serde_json::to_string(&listing)?;
@@ -323,7 +323,6 @@ mod tests {
             counts: Counts::default(),
             health: Health::GOOD,
             pair: None,
-            exchanged: None,
         }
     }
 

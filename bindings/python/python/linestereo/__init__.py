@@ -129,7 +129,7 @@ class Result:
     health: FrozenSet[Fault]
     """Faults of this pair, or of one shortly before; empty when all is well."""
     is_fit: bool
-    """False when results may be wrong or outdated: then there are no points and segments, and no object and no pixel has a depth."""
+    """False when results may be wrong or outdated."""
 
     def __init__(self, matched: _core.Matched) -> None:
         self._matched: Optional[_core.Matched] = matched

@@ -12,6 +12,7 @@ use linestereo_frames::regions::{self, Frame};
 use linestereo_frames::{PairFiles, check_same_size, check_size, check_usable, load_images, load_values};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::directions::{Direction, Directions, five_decimals};
+use linestereo_sim::results::health::is_fit;
 use linestereo_wire::RigUpdate;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -69,8 +70,8 @@ impl Pair {
         let dims = self.dims()?;
         let objects = regions::load(mask, None, Frame { given: dims, matched: dims, image_name: None })?;
         let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
-        let (mut engine, _) = self.run(&Params { max_disparity, ..Params::default() })?;
-        let depths = engine.objects(&regions);
+        let (mut engine, result) = self.run(&Params { max_disparity, ..Params::default() })?;
+        let depths = engine.objects(&regions, is_fit(result.health));
         Ok(depths.iter().filter_map(|found| Some((found.label, found.disparity.ok()?.to_num()))).collect())
     }
 

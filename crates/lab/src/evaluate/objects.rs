@@ -276,7 +276,7 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
 #[must_use]
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase, engine: &mut Engine| {
-        let found = case.region().and_then(|region| engine.objects(&[region]).pop());
+        let found = case.region().and_then(|region| engine.objects(&[region], true).pop());
         case.score(&found.unwrap_or(EMPTY))
     };
     cases.iter().map(|case| answer(case, engine)).collect()
