@@ -31,7 +31,6 @@ mod query;
 mod rectify;
 mod rig;
 mod rig_image;
-mod slopes;
 mod units;
 mod valid_pixels;
 mod view;
