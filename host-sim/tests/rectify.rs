@@ -100,7 +100,8 @@ fn images_say_the_size_that_a_file_of_opencv_does_not() {
     fs::write(folder.path().join("rig.yml"), text.concat()).unwrap();
     let pair = ["raw/boxes/left.png", "raw/boxes/right.png"];
     let points = |rig: &str, more: &[&str]| {
-        json_of_any(folder.path(), &[&["run"], &pair[..], &["--rig", rig, "--json", "-"], more].concat())["points"].clone()
+        json_of_any(folder.path(), &[&["run"], &pair[..], &["--rig", rig, "--json", "-"], more].concat())["points"]
+            .clone()
     };
     assert_eq!(points("rig.yml", &[]), points("rig.toml", &[]));
     assert_eq!(points("rig.yml", &["--size", "160x120"]), points("rig.toml", &["--size", "160x120"]));
