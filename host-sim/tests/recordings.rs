@@ -571,7 +571,7 @@ fn options_of_recordings_are_refused_where_there_is_none() {
         (&["sequence", "rec", "--pair-window-ms", "3"], "for an .mcap file"),
         (&["sequence", "rec", "--out", "a.jsonl", "--with", "images"], "give --out FILE.mcap"),
         (&["sequence", "a.mcap", "--side-by-side"], "a topic for each camera"),
-        (&["sequence", "a.mcap", "--objects", "rec/1/objects.png"], "go by the names of images"),
+        (&["sequence", "a.mcap", "--objects", "rec/1/objects.png"], "are messages of vision_msgs/msg/Detection2DArray"),
         (&["sequence", "a.mcap", "--out", "a.mcap"], "are the same; write to another file"),
         (
             &["sequence", "a.mcap", "--left-topic", "/a", "--right-topic", "/b"],
