@@ -479,7 +479,7 @@ fn cut<F: NorFlash + Clone + Debug>(
 fn power_may_fail_at_any_byte() {
     let slot = RigStore::<Small>::SLOT as usize;
     assert_eq!(slot, 256);
-    cut(Small::new(8), |flash, power| flash.power = power, [0, 512], 0..=slot + 216);
+    cut(Small::new(8), |flash, power| flash.power = power, [0, 512], 0..=slot + 240);
     // Every byte of the write, and some of the erase before it.
     type Large = Flash<1, 32, 131_072>;
     let cuts = (0..131_072).step_by(4001).chain(131_071..131_072 + 300);

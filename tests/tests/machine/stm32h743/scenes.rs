@@ -214,13 +214,13 @@ const FAULTS: [(usize, &[u8], RigFault); 18] = [
     (40, &[0, 0, 0xc0, 0x7f], RigFault::View), // of a rotation
     (76, &[0, 0, 0xc0, 0x7f], RigFault::LeftCamera),
     (96, &[7, 0, 0, 0], RigFault::LeftCamera), // no such lens
-    (160, &[0, 0, 0xc0, 0x7f], RigFault::RightCamera),
-    (180, &[7, 0, 0, 0], RigFault::RightCamera),
+    (172, &[0, 0, 0xc0, 0x7f], RigFault::RightCamera),
+    (192, &[7, 0, 0, 0], RigFault::RightCamera),
     (20, &[0, 0], RigFault::LeftCamera),               // images without width
     (84, &[0, 0, 0x80, 0x4e], RigFault::LeftCamera),   // centre far outside
     (92, &[0, 0, 0x80, 0x4e], RigFault::LeftCamera),   // skew
-    (184, &[0, 0, 0x80, 0x4e], RigFault::RightCamera), // a coefficient of the lens
-    (204, &[0, 0, 0x80, 0xbf], RigFault::RightCamera), // a limit below zero
+    (196, &[0, 0, 0x80, 0x4e], RigFault::RightCamera), // a coefficient of the lens
+    (228, &[0, 0, 0x80, 0xbf], RigFault::RightCamera), // a limit below zero
     (40, &BACKWARDS, RigFault::View),                  // the left camera looks away from what the right one sees
 ];
 /// Three rows of a rotation by 180 degrees about the upright axis.
