@@ -113,7 +113,7 @@ fn sides_axes_and_lengths_of_camera_info_are_checked() {
     };
     let positive = right(|info| info.p[3] = 3.0);
     refused_for(
-        &[positive.clone()],
+        core::slice::from_ref(&positive),
         RECTIFIED,
         size,
         &["P[3] is 0 for the left and 3 for the right", "sign is wrong", "exchanged"],
