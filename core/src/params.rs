@@ -82,6 +82,14 @@ impl Params {
         parts: Parts::Both,
     };
 
+    /// End of the disparities searched by default in images of this width, px: fewer than
+    /// [`Params::DEFAULT`] has where the images have no room for them.
+    #[must_use]
+    pub const fn default_max_disparity(width: u16) -> u16 {
+        let widest = width.saturating_sub(1);
+        if widest < Self::DEFAULT.max_disparity { widest } else { Self::DEFAULT.max_disparity }
+    }
+
     pub(crate) fn check(&self, dims: Dims) -> Result<(), ParamError> {
         in_range("min_disparity", self.min_disparity, -32_i16, 0_i16)?;
         let most = MAX_DISPARITIES as i32 + i32::from(self.min_disparity);

@@ -21,7 +21,7 @@ pub(crate) struct Rig {
     numbers: RigNumbers,
 }
 
-/// What it is made of: focal length, baseline, offset and principal point.
+/// Focal length, px, baseline, m, offset, px, and principal point, px.
 type RigNumbers = (f32, f32, f32, Option<[f32; 2]>);
 
 #[pymethods]
@@ -126,7 +126,7 @@ impl Calibration {
         let raw = calibration.camera(CameraSide::Left).dims();
         let dims = size.map_or(raw, |(width, height)| Dims { width, height });
         let range = linestereo::Params::DEFAULT;
-        let most = range.max_disparity.min(dims.width.saturating_sub(1));
+        let most = linestereo::Params::default_max_disparity(dims.width);
         let view = focal_px.map_or(View::Alpha(alpha), View::Focal);
         let image = RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
         Ok(Self { notes, ..Self::of(image)? })
@@ -143,7 +143,7 @@ impl Calibration {
         PyBytes::new(py, &self.image.encode(0))
     }
 
-    /// What had to be assumed, a sentence each.
+    /// Assumptions that reading the files took, a sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
@@ -170,7 +170,8 @@ impl Calibration {
         Rig::new(remap.focal(), remap.baseline(), 0.0, Some(remap.centre()))
     }
 
-    /// Of each row of the rectified images the first pixel with a source and the one behind the last, left and right.
+    /// Of each row of the rectified images the first pixel with a source and the one behind the
+    /// last, left and right.
     #[getter]
     fn valid<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<u16>>; 2]> {
         let [left, right] = CameraSide::BOTH.map(|eye| {

@@ -98,8 +98,7 @@ impl Matcher {
         let dims = images[0].dims;
         if self.state.as_ref().is_none_or(|(planned, _)| *planned != dims) {
             if self.takes_what_fits {
-                let most = dims.width.saturating_sub(1);
-                self.params.max_disparity = Params::DEFAULT.max_disparity.min(most);
+                self.params.max_disparity = Params::default_max_disparity(dims.width);
             }
             self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
         }

@@ -16,14 +16,12 @@ use super::scene_info::SceneInfo;
 use super::sequence::PairFiles;
 use super::truth::Truth;
 use crate::grey::GrayImage;
-use linestereo::{Dims, Rig};
+use linestereo::{Dims, Params, Rig};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 
 /// Derived disparity ranges are multiples of this.
 const RANGE_STEP: u16 = 16;
-/// Disparity range where nothing gives one, in images that are wide enough.
-const DEFAULT_MAX_DISPARITY: u16 = 64;
 
 /// A pair with what is known about it, ready for the core.
 #[derive(Clone, Debug)]
@@ -215,7 +213,7 @@ impl StoredPair {
             (Some(range), _) => scaled_max_disparity(range, scale),
             // A range of N searches 0 .. N - 1: the largest truth itself has to be inside.
             (None, Some(largest)) => scaled_max_disparity(f64::from(largest.ceil()) + 1.0, 1.0),
-            (None, None) => DEFAULT_MAX_DISPARITY.min(dims.width.saturating_sub(1)),
+            (None, None) => Params::default_max_disparity(dims.width),
         }
     }
 }

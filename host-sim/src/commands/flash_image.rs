@@ -9,9 +9,6 @@ use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
 use nalgebra::{Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
-/// Disparity range without an option.
-const DEFAULT_MAX_DISPARITY: u16 = 64;
-
 /// Write the rig as the image that a board keeps in its flash, or explain one.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/flash-image.txt"))]
@@ -40,7 +37,7 @@ pub fn run(args: &Args) -> Result<()> {
         return print(&explain(path)?);
     }
     let (Some(rig), Some(out)) = (&args.rig, &args.out) else { unreachable!("clap asks for both") };
-    let range = (0, args.max_disparity.unwrap_or(DEFAULT_MAX_DISPARITY));
+    let range = (0, args.max_disparity.unwrap_or(linestereo::Params::DEFAULT.max_disparity));
     let image = args.view.image(&[rig.clone().into()], None, args.focal_px, range)?;
     let bytes = image.encode(0);
     let mut output = OutputFiles::new();

@@ -29,9 +29,6 @@ use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Disparity range where neither an option nor a scene file gives one, in images that are wide enough.
-const DEFAULT_MAX_DISPARITY: u16 = 64;
-
 /// Least and largest disparity range of the core.
 const LEAST_RANGE: u16 = 8;
 const MAX_RANGE: usize = 256;
@@ -133,7 +130,7 @@ pub(super) struct Setup<'a> {
     pub(super) rig_numbers: Option<RigUpdate>,
     /// Disparity of what is infinitely far, px, where there is no rig.
     zero_px: f64,
-    /// What is to be said of the scene.json beside the pair.
+    /// Note about the scene.json beside the pair: used, or why it is not.
     pub(super) note: Option<String>,
     /// Pairs are raw and of this rig.
     pub(super) rig: Option<RigImage>,
@@ -344,15 +341,16 @@ impl InputArgs {
     }
 }
 
-/// End of the disparities searched where nobody says how far; a note where images of this size have no room for the usual one.
+/// End of the disparities searched where nobody says how far; a note where images of this size have
+/// no room for the usual one.
 fn default_range(dims: Dims) -> u16 {
-    let most = dims.width.saturating_sub(1).max(LEAST_RANGE);
-    if most < DEFAULT_MAX_DISPARITY {
+    let most = Params::default_max_disparity(dims.width).max(LEAST_RANGE);
+    if most < Params::DEFAULT.max_disparity {
         note(&format!(
             "disparities below {most} are searched: images of {dims} have no more; give --max-disparity for fewer"
         ));
     }
-    most.min(DEFAULT_MAX_DISPARITY)
+    most
 }
 
 /// End of the disparities searched so that nothing at least `nearest` metres away is beyond them.

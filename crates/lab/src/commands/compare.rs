@@ -7,6 +7,7 @@ use crate::rivals::{
     summarise, time_scene,
 };
 use anyhow::{Context, Result, bail};
+use linestereo::Params;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::{
     GrayImage, PairFiles, Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_images,
@@ -18,9 +19,6 @@ use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::output::{OutputFiles, OutputPath, spare};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-
-/// Disparity range of two image files.
-const DEFAULT_MAX_DISPARITY: u16 = 64;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -239,7 +237,7 @@ impl Args {
         let mut scene = Scene {
             name: left_path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
             folder: left_path.parent().unwrap_or(Path::new("")).to_path_buf(),
-            max_disparity: DEFAULT_MAX_DISPARITY.min(left.dims.width.saturating_sub(1)),
+            max_disparity: Params::default_max_disparity(left.dims.width),
             left,
             right,
             rig: None,
