@@ -5,8 +5,9 @@
 //! intervals, by 64-bit integer divisions.
 //!
 //! # Bounds
-//! `f*B` is at most 10^6 px*m, in Q16 below 2^37; shifted by 6 for a quotient in Q16 below 2^43: fits `i64`. Columns and rows are less than
-//! 2^12 px from the principal point, 2^28 in Q16; times a depth below 2^31 less than 2^59.
+//! `f*B` is at most 10^6 px*m, in Q16 below 2^37; shifted by 6 for a quotient in Q16 below 2^43:
+//! fits `i64`. Columns and rows are less than 2^12 px from the principal point, 2^28 in Q16; times
+//! a depth below 2^31 less than 2^59.
 
 use crate::image::Dims;
 use crate::result::ImagePosition;

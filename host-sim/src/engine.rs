@@ -9,7 +9,8 @@ use linestereo::{
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
-/// Most segments listed per frame on a PC: as many as the core can number, whose indices have twelve bits. Captured pairs of up to 752x480 have 1600.
+/// Most segments listed per frame on a PC: as many as the core can number, whose indices have
+/// twelve bits. Captured pairs of up to 752x480 have 1600.
 pub const MAX_MATCHES: usize = 4096;
 
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
@@ -118,7 +119,8 @@ impl Engine {
         self.matcher.limits.skew_us = skew_us;
     }
 
-    /// Health takes this disparity, px, for that of what is infinitely far; of a plan with a rig it is known.
+    /// Health takes this disparity, px, for that of what is infinitely far; of a plan with a rig it
+    /// is known.
     pub fn expect_infinity_at(&mut self, zero_px: f64) {
         let least_q6 = f64::from(HealthLimits::DEFAULT.least_disparity_q6) + 64.0 * zero_px;
         self.matcher.limits.least_disparity_q6 = least_q6 as i16;

@@ -27,7 +27,8 @@ use tempfile::{NamedTempFile, TempPath};
 /// Links in a row that are followed to a file that is not there.
 const MOST_LINKS: usize = 32;
 
-/// Most bytes of a result that a terminal is given: more than a page of text scrolls away what was asked before.
+/// Most bytes of a result that a terminal is given: more than a page of text scrolls away what was
+/// asked before.
 const MOST_ON_TERMINAL: usize = 16 << 10;
 
 /// Results alone are printed.

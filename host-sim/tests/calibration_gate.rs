@@ -1,4 +1,5 @@
-//! What the gate of calibrations does with numbers that do not fit their images: files of other programs, and `CameraInfo` of recordings.
+//! Calibrations that do not fit their images are refused by name: files of other programs, and
+//! `CameraInfo` of recordings.
 
 use crate::formats::{Outcome, debug, known};
 use crate::interchange::{
@@ -49,7 +50,7 @@ pub(crate) fn infos(size: [u16; 2], focal_px: f64) -> [CameraInfo; 2] {
     [false, true].map(|is_right| sent::camera_info(Stamp { ns: 1, frame_id: "left" }, size, &rig, is_right))
 }
 
-/// What is known of the pair, or the words of the refusal.
+/// A recording with these `CameraInfo` is refused with these words.
 #[track_caller]
 fn refused_for(infos: &[[CameraInfo; 2]], topics: [&str; 2], size: [u16; 2], words: &[&str]) {
     let error = recorded(infos, topics, size).expect_err("this is no rig");

@@ -1,4 +1,5 @@
-//! `docs/formats.md`, number by number: each is changed in an example, and what follows is what its table says.
+//! `docs/formats.md`, number by number: each is changed in an example, and what follows is what its
+//! table says.
 
 use crate::calibration_gate::{RECTIFIED, infos, recorded};
 use crate::support::{json, refused, with_scene};
@@ -10,7 +11,7 @@ use linestereo_recordings::ros::messages::RegionOfInterest;
 use std::fs;
 use std::path::Path;
 
-/// What follows from files: what is used of them, and what is said; or why they are refused.
+/// The numbers that are used of files, and the notes about them; or the refusal.
 pub(crate) type Outcome = Result<(String, String), String>;
 
 /// Of every table of the page its heading and rows.
@@ -78,7 +79,7 @@ pub(crate) fn debug(value: &impl Debug) -> String {
     format!("{value:?}")
 }
 
-/// What is known of a rectified pair, once it is of images of this size.
+/// The numbers of a rectified pair, checked against images of this size.
 pub(crate) fn known(pair: &StoredPair, images: [u16; 2]) -> Outcome {
     let (_, info) = pair.info().map_err(|error| error.to_string())?.ok_or("nothing is known")?;
     let [width, height] = images;

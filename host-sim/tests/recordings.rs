@@ -290,7 +290,8 @@ fn other_bags_say_how_they_are_converted() {
     }
 }
 
-/// Messages of a detector that found the same two things in each frame, a box that is no object, and nothing in the last.
+/// Messages of a detector that found the same two things in each frame, a box that is no object,
+/// and nothing in the last.
 fn detections(at: &Path, out: &str, topic: &str, stamps: &[u64]) {
     let mut writer = Writer::new(fs::File::create(at.join(out)).unwrap(), "test").unwrap();
     let channel = writer.channel(topic, "vision_msgs/msg/Detection2DArray", "").unwrap();

@@ -190,7 +190,8 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
     assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
 }
 
-/// The pair of a scene as cameras deliver it that are exchanged, mirrored, or hang upside down; and one with nothing in it.
+/// The pair of a scene as cameras deliver it that are exchanged, mirrored, or hang upside down; and
+/// one with nothing in it.
 fn with_bad_pairs() -> TempDir {
     let folder = with_scene("demo", "320x240", "good");
     let at = folder.path();
@@ -223,7 +224,7 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
         let (told, said) = (String::from_utf8_lossy(&output.stdout).into_owned(), stderr(&output));
         assert_eq!(output.status.code(), Some(2), "{name}: {told} {said}");
         assert!(said.starts_with("linestereo: ") && said.lines().count() == 1, "{name}: {said}");
-        // What was found is written, and the first thing that is told is what the line says.
+        // Results are written, and the line names the first flag that is told.
         assert!(at.join("out.json").is_file() && told.contains("wrote out.json"), "{name}: {told}");
         let first = told.lines().find_map(|line| line.strip_prefix("health: "));
         let is_told = first.is_some_and(|flag| said.contains(flag));
@@ -256,7 +257,7 @@ fn a_narrow_pair_is_searched_as_far_as_it_can_be_and_that_is_said() {
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(String::from_utf8_lossy(&output.stdout).contains("disparities below 63: "));
     assert!(stderr(&output).contains("disparities below 63 are searched: images of 64x48 have no more"));
-    // What is asked for is not changed.
+    // A range that is asked for is not changed.
     all_refused(at, &[(&[&run[..], &["--max-disparity", "64"]].concat(), "64 does not fit an image of 64x48")]);
     assert!(stderr(&linestereo(at, &[&run[..], &["--max-disparity", "32"]].concat())).is_empty());
 }

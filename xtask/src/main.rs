@@ -1,5 +1,5 @@
-//! `cargo xtask`: the page for browsers is built here, which takes little; whatever is about boards is the work of `xtask-boards`, which is
-//! compiled when it is asked for.
+//! `cargo xtask`: the page for browsers is built here, which takes little; whatever is about boards
+//! is the work of `xtask-boards`, which is compiled when it is asked for.
 
 use anyhow::{Context, Result};
 use std::ffi::OsString;

@@ -23,7 +23,7 @@ fn fault_names() -> Vec<&'static str> {
     HealthFlags::NAMES.into_iter().map(|(_, name)| name).collect()
 }
 
-/// What to do about a fault; nothing for a name that is none.
+/// Remedy for a fault; nothing for a name that is none.
 #[pyfunction]
 fn remedy(name: &str) -> Option<&'static str> {
     Health::ADVICE.into_iter().find(|(known, _)| *known == name).map(|(_, what)| what)

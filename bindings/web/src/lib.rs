@@ -79,8 +79,8 @@ pub extern "C" fn add_pixels(width: u32, height: u32) -> bool {
     })
 }
 
-/// Makes a pair of what was added since the last one; a width of 0 reduces nothing. One image is cut in two where that is said, or where it is at
-/// least twice as wide as high.
+/// Makes a pair of what was added since the last one; a width of 0 reduces nothing. One image is
+/// cut in two where that is said, or where it is at least twice as wide as high.
 #[unsafe(no_mangle)]
 pub extern "C" fn pair(width: u32, holds_both: bool) -> bool {
     done(|state| {

@@ -87,7 +87,8 @@ impl HealthLimits {
         clear_after: 3,
     };
 
-    /// The same for pairs of this rig: what is infinitely far has minus its offset as its disparity.
+    /// The same for pairs of this rig: what is infinitely far has minus its offset as its
+    /// disparity.
     ///
     /// ```
     /// use linestereo::{HealthLimits, Rig};

@@ -10,7 +10,7 @@ use linestereo::{Dims, RigError};
 use std::io;
 use std::path::PathBuf;
 
-/// What to do about images that EXIF turns.
+/// Remedy for images that EXIF turns.
 pub const EXIF_REMEDY: &str = "cameras of a rig do not turn between images: remove the mark from all (exiftool -Orientation= FILES), or turn the \
      pixels of all (mogrify -auto-orient FILES)";
 /// Names of arrays that a message lists.

@@ -52,8 +52,9 @@ impl StoredGray {
         SENSOR_BITS.into_iter().find(|&bits| u32::from(largest) < 1 << bits).unwrap_or(16)
     }
 
-    /// Grey of a mosaic of colours, whatever their order: `(R + 2 G + B) / 4` around each pixel. Weights of 1, 2, 1 along rows and columns give
-    /// every colour the same share at every pixel, and move nothing; borders are mirrored.
+    /// Grey of a mosaic of colours, whatever their order: `(R + 2 G + B) / 4` around each pixel.
+    /// Weights of 1, 2, 1 along rows and columns give every colour the same share at every pixel,
+    /// and move nothing; borders are mirrored.
     #[must_use]
     pub fn of_mosaic(self) -> Self {
         let values = match self.values {

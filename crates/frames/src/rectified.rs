@@ -13,18 +13,23 @@ use linestereo_wire::RigUpdate;
 
 /// Baselines of stereo heads, m. Others are in another unit.
 const BASELINES_M: core::ops::RangeInclusive<f64> = 0.001..=10.0;
-/// Focal lengths, in widths of the image: 157 to 2.9 degrees across. Others are in another unit, or of other images.
+/// Focal lengths, in widths of the image: 157 to 2.9 degrees across. Others are in another unit, or
+/// of other images.
 const FOCALS: core::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Share by which the focal lengths across and down, or those of both images, may differ.
 const SAME_FOCAL: f64 = 0.01;
 /// Share of the baseline by which the right camera may lie higher, lower, or farther forward.
 const OFF_AXIS: f64 = 0.02;
-/// Rows by which the principal points of two rectified images may differ, px: the matcher finds as many.
+/// Rows by which the principal points of two rectified images may differ, px: the matcher finds as
+/// many.
 const SAME_ROWS_PX: f64 = 1.5;
-/// Where twice the principal point says by both sides that images are larger or smaller by this, they are others; where the size is said too, by that.
+/// Ratio of twice the principal point to the size of the images, in both directions alike, from
+/// which on the calibration is of images of another size: principal points are off the middle by
+/// some percent, and sizes differ by 1.25 (800 and 640 px) or more.
 const OTHER_SIZE: f64 = 1.2;
+/// The same where the source says the size too: images that were cropped off their middle are kept.
 const OTHER_THAN_SAID: f64 = 1.35;
-/// Ratio by which both sides may differ in it: principal points are off the middle by some percent.
+/// Largest ratio of these two ratios, across and down: images are scaled alike in both directions.
 const SAME_RATIO: f64 = 1.2;
 
 /// Numbers of a rectified pair that passed the gate but for the images themselves.
@@ -169,7 +174,8 @@ pub fn check_focal(focal_px: f64, width: u16) -> Result<(), Unfit> {
     if is_likely { Ok(()) } else { Err(Unfit::Focal(focal_px, width)) }
 }
 
-/// Refuses a principal point that is the middle of images of another size, where nothing else says the size.
+/// Refuses a principal point that is the middle of images of another size, where nothing else says
+/// the size.
 ///
 /// # Errors
 /// [`Unfit::Centre`] where both of its coordinates say the same ratio of sizes, and one far from 1.
@@ -177,7 +183,8 @@ pub fn check_centre(centre: [f64; 2], images: Dims) -> Result<(), Unfit> {
     near_middle(centre, images, OTHER_SIZE)
 }
 
-/// The same where the source says the size of its images too: a principal point of other images contradicts it.
+/// The same where the source says the size of its images too: a principal point of other images
+/// contradicts it.
 ///
 /// # Errors
 /// As [`check_centre`].
@@ -240,7 +247,8 @@ impl RectifiedRig {
     /// The same, once its numbers are likely.
     ///
     /// # Errors
-    /// The baseline is in another unit, or the focal length or principal point is none of images of this size.
+    /// The baseline is in another unit, or the focal length or principal point is none of images of
+    /// this size.
     pub fn checked(self) -> Result<Self, Unfit> {
         let RigUpdate { focal_px, baseline_m, offset_px } = self.numbers;
         if ![focal_px, baseline_m, offset_px].iter().all(|value| value.is_finite()) || focal_px <= 0.0 {
@@ -273,7 +281,8 @@ pub struct SentWindow {
     pub full: [u32; 2],
     /// Pixels across and down that are one; 0 is 1.
     pub binning: [u32; 2],
-    /// `x_offset`, `y_offset`, width and height in the full image; without width and height all of it.
+    /// `x_offset`, `y_offset`, width and height in the full image; without width and height all of
+    /// it.
     pub roi: [u32; 4],
 }
 
@@ -322,8 +331,8 @@ impl SentWindow {
         }
     }
 
-    /// A camera matrix `fx s cx, 0 fy cy` of the full image, whose rows are so long, as that of the images as sent. The fourth column of a projection is that
-    /// of metres times focal length. Whole pixels are centres.
+    /// Turns the first two rows of a camera matrix or a projection of the full image, `row` numbers
+    /// each, into those of the images as sent, in place. Whole numbers are pixel centres.
     pub fn apply(&self, matrix: &mut [f64], row: usize) {
         let offset = [self.roi[0], self.roi[1]].map(f64::from);
         let axes = self.factors().into_iter().zip(offset);

@@ -49,7 +49,8 @@ const NOTES: [&str; 17] = [
     "objects",
     "comment",
 ];
-/// What `disparity_offset_px` and minus `disparity_zero_px` may differ by, px: two words for one number.
+/// Largest difference between `disparity_offset_px` and minus `disparity_zero_px`, px: they are the
+/// same number.
 const SAME_OFFSET_PX: f64 = 0.01;
 
 /// Content of `scene.json`; fields it does not have are `None`.
@@ -135,7 +136,7 @@ impl SceneInfo {
     /// Refuses images of another size than these numbers are of, before they are reduced.
     ///
     /// # Errors
-    /// What does not fit.
+    /// The images have another size, or the numbers cannot be of images of this size.
     pub fn check_images(&self, images: Dims) -> Result<(), Unfit> {
         match (self.rectified_rig(), self.size) {
             (Some(rig), _) => rig.check_images(images),

@@ -9,9 +9,10 @@
 //! ```
 //!
 //! # Source
-//! Brown, "Close-range camera calibration", 1971, and Conrady, 1919, in the form and with the names of OpenCV (k1 k2 p1 p2 k3); Claus and
-//! Fitzgibbon, 2005, in the form of OpenCV's `CALIB_RATIONAL_MODEL` (k4 k5 k6 too); Kannala and
-//! Brandt, 2006, in the form of OpenCV's and Kalibr's equidistant fisheye model (k1 .. k4).
+//! Brown, "Close-range camera calibration", 1971, and Conrady, 1919, in the form and with the names
+//! of OpenCV (k1 k2 p1 p2 k3); Claus and Fitzgibbon, 2005, in the form of OpenCV's
+//! `CALIB_RATIONAL_MODEL` (k4 k5 k6 too); Kannala and Brandt, 2006, in the form of OpenCV's and
+//! Kalibr's equidistant fisheye model (k1 .. k4).
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use crate::real::Real;
@@ -36,7 +37,8 @@ pub enum Lens<T = f64> {
         /// Tangential: `2 p1 x y + p2 (r^2 + 2 x^2)`, `p1 (r^2 + 2 y^2) + 2 p2 x y`.
         p: [T; 2],
     },
-    /// Rational: radial `(1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, and tangential.
+    /// Rational: radial `(1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)`, and
+    /// tangential.
     Rational {
         /// Radial: k1 k2 k3 above, k4 k5 k6 below the line.
         k: [T; 6],

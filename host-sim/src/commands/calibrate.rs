@@ -147,7 +147,8 @@ fn clearest_pair(estimate: &Estimate, pairs: &[PhotoPair]) -> Result<Option<[Gra
     Ok(Some([load_gray(left)?, load_gray(right)?]))
 }
 
-/// What is to be said where EXIF turns all photos; it refuses where it turns some. Cameras of a rig do not turn between photos.
+/// Note for photos that are all turned by EXIF. Photos of which some are turned are refused:
+/// cameras of a rig do not turn between photos.
 fn turned_by_exif(pairs: &[PhotoPair]) -> Result<String> {
     let files: Vec<&PathBuf> = pairs.iter().flat_map(|pair| &pair.files).collect();
     let turns = files.iter().map(|file| exif_turn(file)).collect::<Result<Vec<_>, _>>()?;

@@ -20,9 +20,11 @@ const MOST_LISTED: usize = 20;
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Objects")]
 pub(super) struct ObjectArgs {
-    /// Depth of each object: boxes or masks as COCO JSON, YOLO .txt, CSV (x0,y0,x1,y1[,label[,name]], or in any order below a line of names) or a label image .png, in pixels of the
-    /// rectified left image before --width. For a sequence also a folder with a file per frame; for a recording a topic of it, or another recording,
-    /// with vision_msgs/msg/Detection2DArray, taken by their stamps.
+    /// Depth of each object: boxes or masks as COCO JSON, YOLO .txt, CSV
+    /// (x0,y0,x1,y1[,label[,name]], or in any order below a line of names) or a label image .png,
+    /// in pixels of the rectified left image before --width. For a sequence also a folder with a
+    /// file per frame; for a recording a topic of it, or another recording, with
+    /// vision_msgs/msg/Detection2DArray, taken by their stamps.
     #[arg(long, value_name = "FILE|TOPIC")]
     objects: Option<PathBuf>,
     /// Names of the classes of a YOLO file, one per line [default: classes.txt or obj.names beside it].
@@ -59,8 +61,8 @@ impl ObjectArgs {
         self.only_objects
     }
 
-    /// The objects of these pairs, which are at `root`. What holds none of any of them is refused, before the first of them is matched: files by
-    /// their names, messages by their topic.
+    /// The objects of these pairs, which are at `root`. What holds none of any of them is refused,
+    /// before the first of them is matched: files by their names, messages by their topic.
     pub(super) fn open(&self, root: &Path, found: &Footage) -> Result<Objects<'_>> {
         let Some(path) = &self.objects else { return Ok(Objects { args: self, detections: None }) };
         if found.of_video().is_some() {

@@ -25,7 +25,8 @@ pub(super) struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// This rig, ready to rectify images of this size where they are at hand; a focal length that is asked for comes before alpha.
+    /// This rig, ready to rectify images of this size where they are at hand; a focal length that
+    /// is asked for comes before alpha.
     pub(super) fn image(
         &self,
         rig: &[RigText],

@@ -89,8 +89,8 @@ fn shown(frames: usize, most: usize) -> Vec<usize> {
     (0..most).map(|i| if most > 1 { i * (frames - 1) / (most - 1) } else { 0 }).collect()
 }
 
-/// Matches a pair and, where it is shown under a title, puts it on the page, which the first one begins. Gives the reason why nothing of it is to
-/// be used, if there is one.
+/// Matches a pair and, where it is shown under a title, puts it on the page, which the first one
+/// begins. Gives the reason why nothing of it is to be used, if there is one.
 fn add(
     objects: &Objects<'_>,
     player: &mut Player<'_>,

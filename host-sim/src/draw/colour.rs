@@ -28,7 +28,8 @@ pub struct Range {
 }
 
 impl Range {
-    /// Range of the segments of a result, of its points where there are none, below `max_disparity`.
+    /// Range of the segments of a result, of its points where there are none, below
+    /// `max_disparity`.
     pub fn of(result: &FrameResult, max_disparity: u16) -> Self {
         let limit = f32::from(max_disparity);
         let mut found = of_segments(result);
@@ -46,7 +47,8 @@ impl Range {
         }
     }
 
-    /// Number of points and ends of segments that have the colour of an end of the range, since they lie beyond it.
+    /// Number of points and ends of segments that have the colour of an end of the range, since
+    /// they lie beyond it.
     pub fn beyond(&self, result: &FrameResult) -> usize {
         let all = of_segments(result).into_iter().chain(of_points(result));
         all.filter(|disparity| !(self.far..=self.near).contains(disparity)).count()

@@ -1,11 +1,12 @@
-//! Grey levels as they are shown: dark images are stretched, so that what is matched in them is seen.
+//! Grey levels as they are shown: dark images are stretched, so that what is matched in them is
+//! seen.
 
 use linestereo_frames::GrayImage;
 use std::borrow::Cow;
 
 /// Images are stretched in which all but one pixel in a hundred are darker than this.
 const DARK: usize = 128;
-/// What is darker still is noise.
+/// Least grey level that is stretched to white: below it there is noise alone.
 const LEAST_WHITE: usize = 8;
 
 /// The image, or a brighter one where it is dark.

@@ -1,8 +1,9 @@
 //! Pictures of results.
 //!
-//! In: a left image and its result. Out: the image, stretched where it is dark, dimmed and enlarged, with every segment in the colour of its disparity (red
-//! near, blue far), ticks on the owning side, the points as tinted pixels, support points as discs, and a legend in px and metres below. What is
-//! less probable is fainter; below p = 0.9 it is dashed.
+//! In: a left image and its result. Out: the image, stretched where it is dark, dimmed and
+//! enlarged, with every segment in the colour of its disparity (red near, blue far), ticks on the
+//! owning side, the points as tinted pixels, support points as discs, and a legend in px and metres
+//! below. What is less probable is fainter; below p = 0.9 it is dashed.
 
 mod calibration;
 mod colour;

@@ -39,7 +39,8 @@ pub fn width(height: f32, text: &str) -> f32 {
     text.chars().map(|letter| scaled.h_advance(font.glyph_id(letter))).sum()
 }
 
-/// A line in pieces of at most this width in px, cut between words; the second piece and those behind it are indented by four more spaces.
+/// A line in pieces of at most this width in px, cut between words; the second piece and those
+/// behind it are indented by four more spaces.
 pub fn wrapped(line: &str, height: f32, most: f32) -> Vec<String> {
     let indent = &line[..line.len() - line.trim_start().len()];
     let (mut lines, mut now) = (Vec::new(), indent.to_owned());

@@ -6,7 +6,8 @@ use linestereo::health::CameraHealth;
 use linestereo_wire::{Health, PairReport, RangeReport};
 use serde::Serialize;
 
-/// Flags with their remedies: first those by which the pair is not fit to be used, then warnings, then what only costs yield.
+/// Flags with their remedies: first those by which the pair is not fit to be used, then warnings,
+/// then what only costs yield.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
     let mut told: Vec<_> =
         Health::NAMES.into_iter().zip(Health::ADVICE).filter(|((flag, _), _)| health.contains(*flag)).collect();
@@ -14,7 +15,8 @@ pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static st
     told.into_iter().map(|(_, told)| told)
 }
 
-/// What has to be acted on first is lowest.
+/// Order in which flags are told, lowest first: 0 not fit to be used, 1 a warning, 2 a loss of
+/// yield.
 pub fn urgency(name: &str) -> u8 {
     let flag = Health::NAMES.into_iter().find(|(_, known)| *known == name).map_or(Health::GOOD, |(flag, _)| flag);
     u8::from(is_fit(flag)) + u8::from(is_loss(flag))
@@ -31,7 +33,8 @@ pub fn is_fit(health: Health) -> bool {
     !health.contains(Health::PAIR_MISSING) && !health.contains(Health::SIZE_MISMATCH) && of_pair.is_fit()
 }
 
-/// Why nothing of a pair is to be used, with what to do; `None` where something is matched, and may be believed.
+/// Why nothing of a pair is to be used, with what to do; `None` where something is matched, and may
+/// be believed.
 pub fn refusal(result: &FrameResult) -> Option<String> {
     let told = advice(result.health).next().map(|(flag, what)| format!("{flag}: {what}"));
     if !is_fit(result.health) {

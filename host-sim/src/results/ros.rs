@@ -183,7 +183,7 @@ fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
     result.matches.iter().filter_map(line).collect()
 }
 
-/// What is said of an object, at the middle of its area, with the size of that area at its depth.
+/// The label of an object, placed at the middle of its area, with the area's size at its depth, m.
 pub fn placed(rig: &Rig, area: Area, disparity_px: f64, said: Label) -> Option<Label> {
     let middle = |from: u16, to: u16| Position::saturating_from_num((f64::from(from) + f64::from(to) - 1.0) / 2.0);
     let at = ImagePosition { x: middle(area.left, area.right), y: middle(area.top, area.bottom) };

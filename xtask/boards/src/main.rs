@@ -1,6 +1,7 @@
 //! `cargo xtask`: builds, runs, tests and measures the board programs.
 //!
-//! Counts are instructions that QEMU executed, never cycles or times: it models neither caches nor wait states.
+//! Counts are instructions that QEMU executed, never cycles or times: it models neither caches nor
+//! wait states.
 
 mod bench;
 mod bless;
@@ -29,8 +30,9 @@ const LIMIT: Duration = Duration::from_secs(300);
 
 /// Builds, runs, tests and measures the board programs.
 ///
-/// Numbers are instructions that QEMU executed, never cycles. LINESTEREO_TOOLCHAIN=rustup or apt forces a way to the compiler;
-/// LINESTEREO_FRAMES names the folder of captured frames, whose folder qvga is measured when it is there.
+/// Numbers are instructions that QEMU executed, never cycles. LINESTEREO_TOOLCHAIN=rustup or apt
+/// forces a way to the compiler; LINESTEREO_FRAMES names the folder of captured frames, whose
+/// folder qvga is measured when it is there.
 #[derive(Debug, Parser)]
 #[command(
     name = "cargo xtask",
@@ -44,7 +46,8 @@ struct Cli {
 
 #[derive(Debug, clap::Args)]
 struct Boards {
-    /// The board; without it, the two that everything is measured on, and for selftest, kernels and bench all that QEMU runs.
+    /// The board; without it, the two that everything is measured on, and for selftest, kernels and
+    /// bench all that QEMU runs.
     #[arg(long, value_name = "BOARD")]
     board: Option<String>,
 }
@@ -72,9 +75,11 @@ impl Boards {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of pages.
+    /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of
+    /// pages.
     Setup,
-    /// Build a program and print where its ELF file is, what it takes of flash and RAM, and on hardware how it is flashed without a probe.
+    /// Build a program and print where its ELF file is, what it takes of flash and RAM, and on
+    /// hardware how it is flashed without a probe.
     Build {
         #[command(flatten)]
         boards: Boards,
@@ -90,8 +95,8 @@ enum Command {
     },
     /// Build what tests, measure and footprint run or read, two calls of cargo for each board.
     ///
-    /// They build it by themselves where it is missing. Without --board: the two measured boards and
-    /// one of each family of chips; all with LINESTEREO_LONG=1.
+    /// They build it by themselves where it is missing. Without --board: the two measured boards
+    /// and one of each family of chips; all with LINESTEREO_LONG=1.
     Images(Boards),
     /// Have clippy read the firmware as boards build it; warnings are errors.
     ///
@@ -99,7 +104,8 @@ enum Command {
     Lint(Boards),
     /// Run a program in QEMU: its log on stdout, its files in the current folder.
     ///
-    /// A live board that can be watched: cargo xtask run --program live --serial tcp:127.0.0.1:5555,server=on
+    /// A live board that can be watched: cargo xtask run --program live --serial
+    /// tcp:127.0.0.1:5555,server=on
     Run {
         #[command(flatten)]
         boards: Boards,
@@ -114,7 +120,8 @@ enum Command {
     },
     /// Compare what the boards compute with what the PC computes, stage by stage.
     Selftest(Boards),
-    /// Compare the boards' kernels with the portable ones: every length and alignment, between fences of forbidden memory.
+    /// Compare the boards' kernels with the portable ones: every length and alignment, between
+    /// fences of forbidden memory.
     Kernels(Boards),
     /// Count instructions by stage: built-in pairs, and captured ones when they are given.
     Bench {
@@ -127,7 +134,8 @@ enum Command {
         #[arg(long, requires = "frames")]
         objects: bool,
     },
-    /// Flash and RAM of `live`, compared with xtask/board-sizes.toml: fails on a change of more than 1 %.
+    /// Flash and RAM of `live`, compared with xtask/board-sizes.toml: fails on a change of more
+    /// than 1 %.
     ///
     /// Without --board: of the boards that `images` builds.
     Footprint {
@@ -137,7 +145,8 @@ enum Command {
         #[arg(long)]
         bless: bool,
     },
-    /// Compare instructions, RAM, stack and flash with xtask/board-numbers.toml: fails on a loss or a gain of more than 1 %.
+    /// Compare instructions, RAM, stack and flash with xtask/board-numbers.toml: fails on a loss or
+    /// a gain of more than 1 %.
     Measure {
         /// Write the file instead.
         #[arg(long)]
@@ -146,7 +155,8 @@ enum Command {
         #[arg(long, conflicts_with = "bless")]
         check: bool,
     },
-    /// Long forms of what .ci/run checks: every board, tests of minutes, packages, the oldest compiler.
+    /// Long forms of what .ci/run checks: every board, tests of minutes, packages, the oldest
+    /// compiler.
     Nightly,
     /// Print the numbers of real boards that their owners sent: xtask/silicon.
     Silicon,
@@ -261,7 +271,8 @@ fn lint(boards: &[Board]) -> Result<()> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let logged = Images::of_firmware(&names, Logs::of(board));
         let mut all = vec![logged];
-        // With and without logs differ in two macros alone, which use their values either way: one board without them stands for all.
+        // With and without logs differ in two macros alone, which use their values either way: one
+        // board without them stands for all.
         if number == 0 {
             all.push(Images { logs: Logs::None, ..logged });
         }

@@ -169,7 +169,8 @@ pub fn load_rig_texts(rig: &[RigText], options: &Options) -> Result<Imported, In
     })
 }
 
-/// Refuses cameras whose numbers are not of their images, or not in px. The images of ROS may be part of those that the principal point is of.
+/// Refuses cameras whose numbers are not of their images, or not in px. The images of ROS may be
+/// part of those that the principal point is of.
 fn check_cameras(calibration: &Calibration, format: Format) -> Result<(), Fault> {
     for eye in CameraSide::BOTH {
         let camera = calibration.camera(eye);

@@ -1,10 +1,11 @@
 //! A pair of ROS `camera_info` files, the left camera's first: as `camera_calibration` writes them, or as a printed message (`K D R P`).
 //!
 //! # Conventions
-//! Matrices by rows. `rectification_matrix` turns a camera into the rectified directions; the baseline `B` in metres stands in the right
-//! projection, `P[0][3] = -fx' B`. There is no pose: it follows from both rectifications (see [`pose::from_rectification`]). `plumb_bob` is
-//! `k1 k2 p1 p2 k3`, `rational_polynomial` has `k4 k5 k6` too, `equidistant` is `k1 .. k4`. `binning_x`, `binning_y` and `roi` of a message turn the
-//! camera matrix into that of the images as sent.
+//! Matrices by rows. `rectification_matrix` turns a camera into the rectified directions; the
+//! baseline `B` in metres stands in the right projection, `P[0][3] = -fx' B`. There is no pose: it
+//! follows from both rectifications (see [`pose::from_rectification`]). `plumb_bob` is `k1 k2 p1 p2
+//! k3`, `rational_polynomial` has `k4 k5 k6` too, `equidistant` is `k1 .. k4`. `binning_x`,
+//! `binning_y` and `roi` of a message turn the camera matrix into that of the images as sent.
 //!
 //! # Source
 //! ROS `sensor_msgs/CameraInfo.msg` and REP 104; `camera_calibration_parsers` for the file.
@@ -86,7 +87,7 @@ fn info(node: &Node, eye: CameraSide) -> Result<Info, Fault> {
     Ok(Info { camera, rotation: pose::rotation(&rotation?)?, projection: projection? })
 }
 
-/// What a message says is sent of the full image.
+/// Part of the full image that is sent, by a message's binning and region.
 fn window(node: &Node, Dims { width, height }: Dims) -> Result<SentWindow, Fault> {
     let whole = |node: Option<&Node>, name: &str| match node.and_then(|node| node.get(name)) {
         Some(value) => value.whole(name).map(u32::from),

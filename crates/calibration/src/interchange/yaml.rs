@@ -10,7 +10,8 @@ use saphyr_parser::{Event, Parser};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The only document of a text. `---` with nothing behind it, with which `ros2 topic echo` ends, begins none.
+/// The only document of a text. `---` with nothing behind it, with which `ros2 topic echo` ends,
+/// begins none.
 pub(super) fn parse(text: &str, file: usize) -> Result<Node, Fault> {
     let (body, skipped) = without_header(text);
     let body = spaced(body);

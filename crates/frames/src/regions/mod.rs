@@ -256,7 +256,8 @@ pub fn load(path: &Path, classes: Option<&Path>, frame: Frame<'_>) -> Result<Obj
     }
 }
 
-/// Boxes of a detector that are in no file: left, top, right and bottom border in pixels of the image as given, and a name.
+/// Boxes of a detector that are in no file: left, top, right and bottom border in pixels of the
+/// image as given, and a name.
 pub fn of_boxes(boxes: impl IntoIterator<Item = ([f64; 4], Option<String>)>, frame: Frame<'_>) -> Objects {
     let mut collector = Collector::new(frame);
     boxes.into_iter().for_each(|(borders, name)| collector.put(Ok((Shape::Box(borders), name, None))));

@@ -32,7 +32,7 @@ pub(crate) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collecte
     let (mut pairs, mut without, mut notes, mut alone) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for folder in folders {
         let strict = Dataset::find(folder);
-        // What is no scene, or a broken one, costs itself alone.
+        // A folder that is no scene, or a broken one, is left out; the others are scored.
         let found = if needs_truth { strict? } else { strict.or_else(|_| Dataset::sequence(folder, false))? };
         for (layout, count) in layouts(&found.pairs) {
             let name = folder.file_name().map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));

@@ -1,4 +1,5 @@
-//! What a detector found, as `vision_msgs/msg/Detection2DArray`: in the recording of the images, or in one of its own.
+//! Boxes of a detector, as `vision_msgs/msg/Detection2DArray`, in the recording of the images or in
+//! one of its own.
 
 use super::files::Files;
 use super::{MOST_IMAGES, MOST_NAME_BYTES, RecordingFault};
@@ -26,7 +27,8 @@ pub struct Detections {
 /// Something that a detector found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Detection {
-    /// Left, top, right, bottom border, px: whole numbers are borders of pixels. Of a box that is turned those of the upright one around it.
+    /// Left, top, right, bottom border, px: whole numbers are borders of pixels. Of a box that is
+    /// turned those of the upright one around it.
     pub borders: [f64; 4],
     /// The most probable class; empty where there is none.
     pub class: String,
@@ -43,10 +45,12 @@ impl fmt::Debug for Detections {
 }
 
 impl Detections {
-    /// Those of a topic, or of the only one that there is. Images and messages belong together whose stamps differ by up to `window_ms`.
+    /// Those of a topic, or of the only one that there is. Images and messages belong together
+    /// whose stamps differ by up to `window_ms`.
     ///
     /// # Errors
-    /// No recording; no such topic, with the names of those that there are; or more than one where none is named.
+    /// No recording; no such topic, with the names of those that there are; or more than one where
+    /// none is named.
     pub fn open(root: &Path, topic: Option<&str>, window_ms: f64) -> Result<Self, FrameError> {
         let mut found = BTreeMap::<String, Vec<(i64, u16, Place)>>::new();
         let mut count = 0;
@@ -97,7 +101,7 @@ impl Detections {
         Ok(Self { root: root.to_path_buf(), topic, files, list, window_ns: (window_ms * 1e6) as u64 })
     }
 
-    /// What was found in the image of this time, ns; `None` where no message is near it.
+    /// Boxes in the image of this time, ns; `None` where no message is near it.
     ///
     /// # Errors
     /// A message that cannot be read.

@@ -7,14 +7,15 @@ use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What a folder of ROS 2 says of its files.
+/// File in which ROS 2 lists the files of a folder.
 const METADATA: &str = "metadata.yaml";
 /// Most files of a recording.
 const MOST_FILES: usize = 4096;
 /// Files that a message lists.
 const LISTED: usize = 4;
 
-/// Is this a recording, by its name? Bags of other formats are, too: what is to be done with them is said when they are opened.
+/// Is this a recording, by its name? Bags of other formats are, too: what is to be done with them
+/// is said when they are opened.
 #[must_use]
 pub fn is_recording(path: &Path) -> bool {
     if !path.is_dir() {
@@ -82,7 +83,7 @@ fn paths(root: &Path) -> Result<Vec<PathBuf>, RecordingFault> {
     Ok(found.iter().map(|name| root.join(name)).collect())
 }
 
-/// What is to be done with bags in SQLite and of ROS 1.
+/// Remedy for bags in SQLite and of ROS 1.
 const CONVERT: &str = "convert it with `mcap convert`";
 
 /// The MCAP files that a folder's metadata names.

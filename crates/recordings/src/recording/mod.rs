@@ -1,4 +1,5 @@
-//! A recording of ROS 2 or Foxglove (`.mcap`, or a folder of them): which of its images are pairs, what their calibration says, and the images themselves.
+//! A recording of ROS 2 or Foxglove (`.mcap`, or a folder of them): which of its images are pairs,
+//! what their calibration says, and the images themselves.
 //!
 //! ```text
 //! files     the MCAP files of a recording, in their order

@@ -1,7 +1,8 @@
 //! `CameraInfo` of both cameras -> the rig of rectified images, or files with that of raw ones.
 //!
-//! Images are rectified where their topic says so, or where the calibration has no lens and no rotation. `P` of the right camera holds the
-//! baseline, `P[3] = -f B`; the principal points are those of both `P`. Binning and region of `CameraInfo` turn the numbers of the full image into
+//! Images are rectified where their topic says so, or where the calibration has no lens and no
+//! rotation. `P` of the right camera holds the baseline, `P[3] = -f B`; the principal points are
+//! those of both `P`. Binning and region of `CameraInfo` turn the numbers of the full image into
 //! those of the images as sent, which have to have the size that this makes.
 
 use super::RecordingFault;
@@ -61,7 +62,8 @@ fn full_size(info: &CameraInfo, images: Dims) -> [u32; 2] {
     }
 }
 
-/// The calibration of images of this size, which are the part of the full image that it says is sent.
+/// The calibration of images of this size, which are the part of the full image that it says is
+/// sent.
 fn as_sent(info: &CameraInfo, images: Dims) -> Result<CameraInfo, Unfit> {
     let RegionOfInterest { x_offset, y_offset, width, height, .. } = info.roi;
     let full = full_size(info, images);

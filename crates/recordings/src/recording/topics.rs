@@ -15,7 +15,8 @@ use linestereo_frames::{SIDES, without_side};
 pub const DEFAULT_WINDOW_MS: f64 = 10.0;
 /// Sides in names of topics, besides those of files.
 const NUMBERED: [[&str; 2]; 3] = [["camera_0", "camera_1"], ["cam_0", "cam_1"], ["0", "1"]];
-/// Words in names of topics with rectified images, words that say the contrary, and those of raw images.
+/// Words in names of topics with rectified images, words that say the contrary, and those of raw
+/// images.
 const RECTIFIED: [&str; 4] = ["rect", "rectified", "rectify", "recti"];
 const NOT: [&str; 6] = ["not", "no", "non", "un", "before", "pre"];
 const RAW: [&str; 6] = ["raw", "unrect", "unrectified", "notrectified", "nonrectified", "distorted"];
@@ -118,12 +119,14 @@ fn by_sides(all: &[Topic]) -> Vec<[&Topic; 2]> {
     found
 }
 
-/// Images of rectified names, these alone: the last part of the name that has a word for it decides.
+/// Images of rectified names, these alone: the last part of the name that has a word for it
+/// decides.
 pub(super) fn is_rectified(topic: &str) -> bool {
     topic.rsplit('/').find_map(says_rectified) == Some(true)
 }
 
-/// `image_rect_raw` and `imageRect` are rectified, `image_not_rectified` and `image_raw` are not; `None` of other parts.
+/// `image_rect_raw` and `imageRect` are rectified, `image_not_rectified` and `image_raw` are not;
+/// `None` of other parts.
 fn says_rectified(part: &str) -> Option<bool> {
     let mut words = String::new();
     let mut was_lower = false;

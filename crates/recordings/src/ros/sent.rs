@@ -47,11 +47,11 @@ pub struct Label {
     pub text: String,
     /// Probability.
     pub confidence: f32,
-    /// What its detector says it is.
+    /// Class that the detector gives it.
     pub class: String,
-    /// How sure the detector is.
+    /// Score that the detector gives it.
     pub score: f64,
-    /// What the detector calls its track.
+    /// Name of its track, by the detector.
     pub id: String,
     /// Width and height of its box at its depth, m.
     pub size: [f64; 2],
@@ -178,8 +178,8 @@ pub fn labels(stamp: Stamp<'_>, labels: &[Label]) -> MarkerArray {
     MarkerArray { markers }
 }
 
-/// The same for other programs: boxes at the depths of their objects, which are 0 deep, since nobody knows how deep they are. The variance of z is
-/// in the covariance.
+/// The same for other programs: boxes at the depths of their objects, which are 0 deep, since
+/// nobody knows how deep they are. The variance of z is in the covariance.
 #[must_use]
 pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
     let detection = |label: &Label| {
