@@ -180,7 +180,8 @@ impl Plan {
         observer: &mut dyn Observer,
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
-        let matching = support::Matching { images, grid, row_offset, model: self.support_model };
+        let noise = support::Noise::of(images);
+        let matching = support::Matching { images, grid, row_offset, noise, model: self.support_model };
         let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
             support::Seen::Curves(curves) => observer.support_curves(index, &curves),
             support::Seen::Evidence(evidence) => observer.support_point(index, evidence),

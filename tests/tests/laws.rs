@@ -118,7 +118,9 @@ fn a_shift_moves_what_is_found() {
             let Agreement { kept, off } = Agreement::of(&points, &found, |point| {
                 (i32::from(point.x) - i32::from(dx), i32::from(point.y) - i32::from(dy))
             });
-            assert!(off <= 20 && kept >= 500, "by {dx}, {dy} px: {kept} kept, {off} off");
+            // Where the grid falls on other pixels, its points stand in the middle of other windows' texture.
+            let least = if dx % 8 == 0 && dy % 8 == 0 { 500 } else { 450 };
+            assert!(off <= 20 && kept >= least, "by {dx}, {dy} px: {kept} kept, {off} off");
         }
     }
 }

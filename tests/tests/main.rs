@@ -31,6 +31,7 @@ mod query;
 mod rectify;
 mod rig;
 mod rig_image;
+mod slopes;
 mod units;
 mod valid_pixels;
 mod view;

@@ -1,4 +1,4 @@
-//! Written by `linestereo-lab fit-confidence` from 35 pairs under 7 damages (Aloe, Art, Baby1, Books, Bowling2, Cloth1, Dolls, Lampshade1, Monopoly, Motorcycle, Rocks1, Wood1, aloe, art, baby1, books, bowling2, boxes, cloth1, corridor, demo, dolls, lampshade1, monopoly, motorcycle, poles, rocks1, teddy, tsukuba, wood1): do not edit.
+//! Written by `linestereo-lab fit-confidence` from 125 pairs of qvga, robot_world, oakd_agreed_320, oakd_agreed_640, kitti2012_640, robot_world_640, middlebury2006_third, middlebury2006_half, middlebury2005_half, small ones under 7 damages: do not edit.
 
 use super::{Model, Models};
 
@@ -6,183 +6,183 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     near_vertical: Model {
-        bias_q12: -18857,
+        bias_q12: -552,
         coefficients_q12: [
-            -14607, // this side's window: cost at the disparity / best cost elsewhere
-            1482, // log2(1 + that cost per pixel)
-            -478, // log2(1 + how much worse elsewhere is, per pixel)
-            9643, // segment window: best cost / best elsewhere
-            -3200, // log2(1 + its cost per pixel)
-            1113, // census: best cost / best elsewhere
-            2310, // log2(1 + its cost per point)
-            -6647, // this side's census: cost at the disparity / best elsewhere
-            -3489, // |window - census|, px
-            -18578, // |difference of the halves' disparities| per row or column
-            -1536, // log2(1 + rows or columns)
-            495, // the other side's window ratio
-            -377, // 1 if the other side prefers another disparity
-            -3197, // 1 if this side alone prefers another disparity
-            -8777, // 1 if the right image has no such edge there
-            -1381, // |the edge in the right image - halves|, px
-            290, // -1 left of or above the edge, +1 right or below
-            -2194, // slope against its direction, px per px
-            1257, // log2(1 + disparities compared)
-            -677, // log2(1 + grey step)
-            11572, // log2(1 + ranks that change along a window of the image, on average)
-            2907, // log2(1 + support points nearby that agree)
-            -9162, // share of those that are farther
-            -7455, // share of those that are nearer
-            698, // log2(1 + segments nearby that agree)
-            -4780, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -7823, // this side's window: cost at the disparity / best cost elsewhere
+            1146, // log2(1 + that cost per pixel)
+            887, // log2(1 + how much worse elsewhere is, per pixel)
+            10649, // segment window: best cost / best elsewhere
+            -2923, // log2(1 + its cost per pixel)
+            3651, // census: best cost / best elsewhere
+            1027, // log2(1 + its cost per point)
+            -5974, // this side's census: cost at the disparity / best elsewhere
+            -3241, // |window - census|, px
+            -12565, // |difference of the halves' disparities| per row or column
+            -1239, // log2(1 + rows or columns)
+            -342, // the other side's window ratio
+            -1466, // 1 if the other side prefers another disparity
+            -2849, // 1 if this side alone prefers another disparity
+            -8155, // 1 if the right image has no such edge there
+            -2291, // |the edge in the right image - halves|, px
+            138, // -1 left of or above the edge, +1 right or below
+            -164, // slope against its direction, px per px
+            769, // log2(1 + disparities compared)
+            -111, // log2(1 + grey step)
+            2107, // log2(1 + how much codes change along a window of the image, on average)
+            1612, // log2(1 + support points nearby that agree)
+            -16199, // share of those that are farther
+            -9642, // share of those that are nearer
+            586, // log2(1 + segments nearby that agree)
+            -1667, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            511, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -890, // distance of the pixel from the edge, px
-            -1061, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -921, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -1081, // distance of the pixel from the edge, px
+            -937, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            86, 131, 200, 305, 466, 710, 1079, 1635, 2467, 3698, 5490,
-            8037, 11539, 16138, 21830, 28376, 35299, 42002, 47960, 52864, 56832, 59695,
-            62245, 63716, 64248, 64627, 65144, 65368, 65464, 65505, 65523, 65530, 65533,
+            253, 507, 760, 1013, 1267, 1520, 1773, 2027, 2280, 6227, 8825,
+            14197, 19648, 25191, 29570, 31392, 33119, 38745, 44884, 49133, 53128, 57247,
+            59808, 61493, 62575, 63237, 63841, 64124, 64126, 65045, 65047, 65049, 65051,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 466, 386, 294, 125, 70, 46, 34, 28, 24,
-            21, 19, 17, 16, 14, 13, 12, 11, 10, 10, 10,
+            512, 512, 512, 512, 512, 512, 512, 512, 267, 267, 267,
+            267, 267, 267, 169, 139, 120, 80, 48, 33, 26, 22,
+            19, 16, 15, 13, 12, 11, 10, 10, 10, 10, 10,
         ],
     },
     near_horizontal: Model {
-        bias_q12: -2938,
+        bias_q12: 1237,
         coefficients_q12: [
-            -6246, // this side's window: cost at the disparity / best cost elsewhere
-            57, // log2(1 + that cost per pixel)
-            -1313, // log2(1 + how much worse elsewhere is, per pixel)
+            -1264, // this side's window: cost at the disparity / best cost elsewhere
+            450, // log2(1 + that cost per pixel)
+            -918, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -4686, // census: best cost / best elsewhere
-            839, // log2(1 + its cost per point)
+            -5954, // census: best cost / best elsewhere
+            1373, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3032, // |window - census|, px
-            -27666, // |difference of the halves' disparities| per row or column
-            -2228, // log2(1 + rows or columns)
-            -1133, // the other side's window ratio
-            -79, // 1 if the other side prefers another disparity
+            -3102, // |window - census|, px
+            -28698, // |difference of the halves' disparities| per row or column
+            -2889, // log2(1 + rows or columns)
+            -1868, // the other side's window ratio
+            331, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -332, // -1 left of or above the edge, +1 right or below
-            -4779, // slope against its direction, px per px
-            519, // log2(1 + disparities compared)
-            -1102, // log2(1 + grey step)
-            9436, // log2(1 + ranks that change along a window of the image, on average)
-            2969, // log2(1 + support points nearby that agree)
-            -6587, // share of those that are farther
-            -6312, // share of those that are nearer
-            1287, // log2(1 + segments nearby that agree)
-            34, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -4917, // the less unique half: cost at the disparity / best elsewhere
-            -653, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -593, // distance of the pixel from the edge, px
-            -2154, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -260, // -1 left of or above the edge, +1 right or below
+            -3443, // slope against its direction, px per px
+            -62, // log2(1 + disparities compared)
+            -823, // log2(1 + grey step)
+            3256, // log2(1 + how much codes change along a window of the image, on average)
+            4287, // log2(1 + support points nearby that agree)
+            -1176, // share of those that are farther
+            -1443, // share of those that are nearer
+            482, // log2(1 + segments nearby that agree)
+            -80, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -5369, // the less unique half: cost at the disparity / best elsewhere
+            -1742, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -842, // distance of the pixel from the edge, px
+            -2953, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            296, 419, 593, 837, 1180, 1659, 2327, 3250, 4513, 6218, 8476,
-            11398, 15061, 19478, 24559, 30100, 35799, 41319, 46363, 50733, 56324, 60033,
-            62202, 63544, 64573, 65074, 65325, 65440, 65492, 65516, 65527, 65531, 65533,
+            1406, 2813, 4219, 5626, 7032, 8439, 9845, 13344, 13346, 13348, 13350,
+            14705, 17696, 20798, 25098, 30881, 36982, 42390, 47502, 52413, 56242, 58914,
+            61223, 62730, 63436, 63976, 64446, 64448, 64937, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            415, 288, 232, 166, 123, 93, 72, 56, 43, 33, 27,
-            23, 20, 17, 16, 14, 13, 12, 11, 11, 11, 11,
+            512, 512, 512, 512, 512, 512, 512, 512, 193, 193, 193,
+            193, 193, 191, 146, 115, 87, 68, 54, 42, 34, 28,
+            23, 19, 16, 14, 13, 11, 11, 10, 9, 9, 9,
         ],
     },
     near_vertical_edge: Model {
-        bias_q12: -10394,
+        bias_q12: -15628,
         coefficients_q12: [
-            -3005, // this side's window: cost at the disparity / best cost elsewhere
-            893, // log2(1 + that cost per pixel)
-            312, // log2(1 + how much worse elsewhere is, per pixel)
-            -24, // segment window: best cost / best elsewhere
-            -3624, // log2(1 + its cost per pixel)
-            -2779, // census: best cost / best elsewhere
-            921, // log2(1 + its cost per point)
-            -337, // this side's census: cost at the disparity / best elsewhere
-            -2330, // |window - census|, px
-            -17930, // |difference of the halves' disparities| per row or column
-            -677, // log2(1 + rows or columns)
-            -946, // the other side's window ratio
-            -823, // 1 if the other side prefers another disparity
-            -589, // 1 if this side alone prefers another disparity
-            -11805, // 1 if the right image has no such edge there
-            -4568, // |the edge in the right image - halves|, px
-            103, // -1 left of or above the edge, +1 right or below
-            -456, // slope against its direction, px per px
-            495, // log2(1 + disparities compared)
-            51, // log2(1 + grey step)
-            8260, // log2(1 + ranks that change along a window of the image, on average)
-            669, // log2(1 + support points nearby that agree)
-            -2786, // share of those that are farther
-            -7814, // share of those that are nearer
-            3893, // log2(1 + segments nearby that agree)
-            -459, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            2756, // this side's window: cost at the disparity / best cost elsewhere
+            546, // log2(1 + that cost per pixel)
+            806, // log2(1 + how much worse elsewhere is, per pixel)
+            -4292, // segment window: best cost / best elsewhere
+            -3922, // log2(1 + its cost per pixel)
+            -4217, // census: best cost / best elsewhere
+            3354, // log2(1 + its cost per point)
+            1633, // this side's census: cost at the disparity / best elsewhere
+            -2065, // |window - census|, px
+            -14058, // |difference of the halves' disparities| per row or column
+            -1258, // log2(1 + rows or columns)
+            -524, // the other side's window ratio
+            -1590, // 1 if the other side prefers another disparity
+            -1635, // 1 if this side alone prefers another disparity
+            -8821, // 1 if the right image has no such edge there
+            -5919, // |the edge in the right image - halves|, px
+            -30, // -1 left of or above the edge, +1 right or below
+            840, // slope against its direction, px per px
+            12, // log2(1 + disparities compared)
+            473, // log2(1 + grey step)
+            3520, // log2(1 + how much codes change along a window of the image, on average)
+            2540, // log2(1 + support points nearby that agree)
+            -1150, // share of those that are farther
+            -2270, // share of those that are nearer
+            2990, // log2(1 + segments nearby that agree)
+            1093, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            1172, // how unique the other side is at a nearer disparity, 0 ..= 1
+            646, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            79, 123, 191, 298, 463, 718, 1112, 1716, 2635, 4015, 6049,
-            8963, 12975, 18205, 24557, 31644, 38838, 45473, 51073, 55457, 58234, 60319,
-            61632, 62631, 64126, 64860, 65152, 65318, 65413, 65466, 65497, 65514, 65523,
+            1001, 2001, 3002, 4003, 5004, 6004, 7005, 8006, 9007, 10007, 11008,
+            12009, 13010, 13012, 13590, 30121, 41478, 46967, 53032, 55557, 57741, 61374,
+            62168, 62293, 63374, 64065, 64482, 64866, 65073, 65362, 65476, 65478, 65480,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 353, 339, 205, 90, 59, 38, 29, 24, 21,
-            19, 17, 15, 14, 12, 12, 11, 11, 10, 8, 6,
+            512, 512, 498, 221, 118, 87, 53, 35, 28, 22, 19,
+            16, 14, 13, 12, 11, 10, 10, 10, 9, 8, 7,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 3260,
+        bias_q12: 5493,
         coefficients_q12: [
-            -4972, // this side's window: cost at the disparity / best cost elsewhere
-            176, // log2(1 + that cost per pixel)
-            -1889, // log2(1 + how much worse elsewhere is, per pixel)
+            3134, // this side's window: cost at the disparity / best cost elsewhere
+            -700, // log2(1 + that cost per pixel)
+            -231, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -2685, // census: best cost / best elsewhere
-            962, // log2(1 + its cost per point)
+            -3980, // census: best cost / best elsewhere
+            1719, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -2350, // |window - census|, px
-            -19700, // |difference of the halves' disparities| per row or column
-            -1793, // log2(1 + rows or columns)
-            -3234, // the other side's window ratio
-            -5041, // 1 if the other side prefers another disparity
+            -2978, // |window - census|, px
+            -19882, // |difference of the halves' disparities| per row or column
+            -1818, // log2(1 + rows or columns)
+            -4886, // the other side's window ratio
+            -4090, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -657, // -1 left of or above the edge, +1 right or below
-            690, // slope against its direction, px per px
-            483, // log2(1 + disparities compared)
-            -225, // log2(1 + grey step)
-            6658, // log2(1 + ranks that change along a window of the image, on average)
-            1294, // log2(1 + support points nearby that agree)
-            -4825, // share of those that are farther
-            -6136, // share of those that are nearer
-            2328, // log2(1 + segments nearby that agree)
-            -5227, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -2941, // the less unique half: cost at the disparity / best elsewhere
-            -5236, // how unique the other side is at a nearer disparity, 0 ..= 1
+            94, // -1 left of or above the edge, +1 right or below
+            1453, // slope against its direction, px per px
+            341, // log2(1 + disparities compared)
+            -85, // log2(1 + grey step)
+            1753, // log2(1 + how much codes change along a window of the image, on average)
+            2708, // log2(1 + support points nearby that agree)
+            -1061, // share of those that are farther
+            -578, // share of those that are nearer
+            1455, // log2(1 + segments nearby that agree)
+            -4854, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -3255, // the less unique half: cost at the disparity / best elsewhere
+            -8195, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            282, 400, 568, 805, 1140, 1609, 2266, 3178, 4430, 6128, 8387,
-            11320, 15010, 19470, 24610, 30217, 35978, 41545, 46616, 50990, 56124, 59655,
-            61960, 63394, 64639, 65165, 65363, 65455, 65498, 65518, 65528, 65531, 65533,
+            1139, 2279, 3418, 4557, 5697, 6836, 7976, 9115, 10254, 11394, 11396,
+            11811, 18025, 21395, 24738, 29212, 34997, 40062, 45592, 50941, 55152, 58790,
+            61374, 63092, 64052, 64432, 65066, 65398, 65483, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            429, 325, 221, 167, 132, 101, 73, 53, 41, 32, 26,
-            21, 18, 15, 14, 12, 11, 10, 9, 7, 7, 7,
+            280, 224, 188, 163, 115, 85, 69, 54, 41, 33, 27,
+            22, 17, 14, 12, 10, 9, 9, 8, 6, 6, 6,
         ],
     },
 };

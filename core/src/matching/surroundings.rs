@@ -89,8 +89,9 @@ impl Line {
             for k in grid_across.within(edge - before, edge + after) {
                 let index = i * grid_along.step + k * grid_across.step;
                 let Some(point) = points.get_mut(index).filter(|point| point.is_matched()) else { continue };
-                let across = (grid_across.pixel(k) - edge).abs();
-                let nearness = (REACH - across) * (REACH - beyond);
+                let [dx, dy] = [point.place.dx(), point.place.dy()];
+                let across = (grid_across.pixel(k) + if self.near_horizontal { dy } else { dx } - edge).abs();
+                let nearness = (REACH - across).max(0) * (REACH - beyond);
                 let apart = i32::from(point.disparity_q6) - disparity_q6;
                 let [supporting, conflicting] = &mut point.segments;
                 let (sum, weight) = if apart.abs() <= 64 + 4 * (across + beyond) {

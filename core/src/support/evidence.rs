@@ -10,7 +10,7 @@ use super::paths::PointCosts;
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
 use crate::evidence::{define_evidence, log2_mean_q8};
-use crate::kernel::{JUMP_PENALTY, RankColumn, STRIP, lowest_byte, place_of_byte};
+use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte};
 use crate::units::narrow;
 use core::ops::Range;
 
@@ -18,14 +18,14 @@ use core::ops::Range;
 const NEIGHBOURHOOD: usize = 2;
 /// Least uniqueness of a point, log2(second-best / best) of the paths' sum, Q8: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
-/// [`SupportKind::Detail`] where no window was evaluated, Q8: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
-pub(crate) const TYPICAL_DETAIL_Q8: i16 = 1060;
+/// [`SupportKind::Detail`] where no window was evaluated, Q8.
+pub(crate) const TYPICAL_DETAIL_Q8: i16 = 2500;
 /// Least value of [`SupportKind::Detail`] that models were fitted on, Q8; smaller ones are limited to it.
-const LEAST_DETAIL_Q8: i16 = 900;
+const LEAST_DETAIL_Q8: i16 = 1800;
 /// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
-const MOST_DETAIL_Q8: i16 = 1160;
+const MOST_DETAIL_Q8: i16 = 3000;
 /// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
-const LEAST_DEPTH: u8 = 2;
+const LEAST_DEPTH: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
 
@@ -40,14 +40,14 @@ define_evidence! {
     WindowCost: "log2(1 + the window's cost)",
     Range: "log2(1 + disparities compared)",
     Curvature: "log2(1 + how much worse the window is 1 px away)",
-    Changes: "log2(1 + ranks that change along the window)",
+    Changes: "log2(1 + how much codes change along the window)",
     PathsRatioSquared: "square of the first",
     WindowRatioSquared: "square of the second",
     Agreeing: "log2(1 + neighbours that agree)",
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
     SegmentsConflicting: "log2(1 + hypotheses of segments nearby that contradict)",
-    Detail: "log2(1 + ranks that change along a window, on average)",
+    Detail: "log2(1 + how much codes change along a window, on average)",
 }
 
 /// Disparity of a point, as an index into its costs, with its evidence.
@@ -76,25 +76,16 @@ fn fill_part(near: &mut [u8]) {
     near.fill(u8::MAX);
 }
 
-/// Number of ranks of a window that differ from the one in the next column, 0 ..= 28.
-pub(super) fn changes_of(window: &[RankColumn; STRIP]) -> u8 {
-    let (most, ones) = (0x7f7f_7f7f_u32, 0x0101_0101);
-    let &[a, b, c, d, e, f, g, h] = window;
-    let of = |a, b| ((u32::from_le_bytes(a) ^ u32::from_le_bytes(b)) + most) >> 7 & ones;
-    let of_rows: u32 = of(a, b) + of(b, c) + of(c, d) + of(d, e) + of(e, f) + of(f, g) + of(g, h);
-    (of_rows.wrapping_mul(ones) >> 24) as u8
-}
-
-/// Changes of ranks, summed over the windows of an image.
+/// Changes of codes, summed over the windows of an image.
 #[derive(Default)]
 pub(super) struct Detail {
-    changes: u32,
+    steps: u32,
     windows: i32,
 }
 
 impl Detail {
-    pub(super) fn add(&mut self, changes: u8) {
-        self.changes += u32::from(changes);
+    pub(super) fn add(&mut self, steps: u16) {
+        self.steps += u32::from(steps);
         self.windows += 1;
     }
 
@@ -103,7 +94,7 @@ impl Detail {
         if self.windows == 0 {
             return TYPICAL_DETAIL_Q8;
         }
-        narrow(log2_mean_q8(self.changes, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
+        narrow(log2_mean_q8(self.steps, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
     }
 }
 
@@ -115,18 +106,16 @@ fn log2_q8(value: u8) -> i32 {
 impl Found {
     /// The best of the costs in this range of indices, where the window lies on valid pixels; `None` where the paths' minimum lies outside of it,
     /// or is not unique.
-    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
+    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, steps: u16) -> Option<Self> {
         let PointCosts { costs, sums, lowest } = costs;
         let best = place_of_byte(sums, lowest)?;
-        if best == 0 {
-            return None; // the largest disparity: the minimum may lie beyond
-        }
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {
             return None;
         }
-        let at = best.checked_sub(range.start)?;
+        // At the largest disparity compared the minimum may lie beyond.
+        let at = best.checked_sub(range.start).filter(|&at| at > 0)?;
         let costs = costs.get_mut(range)?;
         let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
         let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at)?, cost(at + 1));
@@ -152,7 +141,7 @@ impl Found {
         evidence.set(SupportKind::WindowCost, log2_q8(here));
         evidence.set(SupportKind::Range, log2_mean_q8(length, 1));
         evidence.set(SupportKind::Curvature, log2_q8(curvature));
-        evidence.set(SupportKind::Changes, log2_q8(changes));
+        evidence.set(SupportKind::Changes, log2_mean_q8(steps.into(), 1));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
         // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.

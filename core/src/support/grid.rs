@@ -1,6 +1,7 @@
 //! Positions of support points, and the memory that matching them takes.
 
-use super::{SUPPORT_PITCH, SURROUNDINGS, paths, ranks};
+use super::place::Place;
+use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
 use crate::area::Area;
 use crate::image::Dims;
 use crate::params::Params;
@@ -46,12 +47,12 @@ impl Grid {
 
     /// Working memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        ranks::bytes(self.width) + paths::bytes(self.disparities, self.columns)
+        codes::bytes(self.width) + paths::bytes(self.disparities, self.columns)
     }
 
-    /// The memory of the ranks and that of the paths.
+    /// The memory of the codes and that of the paths.
     pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<(&'m mut [u8], &'m mut [u8])> {
-        memory.split_at_mut_checked(ranks::bytes(self.width))
+        memory.split_at_mut_checked(codes::bytes(self.width))
     }
 
     /// The largest disparity compared, px: costs are stored from there down, as columns of the right image rise.
@@ -64,15 +65,15 @@ impl Grid {
         i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
     }
 
-    /// First pixel column of the window of a column of points: around it, but not on the two pixels at each border, which have no ranks.
+    /// First pixel column of the window of a column of points: around it, but not on the two pixels at each border, which have no codes.
     pub(super) fn window(&self, column: usize) -> i32 {
-        let last = i32::from(self.width) - ranks::BORDER - ranks::WINDOW_COLUMNS as i32;
-        (self.x(column) - ranks::WINDOW_COLUMNS as i32 / 2).min(last).max(ranks::BORDER)
+        let last = i32::from(self.width) - codes::BORDER - codes::WINDOW_COLUMNS as i32;
+        (self.x(column) - codes::WINDOW_COLUMNS as i32 / 2).min(last).max(codes::BORDER)
     }
 
     /// The pixel column after the last one of windows.
     pub(super) fn border(&self) -> i32 {
-        i32::from(self.width) - ranks::BORDER
+        i32::from(self.width) - codes::BORDER
     }
 
     /// Pixel row of a row of points.
@@ -81,10 +82,10 @@ impl Grid {
     }
 
     /// Pixel of the point at this index in the list.
-    pub(crate) fn pixel(&self, index: usize) -> (u16, u16) {
+    pub(crate) fn pixel(&self, index: usize, place: Place) -> (u16, u16) {
         let row = index.checked_div(self.columns).unwrap_or(0);
         let column = index - row * self.columns;
-        (self.x(column) as u16, Self::y(row) as u16)
+        ((self.x(column) + place.dx()) as u16, (Self::y(row) + place.dy()) as u16)
     }
 
     /// Columns of points between two pixel columns, both included.
@@ -103,13 +104,11 @@ impl Grid {
         [down, Axis { step: 1, pitch: self.pitch.into(), count: self.columns }]
     }
 
-    /// Index in the list of the point at this pixel, if there is one.
+    /// Index in the list of the point in whose square this pixel lies, if there is one.
     pub(crate) fn index(&self, x: u16, y: u16) -> Option<usize> {
-        let pitch = self.pitch; // a power of two
-        let is_point = x & (pitch - 1) == pitch / 2 && y & (SUPPORT_PITCH - 1) == SUPPORT_PITCH / 2;
-        let column = usize::from(x.checked_div(pitch)?);
+        let column = usize::from(x.checked_div(self.pitch)?);
         let row = usize::from(y / SUPPORT_PITCH);
-        (is_point && column < self.columns && row < self.rows).then(|| row * self.columns + column)
+        (column < self.columns && row < self.rows).then(|| row * self.columns + column)
     }
 
     /// Columns and rows of points around an area of pixels: those in it, and its surroundings on each side.

@@ -26,6 +26,8 @@ use std::collections::BTreeMap;
 /// Penalty on the coefficients of segments' answers. Neighbouring pixels and distances of one side are no independent samples: a hundred of
 /// them weigh about as much as one answer.
 const SIDES_PENALTY: f64 = 100.0;
+/// Tables are fitted on scores of scenes that the line has not seen: so many lines, each without its share of the scenes.
+const FOLDS: usize = 8;
 /// Support points are one pixel each.
 const SUPPORT_PENALTY: f64 = 3.0;
 
@@ -54,21 +56,24 @@ fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<
 
 /// The model of these samples, those of each scene together.
 fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> Model<N> {
-    let of = |skip: Option<usize>| -> Vec<&Sample> {
-        let kept = scenes.iter().enumerate().filter(|(i, _)| Some(*i) != skip);
+    let of = |is_kept: &dyn Fn(usize) -> bool| -> Vec<&Sample> {
+        let kept = scenes.iter().enumerate().filter(|(i, _)| is_kept(*i));
         kept.flat_map(|(_, scene)| scene.iter().copied()).collect()
     };
-    let line = Line::fit(&of(None), penalty, None);
-    // With one scene there is nothing to hold out: its own scores are all there is.
-    let scores: Vec<Vec<(f64, &Sample)>> = scenes
-        .par_iter()
+    let line = Line::fit(&of(&|_| true), penalty, None);
+    let folds = FOLDS.min(scenes.len());
+    let without = |fold: usize| match of(&|i| i % folds != fold) {
+        // With one scene there is nothing to hold out: its own scores are all there is.
+        others if others.is_empty() => line.clone(),
+        others => Line::fit(&others, penalty, Some(&line)),
+    };
+    let lines: Vec<Line> = (0..folds).into_par_iter().map(without).collect();
+    let held_out: Vec<Vec<(f64, &Sample)>> = scenes
+        .iter()
         .enumerate()
-        .map(|(i, scene)| {
-            let other = if scenes.len() > 1 { Line::fit(&of(Some(i)), penalty, Some(&line)) } else { line.clone() };
-            scene.iter().map(|sample| (other.score(sample), *sample)).collect()
-        })
+        .map(|(i, scene)| scene.iter().map(|sample| (lines[i % folds].score(sample), *sample)).collect())
         .collect();
-    let tables = calibration::tables(&scores.concat());
+    let tables = calibration::tables(&held_out);
     let (bias, coefficients) = line.raw();
     let mut coefficients_q12 = [0; N];
     for (q12, coefficient) in coefficients_q12.iter_mut().zip(coefficients) {
