@@ -6,183 +6,183 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     near_vertical: Model {
-        bias_q12: -552,
+        bias_q12: 1050,
         coefficients_q12: [
-            -7823, // this side's window: cost at the disparity / best cost elsewhere
-            1146, // log2(1 + that cost per pixel)
-            887, // log2(1 + how much worse elsewhere is, per pixel)
-            10649, // segment window: best cost / best elsewhere
-            -2923, // log2(1 + its cost per pixel)
-            3651, // census: best cost / best elsewhere
-            1027, // log2(1 + its cost per point)
-            -5974, // this side's census: cost at the disparity / best elsewhere
-            -3241, // |window - census|, px
-            -12565, // |difference of the halves' disparities| per row or column
-            -1239, // log2(1 + rows or columns)
-            -342, // the other side's window ratio
-            -1466, // 1 if the other side prefers another disparity
-            -2849, // 1 if this side alone prefers another disparity
-            -8155, // 1 if the right image has no such edge there
-            -2291, // |the edge in the right image - halves|, px
-            138, // -1 left of or above the edge, +1 right or below
-            -164, // slope against its direction, px per px
-            769, // log2(1 + disparities compared)
-            -111, // log2(1 + grey step)
-            2107, // log2(1 + how much codes change along a window of the image, on average)
-            1612, // log2(1 + support points nearby that agree)
-            -16199, // share of those that are farther
-            -9642, // share of those that are nearer
-            586, // log2(1 + segments nearby that agree)
-            -1667, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -7290, // this side's window: cost at the disparity / best cost elsewhere
+            1033, // log2(1 + that cost per pixel)
+            1006, // log2(1 + how much worse elsewhere is, per pixel)
+            11011, // segment window: best cost / best elsewhere
+            -2933, // log2(1 + its cost per pixel)
+            3450, // census: best cost / best elsewhere
+            1074, // log2(1 + its cost per point)
+            -5896, // this side's census: cost at the disparity / best elsewhere
+            -3206, // |window - census|, px
+            -12419, // |difference of the halves' disparities| per row or column
+            -1218, // log2(1 + rows or columns)
+            -381, // the other side's window ratio
+            -1484, // 1 if the other side prefers another disparity
+            -2712, // 1 if this side alone prefers another disparity
+            -7770, // 1 if the right image has no such edge there
+            -2254, // |the edge in the right image - halves|, px
+            128, // -1 left of or above the edge, +1 right or below
+            -106, // slope against its direction, px per px
+            801, // log2(1 + disparities compared)
+            -112, // log2(1 + grey step)
+            1902, // log2(1 + how much codes change along a window of the image, on average)
+            1596, // log2(1 + support points nearby that agree)
+            -16343, // share of those that are farther
+            -9974, // share of those that are nearer
+            574, // log2(1 + segments nearby that agree)
+            -1906, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            -921, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -1081, // distance of the pixel from the edge, px
-            -937, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -893, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -1084, // distance of the pixel from the edge, px
+            -941, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            253, 507, 760, 1013, 1267, 1520, 1773, 2027, 2280, 6227, 8825,
-            14197, 19648, 25191, 29570, 31392, 33119, 38745, 44884, 49133, 53128, 57247,
-            59808, 61493, 62575, 63237, 63841, 64124, 64126, 65045, 65047, 65049, 65051,
+            111, 223, 334, 446, 557, 669, 780, 892, 2403, 4540, 8366,
+            13044, 18592, 24875, 29371, 31856, 33349, 38663, 44907, 49158, 53111, 57232,
+            59770, 61501, 62589, 63229, 63840, 64191, 64215, 65034, 65036, 65038, 65040,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 267, 267, 267,
-            267, 267, 267, 169, 139, 120, 80, 48, 33, 26, 22,
-            19, 16, 15, 13, 12, 11, 10, 10, 10, 10, 10,
+            512, 512, 512, 512, 512, 512, 512, 512, 282, 282, 282,
+            282, 282, 282, 174, 137, 117, 79, 47, 33, 26, 22,
+            19, 16, 15, 13, 12, 11, 10, 9, 9, 9, 9,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 1237,
+        bias_q12: 3531,
         coefficients_q12: [
-            -1264, // this side's window: cost at the disparity / best cost elsewhere
-            450, // log2(1 + that cost per pixel)
-            -918, // log2(1 + how much worse elsewhere is, per pixel)
+            -1243, // this side's window: cost at the disparity / best cost elsewhere
+            522, // log2(1 + that cost per pixel)
+            -895, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -5954, // census: best cost / best elsewhere
-            1373, // log2(1 + its cost per point)
+            -5653, // census: best cost / best elsewhere
+            1290, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3102, // |window - census|, px
-            -28698, // |difference of the halves' disparities| per row or column
-            -2889, // log2(1 + rows or columns)
-            -1868, // the other side's window ratio
-            331, // 1 if the other side prefers another disparity
+            -3210, // |window - census|, px
+            -28717, // |difference of the halves' disparities| per row or column
+            -3006, // log2(1 + rows or columns)
+            -1961, // the other side's window ratio
+            361, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -260, // -1 left of or above the edge, +1 right or below
-            -3443, // slope against its direction, px per px
-            -62, // log2(1 + disparities compared)
-            -823, // log2(1 + grey step)
-            3256, // log2(1 + how much codes change along a window of the image, on average)
-            4287, // log2(1 + support points nearby that agree)
-            -1176, // share of those that are farther
-            -1443, // share of those that are nearer
-            482, // log2(1 + segments nearby that agree)
-            -80, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -5369, // the less unique half: cost at the disparity / best elsewhere
-            -1742, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -842, // distance of the pixel from the edge, px
-            -2953, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -179, // -1 left of or above the edge, +1 right or below
+            -3621, // slope against its direction, px per px
+            -41, // log2(1 + disparities compared)
+            -783, // log2(1 + grey step)
+            3002, // log2(1 + how much codes change along a window of the image, on average)
+            4310, // log2(1 + support points nearby that agree)
+            -719, // share of those that are farther
+            -1561, // share of those that are nearer
+            500, // log2(1 + segments nearby that agree)
+            8, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -5289, // the less unique half: cost at the disparity / best elsewhere
+            -1763, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -836, // distance of the pixel from the edge, px
+            -2932, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            1406, 2813, 4219, 5626, 7032, 8439, 9845, 13344, 13346, 13348, 13350,
-            14705, 17696, 20798, 25098, 30881, 36982, 42390, 47502, 52413, 56242, 58914,
-            61223, 62730, 63436, 63976, 64446, 64448, 64937, 65527, 65529, 65531, 65533,
+            1559, 3119, 4678, 6237, 7796, 9356, 10915, 12474, 13268, 13506, 13508,
+            15203, 17778, 20763, 24662, 30880, 37300, 42633, 47569, 52340, 56068, 58740,
+            61100, 62619, 63364, 63972, 64513, 64515, 65059, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 193, 193, 193,
-            193, 193, 191, 146, 115, 87, 68, 54, 42, 34, 28,
-            23, 19, 16, 14, 13, 11, 11, 10, 9, 9, 9,
+            512, 512, 512, 512, 512, 512, 512, 512, 192, 192, 192,
+            192, 192, 192, 146, 114, 87, 67, 54, 42, 34, 28,
+            22, 19, 16, 14, 12, 11, 11, 10, 10, 10, 10,
         ],
     },
     near_vertical_edge: Model {
-        bias_q12: -15628,
+        bias_q12: -18684,
         coefficients_q12: [
-            2756, // this side's window: cost at the disparity / best cost elsewhere
-            546, // log2(1 + that cost per pixel)
-            806, // log2(1 + how much worse elsewhere is, per pixel)
-            -4292, // segment window: best cost / best elsewhere
-            -3922, // log2(1 + its cost per pixel)
-            -4217, // census: best cost / best elsewhere
-            3354, // log2(1 + its cost per point)
-            1633, // this side's census: cost at the disparity / best elsewhere
-            -2065, // |window - census|, px
-            -14058, // |difference of the halves' disparities| per row or column
-            -1258, // log2(1 + rows or columns)
-            -524, // the other side's window ratio
-            -1590, // 1 if the other side prefers another disparity
-            -1635, // 1 if this side alone prefers another disparity
-            -8821, // 1 if the right image has no such edge there
-            -5919, // |the edge in the right image - halves|, px
-            -30, // -1 left of or above the edge, +1 right or below
-            840, // slope against its direction, px per px
-            12, // log2(1 + disparities compared)
-            473, // log2(1 + grey step)
-            3520, // log2(1 + how much codes change along a window of the image, on average)
-            2540, // log2(1 + support points nearby that agree)
-            -1150, // share of those that are farther
-            -2270, // share of those that are nearer
-            2990, // log2(1 + segments nearby that agree)
-            1093, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            2810, // this side's window: cost at the disparity / best cost elsewhere
+            560, // log2(1 + that cost per pixel)
+            801, // log2(1 + how much worse elsewhere is, per pixel)
+            -4562, // segment window: best cost / best elsewhere
+            -4057, // log2(1 + its cost per pixel)
+            -4435, // census: best cost / best elsewhere
+            3475, // log2(1 + its cost per point)
+            1606, // this side's census: cost at the disparity / best elsewhere
+            -1958, // |window - census|, px
+            -14615, // |difference of the halves' disparities| per row or column
+            -1276, // log2(1 + rows or columns)
+            -477, // the other side's window ratio
+            -1767, // 1 if the other side prefers another disparity
+            -1498, // 1 if this side alone prefers another disparity
+            -8432, // 1 if the right image has no such edge there
+            -5934, // |the edge in the right image - halves|, px
+            -76, // -1 left of or above the edge, +1 right or below
+            985, // slope against its direction, px per px
+            120, // log2(1 + disparities compared)
+            487, // log2(1 + grey step)
+            3795, // log2(1 + how much codes change along a window of the image, on average)
+            2595, // log2(1 + support points nearby that agree)
+            -1072, // share of those that are farther
+            -2507, // share of those that are nearer
+            2957, // log2(1 + segments nearby that agree)
+            1569, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            646, // how unique the other side is at a nearer disparity, 0 ..= 1
+            753, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            1001, 2001, 3002, 4003, 5004, 6004, 7005, 8006, 9007, 10007, 11008,
-            12009, 13010, 13012, 13590, 30121, 41478, 46967, 53032, 55557, 57741, 61374,
-            62168, 62293, 63374, 64065, 64482, 64866, 65073, 65362, 65476, 65478, 65480,
+            933, 1867, 2800, 3734, 4667, 5600, 6534, 7467, 8401, 9334, 10267,
+            11201, 12134, 12136, 12138, 29482, 40464, 47092, 52768, 55528, 57858, 61304,
+            62090, 62213, 63388, 64068, 64476, 64845, 65094, 65395, 65479, 65481, 65483,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 498, 221, 118, 87, 53, 35, 28, 22, 19,
-            16, 14, 13, 12, 11, 10, 10, 10, 9, 8, 7,
+            512, 512, 298, 234, 135, 92, 51, 36, 28, 23, 19,
+            16, 14, 13, 12, 11, 11, 10, 10, 9, 8, 7,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 5493,
+        bias_q12: 2220,
         coefficients_q12: [
-            3134, // this side's window: cost at the disparity / best cost elsewhere
-            -700, // log2(1 + that cost per pixel)
-            -231, // log2(1 + how much worse elsewhere is, per pixel)
+            2958, // this side's window: cost at the disparity / best cost elsewhere
+            -596, // log2(1 + that cost per pixel)
+            -295, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -3980, // census: best cost / best elsewhere
-            1719, // log2(1 + its cost per point)
+            -3746, // census: best cost / best elsewhere
+            1575, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -2978, // |window - census|, px
-            -19882, // |difference of the halves' disparities| per row or column
-            -1818, // log2(1 + rows or columns)
-            -4886, // the other side's window ratio
-            -4090, // 1 if the other side prefers another disparity
+            -3037, // |window - census|, px
+            -19703, // |difference of the halves' disparities| per row or column
+            -1867, // log2(1 + rows or columns)
+            -5021, // the other side's window ratio
+            -4022, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            94, // -1 left of or above the edge, +1 right or below
-            1453, // slope against its direction, px per px
-            341, // log2(1 + disparities compared)
-            -85, // log2(1 + grey step)
-            1753, // log2(1 + how much codes change along a window of the image, on average)
-            2708, // log2(1 + support points nearby that agree)
-            -1061, // share of those that are farther
-            -578, // share of those that are nearer
-            1455, // log2(1 + segments nearby that agree)
-            -4854, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -3255, // the less unique half: cost at the disparity / best elsewhere
-            -8195, // how unique the other side is at a nearer disparity, 0 ..= 1
+            121, // -1 left of or above the edge, +1 right or below
+            1247, // slope against its direction, px per px
+            360, // log2(1 + disparities compared)
+            -58, // log2(1 + grey step)
+            2097, // log2(1 + how much codes change along a window of the image, on average)
+            2681, // log2(1 + support points nearby that agree)
+            -1236, // share of those that are farther
+            -761, // share of those that are nearer
+            1422, // log2(1 + segments nearby that agree)
+            -4821, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -3300, // the less unique half: cost at the disparity / best elsewhere
+            -8217, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            1139, 2279, 3418, 4557, 5697, 6836, 7976, 9115, 10254, 11394, 11396,
-            11811, 18025, 21395, 24738, 29212, 34997, 40062, 45592, 50941, 55152, 58790,
-            61374, 63092, 64052, 64432, 65066, 65398, 65483, 65527, 65529, 65531, 65533,
+            1064, 2127, 3191, 4255, 5319, 6382, 7446, 8510, 9574, 10637, 10639,
+            11302, 17820, 21170, 24914, 29305, 34901, 40082, 45644, 51023, 55410, 58772,
+            61103, 62827, 63956, 64523, 65182, 65406, 65494, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            280, 224, 188, 163, 115, 85, 69, 54, 41, 33, 27,
-            22, 17, 14, 12, 10, 9, 9, 8, 6, 6, 6,
+            262, 231, 191, 164, 114, 85, 69, 54, 42, 33, 27,
+            22, 17, 14, 12, 10, 9, 9, 7, 5, 5, 5,
         ],
     },
 };

@@ -24,6 +24,8 @@ pub(crate) const TYPICAL_DETAIL_Q8: i16 = 2500;
 const LEAST_DETAIL_Q8: i16 = 1800;
 /// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
 const MOST_DETAIL_Q8: i16 = 3000;
+/// A cost elsewhere repeats the best one where it is higher by at most this part of the increase 1 px beside the best.
+const REPEATS: u8 = 2;
 /// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
 const LEAST_DEPTH: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
@@ -130,7 +132,7 @@ impl Found {
         let length = costs.len() as u32;
         let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
         let depth = before.unwrap_or(u8::MAX).min(after.unwrap_or(u8::MAX)).saturating_sub(here);
-        if depth >= LEAST_DEPTH && second <= here {
+        if depth >= LEAST_DEPTH && second <= here.saturating_add(depth / REPEATS) {
             return None; // the pattern repeats: paths would propagate one of its disparities
         }
         let window_q8 = ratio_q8(here, second);

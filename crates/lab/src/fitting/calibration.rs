@@ -110,7 +110,7 @@ mod tests {
     fn shares_that_fall_are_pooled() {
         let shares = [0.2, 0.5, 0.3, 0.9].into_iter().enumerate().map(|(node, share)| (node, [share, 1.0]));
         assert_eq!(rising(shares), [(0, 0.2), (1, 0.4), (2, 0.4), (3, 0.9)]);
-        let weighed = [(3, [0.6, 3.0]), (5, [0.2, 1.0])];
+        let weighed = [(3, [0.75, 2.0]), (5, [0.25, 2.0])];
         assert_eq!(rising(weighed.into_iter()), [(3, 0.5), (5, 0.5)]);
     }
 }
