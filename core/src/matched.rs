@@ -111,7 +111,13 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
         let range = self.summary.range;
-        Findings { matches: self.segments(), counts: self.counts(), support: self.support(), range }
+        Findings {
+            matches: self.segments(),
+            counts: self.counts(),
+            support: self.support(),
+            range,
+            row_offset: self.summary.row_offset(),
+        }
     }
 
     /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.

@@ -32,6 +32,7 @@
 //! pixel 0.10 M, tears 0.12 M. A monitor has less than 100 bytes.
 
 mod camera;
+mod evenness;
 mod flags;
 mod limits;
 mod rows;
@@ -100,6 +101,8 @@ pub struct Findings<'a> {
     pub support: Support<'a>,
     /// Windows that match beyond the disparity range.
     pub range: RangeCheck,
+    /// Row of the right image at which row 0 of the left one was matched.
+    pub row_offset: i32,
 }
 
 impl PairHealth {
@@ -185,7 +188,7 @@ impl HealthMonitor {
         found: &Findings<'_>,
         health: &mut PairHealth,
     ) {
-        let (mut now, mut tested) = self.check_rows(limits, images, found.matches, health);
+        let (mut now, mut tested) = self.check_rows(limits, images, found, health);
         tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY | HealthFlags::TORN;
         now |= HealthFlags::FEW_MATCHES.when(are_few(found.counts, limits, health.rows.is_some()));
 
@@ -216,20 +219,31 @@ impl HealthMonitor {
         &mut self,
         limits: &HealthLimits,
         [left, right]: [Gray<'_>; 2],
-        matches: &[Match],
+        found: &Findings<'_>,
         health: &mut PairHealth,
     ) -> (HealthFlags, HealthFlags) {
         let (mut now, mut tested) = (HealthFlags::GOOD, HealthFlags::GOOD);
-        if let Some(rows) = rows::measure(left, right, matches)
-            && let Some(is_uneven) = are_uneven(&rows, limits)
+        let by_points = evenness::measure([left, right], found.support, found.row_offset);
+        let mut is_uneven = by_points.map(|even| even.spread_q8 > limits.row_region_q8);
+        // Edges are few and each of them may be wrong: points have to be in doubt as well.
+        let are_even = by_points.is_some_and(|even| even.spread_q8 <= limits.row_region_q8 / 2);
+        if let Some(rows) = rows::measure(left, right, found.matches)
+            && let Some(by_edges) = are_uneven(&rows, limits)
         {
-            tested |= HealthFlags::ROWS_UNEVEN;
-            now |= HealthFlags::ROWS_UNEVEN.when(is_uneven);
             health.rows = Some(rows);
-            if !is_uneven {
+            is_uneven = Some(is_uneven == Some(true) || by_edges && !are_even);
+            if is_uneven == Some(false) {
                 self.smooth(limits, rows.offset_q8);
                 tested |= HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR | HealthFlags::ROWS_DRIFT;
             }
+        }
+        if let Some(is_uneven) = is_uneven {
+            tested |= HealthFlags::ROWS_UNEVEN;
+            now |= HealthFlags::ROWS_UNEVEN.when(is_uneven);
+        }
+        if let Some(even) = by_points {
+            let offset_q8 = i32::from(even.offset_q8) + (found.row_offset << 8);
+            now |= HealthFlags::ROWS_FAR.when(offset_q8.unsigned_abs() > u32::from(limits.row_limit_q8));
         }
         if self.pairs > 0 {
             let offset_q8 = (self.short_q16 + 128) >> 8;
@@ -510,7 +524,7 @@ mod tests {
         let mut range = RangeCheck::default();
         (range.beyond, range.windows) = (5, 100);
         let support = Support::new(&crate::Params::default(), still::tests::DIMS, &points, 0);
-        let findings = Findings { matches: &matches, counts: &counts, support, range };
+        let findings = Findings { matches: &matches, counts: &counts, support, range, row_offset: 0 };
         let raised = |limits: &HealthLimits, before| {
             let mut health = PairHealth { now: before, ..PairHealth::default() };
             HealthMonitor::new().check_matches(limits, [image; 2], &findings, &mut health);

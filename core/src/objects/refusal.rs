@@ -118,6 +118,8 @@ impl Sums {
 struct Agreement {
     /// Number of the region's pixels.
     pixels: u32,
+    /// Points in it whose windows repeat.
+    repeating: u32,
     inside: Sums,
     around: Sums,
 }
@@ -131,11 +133,15 @@ impl Agreement {
             let nearer_q6 = i32::from(point.disparity_q6) - surface.at_q6(x - x0, y - y0);
             sums.add(nearer_q6, u32::from(point.probability_q16) >> 8);
         }
-        Self { pixels: cover.pixels, inside, around }
+        let repeating = support.repeating(area, |x, y| cover.contains(x, y));
+        Self { pixels: cover.pixels, repeating, inside, around }
     }
 
     fn refusal(&self, is_box: bool) -> Option<NoDepth> {
-        let Self { pixels, inside, around } = self;
+        let Self { pixels, repeating, inside, around } = self;
+        if repeating << 8 > inside.on {
+            return Some(NoDepth::LittleSupport);
+        }
         if inside.all < LEAST_POINTS_Q8 {
             return None;
         }
@@ -178,7 +184,7 @@ mod tests {
     /// Of a region of so many points of the grid.
     fn refused_of(places: u32, inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
         let pixels = places * POINT_PIXELS;
-        [false, true].map(|is_box| Agreement { pixels, inside, around }.refusal(is_box))
+        [false, true].map(|is_box| Agreement { pixels, repeating: 0, inside, around }.refusal(is_box))
     }
 
     #[test]

@@ -14,7 +14,7 @@
 
 use super::noise::Noise;
 use crate::image::Gray;
-use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, STRIP, code_columns};
+use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, STRIP, code_columns, code_costs};
 
 /// Width of a window, px.
 pub(super) const WINDOW_COLUMNS: usize = STRIP;
@@ -55,6 +55,18 @@ impl<'a> CodeRows<'a> {
         let [left, right] = &self.columns;
         let window = left.get(usize::try_from(x).ok()?..)?.first_chunk()?;
         Some((window, right.get(usize::try_from(first).ok()?..)?))
+    }
+
+    /// Costs of the window that begins at column `x` of the left image in the same image, from `away` px to the right on; their number.
+    pub(super) fn costs_in_left(&self, x: i32, away: usize, costs: &mut [u8]) -> usize {
+        let end = self.columns[0].len().saturating_sub(BORDER as usize);
+        let own = || self.columns[0].get(usize::try_from(x).ok()?..end);
+        let Some((window, columns)) = own().and_then(|own| Some((own.first_chunk()?, own.get(away..)?))) else { return 0 };
+        let length = (columns.len() + 1).saturating_sub(WINDOW_COLUMNS).min(costs.len());
+        if let (Some(columns), Some(costs)) = (columns.get(..length + WINDOW_COLUMNS - 1), costs.get_mut(..length)) {
+            code_costs(window, columns, costs);
+        }
+        length
     }
 
     /// The window that begins at column `x` of the left image, with the column before and the one behind it.

@@ -24,10 +24,8 @@ pub(crate) const TYPICAL_DETAIL_Q8: i16 = 2500;
 const LEAST_DETAIL_Q8: i16 = 1800;
 /// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
 const MOST_DETAIL_Q8: i16 = 3000;
-/// A cost elsewhere repeats the best one where it is higher by at most this part of the increase 1 px beside the best.
-const REPEATS: u8 = 2;
 /// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
-const LEAST_DEPTH: u8 = 4;
+const LEAST_INCREASE: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
 
@@ -105,22 +103,66 @@ fn log2_q8(value: u8) -> i32 {
     log2_mean_q8(value.into(), 1)
 }
 
+/// Why a point has no disparity.
+pub(super) enum Unmatched {
+    /// The paths' minimum lies at the end of the range, or is not unique.
+    Unclear,
+    /// The window matches elsewhere as well: paths would propagate one of the disparities of a pattern.
+    Repeats,
+}
+
+/// How much more a window costs beside its best disparity.
+struct Increase {
+    /// The cost there.
+    here: u8,
+    /// 1 px to either side, the smaller.
+    one: u8,
+    /// Up to 2 px to either side, the smaller: half way between two disparities both cost the same.
+    two: u8,
+}
+
+impl Increase {
+    /// From the costs 2 and 1 px before, and 1 and 2 px behind it.
+    fn of(here: u8, [two_before, before, after, two_after]: [Option<u8>; 4]) -> Self {
+        let smaller = |one: Option<u8>, other: Option<u8>| {
+            one.unwrap_or(u8::MAX).min(other.unwrap_or(u8::MAX)).saturating_sub(here)
+        };
+        Self { here, one: smaller(before, after), two: smaller(before.max(two_before), after.max(two_after)) }
+    }
+
+    /// The largest cost elsewhere with which the window's pattern repeats; `None` on a blank wall, which is alike everywhere.
+    fn most_of_repetition(&self) -> Option<u8> {
+        let of_one = if self.one >= LEAST_INCREASE { self.one / 2 } else { 0 };
+        let of_two = if self.two >= 2 * LEAST_INCREASE { self.two / 8 } else { 0 };
+        Some(of_one.max(of_two)).filter(|&most| most > 0).map(|most| self.here.saturating_add(most))
+    }
+}
+
 impl Found {
-    /// The best of the costs in this range of indices, where the window lies on valid pixels; `None` where the paths' minimum lies outside of it,
-    /// or is not unique.
-    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, steps: u16) -> Option<Self> {
+    /// The best of the costs in this range of indices, where the window lies on valid pixels.
+    ///
+    /// Where the border of the right image cuts the range off, the pattern may repeat at larger disparities. `costs_in_left` gives the window's costs
+    /// in its own image from so many pixels to the right on, and their number.
+    pub(super) fn new(
+        costs: PointCosts<'_>,
+        range: Range<usize>,
+        steps: u16,
+        costs_in_left: impl FnOnce(usize, &mut [u8]) -> usize,
+    ) -> Result<Self, Unmatched> {
         let PointCosts { costs, sums, lowest } = costs;
-        let best = place_of_byte(sums, lowest)?;
+        let best = place_of_byte(sums, lowest).ok_or(Unmatched::Unclear)?;
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {
-            return None;
+            return Err(Unmatched::Unclear);
         }
         // At the largest disparity compared the minimum may lie beyond.
-        let at = best.checked_sub(range.start).filter(|&at| at > 0)?;
-        let costs = costs.get_mut(range)?;
+        let at = best.checked_sub(range.start).filter(|&at| at > 0).ok_or(Unmatched::Unclear)?;
+        let (cut_off, costs) = costs.split_at_mut_checked(range.start).ok_or(Unmatched::Unclear)?;
+        let costs = costs.get_mut(..range.len()).ok_or(Unmatched::Unclear)?;
         let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
-        let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at)?, cost(at + 1));
+        let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at).unwrap_or(u8::MAX), cost(at + 1));
+        let increase = Increase::of(here, [at.checked_sub(2).and_then(cost), before, after, cost(at + 2)]);
         let [one, other] = [before, after].map(|side| u16::from(side.unwrap_or(here)));
         let curvature = (one + other).saturating_sub(2 * u16::from(here)).min(u8::MAX.into()) as u8;
         let beside = |distance: i32| match distance {
@@ -131,9 +173,13 @@ impl Found {
         let at_q6 = (best << 6) as i32 + subpixel_q6(0, |distance| beside(distance).map(u16::from));
         let length = costs.len() as u32;
         let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
-        let depth = before.unwrap_or(u8::MAX).min(after.unwrap_or(u8::MAX)).saturating_sub(here);
-        if depth >= LEAST_DEPTH && second <= here.saturating_add(depth / REPEATS) {
-            return None; // the pattern repeats: paths would propagate one of its disparities
+        if let Some(most) = increase.most_of_repetition() {
+            // Where nothing repeats in the range, the left image itself tells whether something does where it is cut off.
+            let length = if second <= most { 0 } else { costs_in_left(at + 1, cut_off) };
+            let in_left = cut_off.get(..length).filter(|costs| !costs.is_empty()).map(lowest_byte);
+            if second <= most || in_left.is_some_and(|cost| cost.saturating_sub(JUMP_PENALTY) <= most) {
+                return Err(Unmatched::Repeats);
+            }
         }
         let window_q8 = ratio_q8(here, second);
 
@@ -147,7 +193,7 @@ impl Found {
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
         // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.
-        Some(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
+        Ok(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
 }
 

@@ -47,7 +47,7 @@ use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, nearby};
+use evidence::{Detail, Found, SUPPORT_EVIDENCE, Unmatched, SupportEvidence, TYPICAL_DETAIL_Q8, nearby};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
@@ -67,6 +67,9 @@ const UNIQUE_REACH: i32 = 6;
 pub(crate) const SURROUNDINGS: u16 = 24;
 /// Least number of disparities compared at a point: with fewer there is no second-best.
 const MIN_RANGE: usize = 8;
+
+/// In place of the disparity of a point whose window repeats, 1/64 px.
+const REPEATS_Q6: i16 = i16::MIN;
 
 /// One point of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -104,6 +107,12 @@ impl SupportPoint {
     #[must_use]
     pub fn is_matched(&self) -> bool {
         self.score_q8 > i16::MIN
+    }
+
+    /// True when it has none because its window matches elsewhere as well.
+    #[must_use]
+    pub fn repeats(&self) -> bool {
+        !self.is_matched() && self.disparity_q6 == REPEATS_Q6
     }
 
     /// Disparity of the surface seen there, px.
@@ -239,14 +248,19 @@ impl Matching<'_> {
                     && let Some(&steps) = steps.get(column)
                 {
                     watch(first + column, Seen::Curves(SupportCurves::new(&costs, range.clone(), last)));
-                    if let Some(found) = Found::new(costs, range.clone(), steps) {
-                        watch(first + column, Seen::Evidence(&found.evidence));
-                        let window = self.grid.window(column);
-                        let place = codes
-                            .around_window(window)
-                            .map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
-                        *point = SupportPoint { place, ..self.to_point(&found) };
-                    }
+                    let window = self.grid.window(column);
+                    let in_left = |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);
+                    *point = match Found::new(costs, range.clone(), steps, in_left) {
+                        Ok(found) => {
+                            watch(first + column, Seen::Evidence(&found.evidence));
+                            let place = codes
+                                .around_window(window)
+                                .map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
+                            SupportPoint { place, ..self.to_point(&found) }
+                        }
+                        Err(Unmatched::Repeats) => SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() },
+                        Err(Unmatched::Unclear) => SupportPoint::none(),
+                    };
                 }
             });
         }
@@ -336,11 +350,15 @@ impl<'a> Support<'a> {
         self.points.iter().enumerate().map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
-    /// Every `step`-th point of [`Support::iter`], from the first one on.
-    pub(crate) fn every(&self, step: usize) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
+    /// Every `step`-th point of [`Support::iter`], from this one on.
+    pub(crate) fn every(
+        &self,
+        first: usize,
+        step: usize,
+    ) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;
         // The step before the pixel: those between have none worked out.
-        self.points.iter().enumerate().step_by(step).map(move |(index, point)| (grid.pixel(index, point.place), point))
+        self.points.iter().enumerate().skip(first).step_by(step).map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
     /// The matched points with at least this probability. The list of points has each pixel once: there some are replaced by a more probable point
@@ -366,6 +384,20 @@ impl<'a> Support<'a> {
         reach: i32,
     ) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
         self.between((x - reach, x + reach), (y - reach, y + reach))
+    }
+
+    /// Number of points, of those in this area that `contains` holds, whose windows repeat.
+    pub(crate) fn repeating(&self, area: Area, contains: impl Fn(i32, i32) -> bool) -> u32 {
+        let Area { left, top, right, bottom } = area;
+        let columns = self.grid.columns_within(left.into(), i32::from(right) - 1);
+        let mut count = 0;
+        for row in self.grid.rows_within(top.into(), i32::from(bottom) - 1) {
+            for column in columns.clone() {
+                let repeats = self.points.get(row * self.grid.columns + column).is_some_and(SupportPoint::repeats);
+                count += u32::from(repeats && contains(self.grid.x(column), Grid::y(row)));
+            }
+        }
+        count
     }
 
     /// The matched points between two columns and two rows of pixels, all included, with their pixels.
