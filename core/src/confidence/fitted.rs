@@ -6,183 +6,183 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     near_vertical: Model {
-        bias_q12: 1050,
+        bias_q12: -825,
         coefficients_q12: [
-            -7290, // this side's window: cost at the disparity / best cost elsewhere
-            1033, // log2(1 + that cost per pixel)
-            1006, // log2(1 + how much worse elsewhere is, per pixel)
-            11011, // segment window: best cost / best elsewhere
-            -2933, // log2(1 + its cost per pixel)
-            3450, // census: best cost / best elsewhere
-            1074, // log2(1 + its cost per point)
-            -5896, // this side's census: cost at the disparity / best elsewhere
-            -3206, // |window - census|, px
-            -12419, // |difference of the halves' disparities| per row or column
-            -1218, // log2(1 + rows or columns)
-            -381, // the other side's window ratio
-            -1484, // 1 if the other side prefers another disparity
-            -2712, // 1 if this side alone prefers another disparity
-            -7770, // 1 if the right image has no such edge there
-            -2254, // |the edge in the right image - halves|, px
-            128, // -1 left of or above the edge, +1 right or below
-            -106, // slope against its direction, px per px
-            801, // log2(1 + disparities compared)
-            -112, // log2(1 + grey step)
-            1902, // log2(1 + how much codes change along a window of the image, on average)
-            1596, // log2(1 + support points nearby that agree)
-            -16343, // share of those that are farther
-            -9974, // share of those that are nearer
-            574, // log2(1 + segments nearby that agree)
-            -1906, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -7715, // this side's window: cost at the disparity / best cost elsewhere
+            1150, // log2(1 + that cost per pixel)
+            1004, // log2(1 + how much worse elsewhere is, per pixel)
+            11697, // segment window: best cost / best elsewhere
+            -3153, // log2(1 + its cost per pixel)
+            3285, // census: best cost / best elsewhere
+            1224, // log2(1 + its cost per point)
+            -5910, // this side's census: cost at the disparity / best elsewhere
+            -3227, // |window - census|, px
+            -12787, // |difference of the halves' disparities| per row or column
+            -1252, // log2(1 + rows or columns)
+            -285, // the other side's window ratio
+            -1611, // 1 if the other side prefers another disparity
+            -2944, // 1 if this side alone prefers another disparity
+            -7979, // 1 if the right image has no such edge there
+            -2313, // |the edge in the right image - halves|, px
+            189, // -1 left of or above the edge, +1 right or below
+            -413, // slope against its direction, px per px
+            1117, // log2(1 + disparities compared)
+            -122, // log2(1 + grey step)
+            1979, // log2(1 + how much codes change along a window of the image, on average)
+            1511, // log2(1 + support points nearby that agree)
+            -16423, // share of those that are farther
+            -9745, // share of those that are nearer
+            837, // log2(1 + segments nearby that agree)
+            -1850, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            -893, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -1084, // distance of the pixel from the edge, px
-            -941, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -877, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -1074, // distance of the pixel from the edge, px
+            -889, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            111, 223, 334, 446, 557, 669, 780, 892, 2403, 4540, 8366,
-            13044, 18592, 24875, 29371, 31856, 33349, 38663, 44907, 49158, 53111, 57232,
-            59770, 61501, 62589, 63229, 63840, 64191, 64215, 65034, 65036, 65038, 65040,
+            47, 95, 142, 189, 236, 284, 331, 378, 3393, 7829, 9510,
+            11900, 16878, 24562, 29465, 32036, 33380, 39076, 44654, 48953, 53320, 57272,
+            59866, 61541, 62672, 63425, 63881, 64159, 64184, 65237, 65239, 65241, 65243,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 282, 282, 282,
-            282, 282, 282, 174, 137, 117, 79, 47, 33, 26, 22,
-            19, 16, 15, 13, 12, 11, 10, 9, 9, 9, 9,
+            512, 512, 512, 512, 512, 512, 512, 512, 272, 272, 272,
+            272, 272, 272, 165, 133, 115, 82, 48, 33, 26, 22,
+            19, 16, 15, 14, 13, 11, 10, 10, 10, 10, 10,
         ],
     },
     near_horizontal: Model {
-        bias_q12: 3531,
+        bias_q12: 728,
         coefficients_q12: [
-            -1243, // this side's window: cost at the disparity / best cost elsewhere
-            522, // log2(1 + that cost per pixel)
-            -895, // log2(1 + how much worse elsewhere is, per pixel)
+            -1052, // this side's window: cost at the disparity / best cost elsewhere
+            396, // log2(1 + that cost per pixel)
+            -842, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -5653, // census: best cost / best elsewhere
-            1290, // log2(1 + its cost per point)
+            -5876, // census: best cost / best elsewhere
+            1392, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3210, // |window - census|, px
-            -28717, // |difference of the halves' disparities| per row or column
-            -3006, // log2(1 + rows or columns)
-            -1961, // the other side's window ratio
-            361, // 1 if the other side prefers another disparity
+            -3224, // |window - census|, px
+            -28855, // |difference of the halves' disparities| per row or column
+            -2826, // log2(1 + rows or columns)
+            -1831, // the other side's window ratio
+            282, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -179, // -1 left of or above the edge, +1 right or below
-            -3621, // slope against its direction, px per px
-            -41, // log2(1 + disparities compared)
-            -783, // log2(1 + grey step)
-            3002, // log2(1 + how much codes change along a window of the image, on average)
-            4310, // log2(1 + support points nearby that agree)
-            -719, // share of those that are farther
-            -1561, // share of those that are nearer
-            500, // log2(1 + segments nearby that agree)
-            8, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -5289, // the less unique half: cost at the disparity / best elsewhere
-            -1763, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -836, // distance of the pixel from the edge, px
-            -2932, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -173, // -1 left of or above the edge, +1 right or below
+            -3558, // slope against its direction, px per px
+            87, // log2(1 + disparities compared)
+            -815, // log2(1 + grey step)
+            3258, // log2(1 + how much codes change along a window of the image, on average)
+            3954, // log2(1 + support points nearby that agree)
+            -1311, // share of those that are farther
+            -2310, // share of those that are nearer
+            635, // log2(1 + segments nearby that agree)
+            -58, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -5472, // the less unique half: cost at the disparity / best elsewhere
+            -1704, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -839, // distance of the pixel from the edge, px
+            -2958, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            1559, 3119, 4678, 6237, 7796, 9356, 10915, 12474, 13268, 13506, 13508,
-            15203, 17778, 20763, 24662, 30880, 37300, 42633, 47569, 52340, 56068, 58740,
-            61100, 62619, 63364, 63972, 64513, 64515, 65059, 65527, 65529, 65531, 65533,
+            1699, 3397, 5096, 6795, 8493, 10192, 11891, 13589, 13591, 13593, 13595,
+            15600, 18228, 21069, 24414, 30533, 37231, 42723, 47565, 52439, 56288, 58968,
+            61272, 62739, 63414, 63951, 64454, 64456, 64530, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 192, 192, 192,
-            192, 192, 192, 146, 114, 87, 67, 54, 42, 34, 28,
-            22, 19, 16, 14, 12, 11, 11, 10, 10, 10, 10,
+            512, 512, 512, 512, 512, 512, 512, 512, 185, 185, 185,
+            185, 185, 185, 146, 116, 87, 67, 54, 42, 34, 27,
+            22, 19, 16, 14, 13, 11, 10, 9, 9, 9, 9,
         ],
     },
     near_vertical_edge: Model {
-        bias_q12: -18684,
+        bias_q12: -20207,
         coefficients_q12: [
-            2810, // this side's window: cost at the disparity / best cost elsewhere
-            560, // log2(1 + that cost per pixel)
-            801, // log2(1 + how much worse elsewhere is, per pixel)
-            -4562, // segment window: best cost / best elsewhere
-            -4057, // log2(1 + its cost per pixel)
-            -4435, // census: best cost / best elsewhere
-            3475, // log2(1 + its cost per point)
-            1606, // this side's census: cost at the disparity / best elsewhere
-            -1958, // |window - census|, px
-            -14615, // |difference of the halves' disparities| per row or column
-            -1276, // log2(1 + rows or columns)
-            -477, // the other side's window ratio
-            -1767, // 1 if the other side prefers another disparity
-            -1498, // 1 if this side alone prefers another disparity
-            -8432, // 1 if the right image has no such edge there
-            -5934, // |the edge in the right image - halves|, px
-            -76, // -1 left of or above the edge, +1 right or below
-            985, // slope against its direction, px per px
-            120, // log2(1 + disparities compared)
-            487, // log2(1 + grey step)
-            3795, // log2(1 + how much codes change along a window of the image, on average)
-            2595, // log2(1 + support points nearby that agree)
-            -1072, // share of those that are farther
-            -2507, // share of those that are nearer
-            2957, // log2(1 + segments nearby that agree)
-            1569, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            2276, // this side's window: cost at the disparity / best cost elsewhere
+            760, // log2(1 + that cost per pixel)
+            856, // log2(1 + how much worse elsewhere is, per pixel)
+            -3387, // segment window: best cost / best elsewhere
+            -4422, // log2(1 + its cost per pixel)
+            -4617, // census: best cost / best elsewhere
+            3438, // log2(1 + its cost per point)
+            2257, // this side's census: cost at the disparity / best elsewhere
+            -2049, // |window - census|, px
+            -14583, // |difference of the halves' disparities| per row or column
+            -1311, // log2(1 + rows or columns)
+            -517, // the other side's window ratio
+            -1616, // 1 if the other side prefers another disparity
+            -1667, // 1 if this side alone prefers another disparity
+            -8734, // 1 if the right image has no such edge there
+            -6086, // |the edge in the right image - halves|, px
+            48, // -1 left of or above the edge, +1 right or below
+            582, // slope against its direction, px per px
+            451, // log2(1 + disparities compared)
+            516, // log2(1 + grey step)
+            3797, // log2(1 + how much codes change along a window of the image, on average)
+            2459, // log2(1 + support points nearby that agree)
+            -1306, // share of those that are farther
+            -2370, // share of those that are nearer
+            3312, // log2(1 + segments nearby that agree)
+            1616, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            753, // how unique the other side is at a nearer disparity, 0 ..= 1
+            335, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            933, 1867, 2800, 3734, 4667, 5600, 6534, 7467, 8401, 9334, 10267,
-            11201, 12134, 12136, 12138, 29482, 40464, 47092, 52768, 55528, 57858, 61304,
-            62090, 62213, 63388, 64068, 64476, 64845, 65094, 65395, 65479, 65481, 65483,
+            973, 1946, 2919, 3893, 4866, 5839, 6812, 7785, 8758, 9731, 10705,
+            11678, 12651, 12653, 12655, 29510, 41016, 46684, 52854, 54875, 57904, 61581,
+            62056, 62285, 63383, 64051, 64381, 64783, 65049, 65389, 65477, 65479, 65481,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 298, 234, 135, 92, 51, 36, 28, 23, 19,
-            16, 14, 13, 12, 11, 11, 10, 10, 9, 8, 7,
+            512, 512, 285, 242, 120, 98, 49, 36, 28, 23, 19,
+            16, 14, 13, 12, 11, 10, 10, 10, 10, 8, 7,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 2220,
+        bias_q12: -473,
         coefficients_q12: [
-            2958, // this side's window: cost at the disparity / best cost elsewhere
-            -596, // log2(1 + that cost per pixel)
-            -295, // log2(1 + how much worse elsewhere is, per pixel)
+            3369, // this side's window: cost at the disparity / best cost elsewhere
+            -777, // log2(1 + that cost per pixel)
+            -170, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -3746, // census: best cost / best elsewhere
-            1575, // log2(1 + its cost per point)
+            -3968, // census: best cost / best elsewhere
+            1698, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3037, // |window - census|, px
-            -19703, // |difference of the halves' disparities| per row or column
-            -1867, // log2(1 + rows or columns)
-            -5021, // the other side's window ratio
-            -4022, // 1 if the other side prefers another disparity
+            -3024, // |window - census|, px
+            -19687, // |difference of the halves' disparities| per row or column
+            -1710, // log2(1 + rows or columns)
+            -4935, // the other side's window ratio
+            -4144, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            121, // -1 left of or above the edge, +1 right or below
-            1247, // slope against its direction, px per px
-            360, // log2(1 + disparities compared)
-            -58, // log2(1 + grey step)
-            2097, // log2(1 + how much codes change along a window of the image, on average)
-            2681, // log2(1 + support points nearby that agree)
-            -1236, // share of those that are farther
-            -761, // share of those that are nearer
-            1422, // log2(1 + segments nearby that agree)
-            -4821, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            152, // -1 left of or above the edge, +1 right or below
+            1384, // slope against its direction, px per px
+            439, // log2(1 + disparities compared)
+            -81, // log2(1 + grey step)
+            2318, // log2(1 + how much codes change along a window of the image, on average)
+            2443, // log2(1 + support points nearby that agree)
+            -1634, // share of those that are farther
+            -1337, // share of those that are nearer
+            1545, // log2(1 + segments nearby that agree)
+            -4859, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             -3300, // the less unique half: cost at the disparity / best elsewhere
-            -8217, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -8095, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            1064, 2127, 3191, 4255, 5319, 6382, 7446, 8510, 9574, 10637, 10639,
-            11302, 17820, 21170, 24914, 29305, 34901, 40082, 45644, 51023, 55410, 58772,
-            61103, 62827, 63956, 64523, 65182, 65406, 65494, 65527, 65529, 65531, 65533,
+            1024, 2048, 3072, 4096, 5120, 6145, 7169, 8193, 9217, 10241, 10243,
+            11556, 18487, 21714, 24806, 29257, 34893, 40154, 45648, 51035, 55438, 58892,
+            61428, 63157, 64065, 64440, 65071, 65403, 65481, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            262, 231, 191, 164, 114, 85, 69, 54, 42, 33, 27,
-            22, 17, 14, 12, 10, 9, 9, 7, 5, 5, 5,
+            267, 213, 184, 162, 114, 85, 69, 54, 42, 33, 27,
+            22, 17, 14, 12, 10, 9, 9, 8, 6, 6, 6,
         ],
     },
 };

@@ -139,7 +139,7 @@ impl Agreement {
 
     fn refusal(&self, is_box: bool) -> Option<NoDepth> {
         let Self { pixels, repeating, inside, around } = self;
-        if repeating << 8 > inside.on {
+        if repeating << 8 > 2 * inside.on {
             return Some(NoDepth::LittleSupport);
         }
         if inside.all < LEAST_POINTS_Q8 {
@@ -150,7 +150,7 @@ impl Agreement {
         let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
         // 0.4
-        let less_than_of = |points: u32| 10 * inside.on < 4 * 256 * points;
+        let less_than_of = |points: u32| 20 * inside.on < 3 * 256 * points;
         let is_poor = less_than_of(inside.points);
         let is_blank = less_than_of(pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {

@@ -42,7 +42,6 @@ define_evidence! {
     Curvature: "log2(1 + how much worse the window is 1 px away)",
     Changes: "log2(1 + how much codes change along the window)",
     PathsRatioSquared: "square of the first",
-    WindowRatioSquared: "square of the second",
     Agreeing: "log2(1 + neighbours that agree)",
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
@@ -191,7 +190,6 @@ impl Found {
         evidence.set(SupportKind::Curvature, log2_q8(curvature));
         evidence.set(SupportKind::Changes, log2_mean_q8(steps.into(), 1));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
-        evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
         // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.
         Ok(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
