@@ -149,10 +149,8 @@ impl Agreement {
         let product = |of: u32, by: u32| u64::from(of) * u64::from(by);
         let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
-        // 0.4
-        let less_than_of = |points: u32| 20 * inside.on < 3 * 256 * points;
-        let is_poor = less_than_of(inside.points);
-        let is_blank = less_than_of(pixels / POINT_PIXELS) && around.on > 3 * inside.on;
+        let is_poor = 5 * inside.on < 256 * inside.points;
+        let is_blank = 6 * inside.on < 256 * (pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {
             Some(NoDepth::TwoSurfaces)
         } else if is_beside || is_blank || is_poor && 3 * around.on > around.all {
