@@ -114,12 +114,7 @@ fn part([left, _]: [Gray<'_>; 2], x: u16, y: u16) -> u8 {
 }
 
 /// Difference of rows at a point, 1/256 px; `None` without detail down the rows.
-fn offset_q8(
-    [left, right]: [Gray<'_>; 2],
-    (x, y): (i32, i32),
-    point: &SupportPoint,
-    row_offset: i32,
-) -> Option<i16> {
+fn offset_q8([left, right]: [Gray<'_>; 2], (x, y): (i32, i32), point: &SupportPoint, row_offset: i32) -> Option<i16> {
     let (x, y) = (x - COLUMNS as i32 / 2, y + FIRST);
     let own: [Gradients; LEFT_ROWS] = gradients(left, x, y)?;
     let detail: u16 = own.chunks_exact(2).map(|rows| rows.windows(2).map(differences).sum::<u16>()).sum();

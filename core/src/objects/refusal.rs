@@ -8,10 +8,11 @@
 //! support points, by p, within 1.5 px of the plane (on it) or more than 3 px off (nearer, farther); all matched ones, not credible ones alone:
 //!     contradicted   nearer + farther > 1.5 on, in the region; in a box, which holds background, 3 on
 //!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of that: the surface is what stands beside the region
-//!     beside         a third of what surrounds the region is on the plane, and in it less than 0.4 a point: paths carry the disparity of what is
+//!     beside         a third of what surrounds the region is on the plane, and in it less than 0.2 a point: paths carry the disparity of what is
 //!                    beside a blank face over its border
-//!     blank          thrice as much on the plane around the region as in it, and in it less than 0.4 a point of the grid, matched or not
-//!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.4 a point is on the plane: periodic texture and damaged
+//!     blank          thrice as much on the plane around the region as in it, and in it less than 1/6 a point of the grid, matched or not
+//!     pattern        the windows of twice as many points in the region repeat
+//!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.2 a point is on the plane: periodic texture and damaged
 //!                    pairs give such surfaces, and what is seen in a gap is seldom so poorly matched
 //!     none of them for a mask of at most 4 px a row: points in it show what is behind
 //! parallax:    at least 0.75 px
@@ -209,23 +210,33 @@ mod tests {
 
     #[test]
     fn a_blank_region_has_not_the_surface_beside_it() {
-        assert_eq!(refused(doubtful(3), points(7, 0, 13)), [Some(NoDepth::OnlyOutline); 2]);
-        assert_eq!(refused(doubtful(3), points(6, 0, 14)), [None, None]);
-        assert_eq!(refused(doubtful(4), points(7, 0, 13)), [None, None]);
+        // Of six points of the grid: a sixth of them is on the plane.
+        assert_eq!(refused_of(6, doubtful(1), points(7, 0, 13)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused_of(6, doubtful(1), points(6, 0, 14)), [None, None]);
+        assert_eq!(refused_of(6, doubtful(2), points(7, 0, 13)), [None, None]);
     }
 
     #[test]
     fn a_region_with_few_matched_points_has_not_one_of_several_surfaces_around_it() {
-        assert_eq!(refused_of(10, points(3, 0, 0), points(10, 0, 30)), [Some(NoDepth::OnlyOutline); 2]);
-        assert_eq!(refused_of(10, points(3, 0, 0), points(9, 0, 30)), [None, None]);
-        assert_eq!(refused_of(10, points(4, 0, 0), points(13, 0, 30)), [None, None]);
+        assert_eq!(refused_of(7, points(1, 0, 0), points(4, 0, 30)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused_of(7, points(1, 0, 0), points(3, 0, 30)), [None, None]);
+        assert_eq!(refused_of(6, points(1, 0, 0), points(4, 0, 30)), [None, None]);
     }
 
     #[test]
     fn a_hole_needs_points_that_are_well_matched() {
-        assert_eq!(refused(doubtful(3), points(0, 15, 5)), [Some(NoDepth::LittleSupport); 2]);
-        assert_eq!(refused(doubtful(4), points(0, 15, 5)), [None, None]);
-        assert_eq!(refused(doubtful(3), points(0, 14, 6)), [None, None]);
+        assert_eq!(refused(doubtful(1), points(0, 15, 5)), [Some(NoDepth::LittleSupport); 2]);
+        assert_eq!(refused(doubtful(2), points(0, 15, 5)), [None, None]);
+        assert_eq!(refused(doubtful(1), points(0, 14, 6)), [None, None]);
+    }
+
+    #[test]
+    fn a_region_of_a_pattern_has_no_depth_where_a_part_of_it_seems_matched() {
+        let refused = |repeating| {
+            let (inside, around) = (points(5, 0, 0), points(0, 0, 20));
+            Agreement { pixels: 20 * POINT_PIXELS, repeating, inside, around }.refusal(false)
+        };
+        assert_eq!([10, 11].map(refused), [None, Some(NoDepth::LittleSupport)]);
     }
 
     #[test]

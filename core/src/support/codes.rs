@@ -61,7 +61,9 @@ impl<'a> CodeRows<'a> {
     pub(super) fn costs_in_left(&self, x: i32, away: usize, costs: &mut [u8]) -> usize {
         let end = self.columns[0].len().saturating_sub(BORDER as usize);
         let own = || self.columns[0].get(usize::try_from(x).ok()?..end);
-        let Some((window, columns)) = own().and_then(|own| Some((own.first_chunk()?, own.get(away..)?))) else { return 0 };
+        let Some((window, columns)) = own().and_then(|own| Some((own.first_chunk()?, own.get(away..)?))) else {
+            return 0;
+        };
         let length = (columns.len() + 1).saturating_sub(WINDOW_COLUMNS).min(costs.len());
         if let (Some(columns), Some(costs)) = (columns.get(..length + WINDOW_COLUMNS - 1), costs.get_mut(..length)) {
             code_costs(window, columns, costs);

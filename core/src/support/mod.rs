@@ -47,7 +47,7 @@ use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{Detail, Found, SUPPORT_EVIDENCE, Unmatched, SupportEvidence, TYPICAL_DETAIL_Q8, nearby};
+use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
@@ -358,7 +358,12 @@ impl<'a> Support<'a> {
     ) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;
         // The step before the pixel: those between have none worked out.
-        self.points.iter().enumerate().skip(first).step_by(step).map(move |(index, point)| (grid.pixel(index, point.place), point))
+        self.points
+            .iter()
+            .enumerate()
+            .skip(first)
+            .step_by(step)
+            .map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
     /// The matched points with at least this probability. The list of points has each pixel once: there some are replaced by a more probable point
