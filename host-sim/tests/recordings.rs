@@ -358,7 +358,7 @@ fn objects_of_a_recording_are_those_of_their_time() {
     }
     assert_eq!(found[2]["objects"], json!([]));
     // Messages out, with the places of the objects.
-    succeed(
+    let alone = succeed(
         at,
         &[
             "sequence",
@@ -372,9 +372,10 @@ fn objects_of_a_recording_are_those_of_their_time() {
             "out.mcap",
         ],
     );
+    let alone = records(&alone);
     let placed = placed(&at.join("out.mcap"));
     assert_eq!(placed.len(), 3);
-    for (i, line) in found.iter().enumerate() {
+    for (i, line) in alone.iter().enumerate() {
         let objects: Vec<&Value> =
             line["objects"].as_array().unwrap().iter().filter(|object| object["depth_m"].is_number()).collect();
         assert_eq!(placed[i].len(), objects.len(), "{i}");

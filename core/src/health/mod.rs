@@ -440,6 +440,12 @@ mod tests {
 
     const DIMS: crate::Dims = crate::Dims { width: 16, height: 16 };
 
+    /// Matches, without support points.
+    fn findings<'a>(matches: &'a [Match], counts: &'a Counts) -> Findings<'a> {
+        let support = Support::new(&crate::Params::DEFAULT, DIMS, &[], 0);
+        Findings { matches, counts, support, range: RangeCheck::default(), row_offset: 0 }
+    }
+
     #[test]
     fn rows_are_reported_rounded_and_flagged_where_they_were_measured_alone() {
         let pixels = [0; 256];
@@ -448,7 +454,8 @@ mod tests {
         let mut reported = |pairs| {
             let mut health = PairHealth::default();
             monitor.pairs = pairs;
-            let flags = monitor.check_rows(&HealthLimits::DEFAULT, images, &[], &mut health);
+            let flags =
+                monitor.check_rows(&HealthLimits::DEFAULT, images, &findings(&[], &Counts::default()), &mut health);
             assert_eq!(flags, (HealthFlags::GOOD, HealthFlags::GOOD), "no match measures them");
             (health.row_offset_q8, health.row_drift_q8)
         };
@@ -463,7 +470,7 @@ mod tests {
             let (mut monitor, mut health) = (HealthMonitor::new(), PairHealth::default());
             let ([left, right], edges) = rows::tests::falling(moved, from);
             let images = [rows::tests::view(&left), rows::tests::view(&right)];
-            let (now, _) = monitor.check_rows(&limits, images, &edges, &mut health);
+            let (now, _) = monitor.check_rows(&limits, images, &findings(&edges, &Counts::default()), &mut health);
             (now, health.row_offset_q8)
         };
         let (off, far) = (HealthFlags::ROWS_OFF, HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR);
@@ -484,7 +491,7 @@ mod tests {
             let ([left, right], edges) = rows::tests::falling(0, 0);
             let images = [rows::tests::view(&left), rows::tests::view(&right)];
             let mut health = PairHealth::default();
-            let (now, _) = monitor.check_rows(&limits, images, &edges, &mut health);
+            let (now, _) = monitor.check_rows(&limits, images, &findings(&edges, &Counts::default()), &mut health);
             (now.contains(HealthFlags::ROWS_DRIFT), health.row_drift_q8)
         };
         // Of the long mean a seventeenth is new: 40 * 16 / 17 is 37.6, 41 * 16 / 17 is 38.6, and 38 the limit.
@@ -537,6 +544,9 @@ mod tests {
             least_disparity_q6: -64,
             unwitnessed_permille: 30,
             beyond_range_permille: 51,
+            // What is called a match is none: both images are one.
+            row_region_q8: u16::MAX,
+            row_limit_q8: u16::MAX,
             ..HealthLimits::DEFAULT
         };
         let now = |limits| raised(&limits, HealthFlags::GOOD).0;

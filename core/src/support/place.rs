@@ -42,7 +42,7 @@ impl Place {
     }
 
     fn new(dx: i32, dy: i32) -> Self {
-        let offset = |at: i32| (at.max(LEAST).min(MOST) - LEAST) as u8;
+        let offset = |at: i32| (at.clamp(LEAST, MOST) - LEAST) as u8;
         Self(offset(dx) | offset(dy) << 4)
     }
 
