@@ -52,6 +52,7 @@ mod curve;
 mod evidence;
 mod fnv;
 mod focus;
+pub mod ground;
 pub mod health;
 pub mod image;
 #[doc(hidden)] // re-exported in `diagnostics`
@@ -80,6 +81,7 @@ mod units;
 
 pub use area::Area;
 pub use focus::Focus;
+pub use ground::GroundPlane;
 pub use health::{HealthFlags, HealthLimits, PairHealth};
 pub use image::{Dims, Gray, Span};
 pub use kernel::KERNELS;

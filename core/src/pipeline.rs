@@ -7,6 +7,7 @@ use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
 use crate::matching::band::Band;
 use crate::matching::consistency;
+use crate::ground::{self, GroundPlane};
 use crate::matching::{self, FullSearches, MatchContext, Search, SegmentCurves, row_offset, surroundings};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
@@ -64,17 +65,25 @@ impl Plan {
         };
         let mut summary = Summary { counts, row_offset_q5, ..Summary::default() };
         let row_offset = summary.row_offset();
-        (summary.detail_q8, summary.range) = self.match_support(images, (row_offset, &regions), &mut m, observer);
+        summary.plane = ground::find(images, row_offset, self.params.max_disparity, m.rows);
+        { extern crate std; if std::env::var("LS_PLANE").is_ok() { std::eprintln!("PLANE {:?}", summary.plane.map(|p| (p.down_q16 as f64 / 65536.0, p.across_q16 as f64 / 65536.0, p.origin_q16 as f64 / 65536.0))); } if std::env::var("LS_NOPLANE").is_ok() { summary.plane = None; } }
+        (summary.detail_q8, summary.range) =
+            self.match_support(images, (row_offset, &regions), summary.plane, &mut m, observer);
         if self.params.parts != Parts::Support {
             self.match_segments(
                 images,
-                (row_offset, summary.detail_q8, &regions),
+                (row_offset, summary.detail_q8, &regions, summary.plane),
                 &mut m,
                 &mut summary.counts,
                 observer,
             );
         }
-        support::rate(m.support, Grid::new(&self.params, self.dims), summary.detail_q8, self.support_model);
+        support::rate(
+            m.support,
+            Grid::new(&self.params, self.dims),
+            (summary.detail_q8, summary.plane),
+            self.support_model,
+        );
         observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
         let (mut report, matches) = Report::new(self, images, &mut m, summary.detail_q8);
@@ -176,12 +185,15 @@ impl Plan {
         &self,
         images: [Gray<'_>; 2],
         (row_offset, regions): (i32, &SearchRegions),
+        plane: Option<GroundPlane>,
         m: &mut ScratchView<'_>,
         observer: &mut dyn Observer,
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
+        let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
         let noise = support::Noise::of(images);
-        let matching = support::Matching { images, grid, row_offset, noise, model: self.support_model };
+        let model = self.support_model;
+        let matching = support::Matching { images, grid, row_offset, noise, plane, model };
         let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
             support::Seen::Curves(curves) => observer.support_curves(index, &curves),
             support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
@@ -195,12 +207,12 @@ impl Plan {
     fn match_segments(
         &self,
         images: [Gray<'_>; 2],
-        (row_offset, detail_q8, regions): (i32, i16, &SearchRegions),
+        (row_offset, detail_q8, regions, plane): (i32, i16, &SearchRegions, Option<GroundPlane>),
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
         observer: &mut dyn Observer,
     ) {
-        let support = Support::new(&self.params, self.dims, m.support, detail_q8);
+        let support = Support::new(&self.params, self.dims, m.support, detail_q8).with_plane(plane);
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
         let extents = regions.extents(m.left, self.disparities());
         let Some(mut band) = Band::new(images, row_offset, extents.as_deref(), m.rows) else { return };
