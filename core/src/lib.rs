@@ -111,6 +111,7 @@ pub mod diagnostics {
     pub use crate::query::{FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PIXEL_EVIDENCE, PixelEvidence, PixelKind, SECOND_BEST_Q8};
     pub use crate::result::Techniques;
     pub use crate::side_pixels::ValidPixels;
+    pub use crate::support::SupportModels;
     pub use crate::support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
     pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH, SupportCurves};
     pub use crate::{kernel, lines};

@@ -4,6 +4,7 @@
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 
+use crate::ground::GroundPlane;
 use crate::health::{Findings, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
@@ -14,7 +15,6 @@ use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::scratch::ScratchView;
 use crate::side_pixels::ValidPixels;
-use crate::ground::GroundPlane;
 use crate::support::{RangeCheck, Support};
 use heapless::vec::VecView;
 

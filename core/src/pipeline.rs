@@ -2,12 +2,12 @@
 
 use crate::area::Area;
 use crate::focus::{Focus, SearchRegions};
+use crate::ground::{self, GroundPlane};
 use crate::image::Gray;
 use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
 use crate::matching::band::Band;
 use crate::matching::consistency;
-use crate::ground::{self, GroundPlane};
 use crate::matching::{self, FullSearches, MatchContext, Search, SegmentCurves, row_offset, surroundings};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
@@ -65,8 +65,9 @@ impl Plan {
         };
         let mut summary = Summary { counts, row_offset_q5, ..Summary::default() };
         let row_offset = summary.row_offset();
-        summary.plane = ground::find(images, row_offset, self.params.max_disparity, m.rows);
-        { extern crate std; if std::env::var("LS_PLANE").is_ok() { std::eprintln!("PLANE {:?}", summary.plane.map(|p| (p.down_q16 as f64 / 65536.0, p.across_q16 as f64 / 65536.0, p.origin_q16 as f64 / 65536.0))); } if std::env::var("LS_NOPLANE").is_ok() { summary.plane = None; } }
+        if self.params.ground {
+            summary.plane = ground::find(images, row_offset, self.params.max_disparity, m.rows);
+        }
         (summary.detail_q8, summary.range) =
             self.match_support(images, (row_offset, &regions), summary.plane, &mut m, observer);
         if self.params.parts != Parts::Support {
@@ -82,7 +83,7 @@ impl Plan {
             m.support,
             Grid::new(&self.params, self.dims),
             (summary.detail_q8, summary.plane),
-            self.support_model,
+            self.support_models.of(summary.plane.is_some()),
         );
         observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
@@ -192,7 +193,7 @@ impl Plan {
         let grid = Grid::new(&self.params, self.dims);
         let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
         let noise = support::Noise::of(images);
-        let model = self.support_model;
+        let model = self.support_models.of(plane.is_some());
         let matching = support::Matching { images, grid, row_offset, noise, plane, model };
         let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
             support::Seen::Curves(curves) => observer.support_curves(index, &curves),

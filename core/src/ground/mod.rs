@@ -73,12 +73,7 @@ impl GroundPlane {
 
 /// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities below
 /// `most`; `None` where none is seen, or `memory` is too small.
-pub(crate) fn find(
-    images: [Gray<'_>; 2],
-    row_offset: i32,
-    most: u16,
-    memory: &mut [u8],
-) -> Option<GroundPlane> {
+pub(crate) fn find(images: [Gray<'_>; 2], row_offset: i32, most: u16, memory: &mut [u8]) -> Option<GroundPlane> {
     let [left, _] = images;
     let Dims { width, .. } = left.dims();
     let half = width > WIDEST;

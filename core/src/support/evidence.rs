@@ -5,14 +5,14 @@
 //! # Cost
 //! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight neighbours another 250.
 
-use super::{SUPPORT_PITCH, SupportPoint};
 use super::grid::Grid;
 use super::paths::PointCosts;
 use super::plane::{LABELS, PlaneLabel};
+use super::{SUPPORT_PITCH, SupportPoint};
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
-use crate::ground::GroundPlane;
 use crate::evidence::{define_evidence, log2_mean_q8};
+use crate::ground::GroundPlane;
 use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte};
 use crate::units::narrow;
 use core::ops::Range;

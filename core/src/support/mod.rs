@@ -112,6 +112,12 @@ impl SupportPoint {
         self.score_q8 > i16::MIN
     }
 
+    /// True when its disparity was found beside the ground plane, along which its window was moved row by row.
+    #[must_use]
+    pub fn is_beside_ground(&self) -> bool {
+        self.is_matched() && self.place.is_on_plane()
+    }
+
     /// True when it has none because its window matches elsewhere as well.
     #[must_use]
     pub fn repeats(&self) -> bool {
@@ -156,6 +162,21 @@ impl<'a> SupportCurves<'a> {
 pub(crate) enum Seen<'a> {
     Curves(SupportCurves<'a>),
     Evidence(&'a SupportEvidence),
+}
+
+/// Models for the probability of support points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupportModels {
+    /// In pairs without a ground plane.
+    pub upright: Model<SUPPORT_EVIDENCE>,
+    /// In pairs with one.
+    pub ground: Model<SUPPORT_EVIDENCE>,
+}
+
+impl SupportModels {
+    pub(crate) const fn of(&self, has_plane: bool) -> &Model<SUPPORT_EVIDENCE> {
+        if has_plane { &self.ground } else { &self.upright }
+    }
 }
 
 /// A pair and the grid of points that is matched in it.
@@ -207,7 +228,10 @@ impl Matching<'_> {
     ) {
         let [left, right] = self.images;
         let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
-        let mut labels = self.plane.filter(|_| self.grid.has_plane).and_then(|plane| PlaneLabels::new(plane, self.grid, left.dims().width, labels));
+        let mut labels = self
+            .plane
+            .filter(|_| self.grid.has_plane)
+            .and_then(|plane| PlaneLabels::new(plane, self.grid, left.dims().width, labels));
         let Some(mut codes) = CodeRows::new([left, right], self.row_offset, self.noise, codes) else { return };
         let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else { return };
         paths.restart();

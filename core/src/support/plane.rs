@@ -93,7 +93,8 @@ impl<'m> PlaneLabels<'m> {
             {
                 let there = self.columns.get(from..).unwrap_or(&[]);
                 let length = (there.len() + 1).saturating_sub(WINDOW_COLUMNS).min(costs.len());
-                if let (Some(there), Some(costs)) = (there.get(..length + WINDOW_COLUMNS - 1), costs.get_mut(..length)) {
+                if let (Some(there), Some(costs)) = (there.get(..length + WINDOW_COLUMNS - 1), costs.get_mut(..length))
+                {
                     code_costs(window, there, costs);
                 }
             }
@@ -106,7 +107,8 @@ impl<'m> PlaneLabels<'m> {
         let last = i32::from(right.dims().height) - 1;
         let rows: [i32; ROWS] = core::array::from_fn(|row| y - 6 + row as i32);
         let moves = rows.map(|row| self.plane.of_row(row));
-        let (nearest, farthest) = moves.iter().fold((i32::MIN, i32::MAX), |(most, least), &d| (most.max(d), least.min(d)));
+        let (nearest, farthest) =
+            moves.iter().fold((i32::MIN, i32::MAX), |(most, least), &d| (most.max(d), least.min(d)));
         let span = usize::try_from(nearest - farthest).ok()?;
         let width = usize::from(right.dims().width).checked_sub(span)?;
         let mut slices: [&[u8]; ROWS] = [&[]; ROWS];
@@ -119,7 +121,8 @@ impl<'m> PlaneLabels<'m> {
         code_columns(slices, doublings, columns);
         self.columns.get_mut(width..)?.fill([CODE_FLAT; CODE_ROWS]);
         let rest_q16 = |(row, d): (i32, i32)| self.plane.down_q16 * row + self.plane.origin_q16 - (d << 16);
-        let sum: i64 = rows.into_iter().zip(moves).zip(READ).map(|(row, read)| i64::from(rest_q16(row)) * i64::from(read)).sum();
+        let sum: i64 =
+            rows.into_iter().zip(moves).zip(READ).map(|(row, read)| i64::from(rest_q16(row)) * i64::from(read)).sum();
         self.rest_q6 = (sum >> (5 + 10)) as i32;
         Some(nearest)
     }
@@ -135,7 +138,11 @@ impl<'m> PlaneLabels<'m> {
         let after = costs(column + 1).unwrap_or(own);
         for (out, ((&own, &before), &after)) in out.iter_mut().zip(own.iter().zip(before).zip(after)) {
             let beside = |cost: u8| u32::from(if cost == NONE { own } else { cost });
-            *out = if own == NONE { super::OUTSIDE } else { ((beside(before) + u32::from(own) + beside(after)) / 3) as u8 };
+            *out = if own == NONE {
+                super::OUTSIDE
+            } else {
+                ((beside(before) + u32::from(own) + beside(after)) / 3) as u8
+            };
         }
         // Disparities below 0 are among the others, if they are searched.
         let exist = usize::try_from(self.row + self.plane.of_column(x) + NEAREST + 1).unwrap_or(0);
