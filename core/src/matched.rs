@@ -4,6 +4,7 @@
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 
+use crate::ground::GroundPlane;
 use crate::health::{Findings, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
@@ -26,6 +27,7 @@ pub struct Summary {
     /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
+    pub(crate) plane: Option<GroundPlane>,
     pub(crate) health: PairHealth,
 }
 
@@ -130,6 +132,7 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn support(&self) -> Support<'_> {
         Support::new(&self.plan.params, self.plan.dims, self.scratch.support, self.summary.detail_q8)
+            .with_plane(self.summary.plane)
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence); [`Matched::points`] lists each pixel once.
@@ -159,7 +162,7 @@ impl<'a> Matched<'a> {
         let Plan { params, dims, models, .. } = &self.plan;
         let mut query = ObjectQuery {
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8),
+            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
             models,
             dims: *dims,
             rig: params.rig,
@@ -204,7 +207,7 @@ impl<'a> Matched<'a> {
             images: self.images,
             dims: *dims,
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8),
+            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
             row_offset: self.summary.row_offset(),
             rows,
             work,

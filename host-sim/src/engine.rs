@@ -1,6 +1,6 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
-use linestereo::diagnostics::{Model, Models, Observer, SUPPORT_EVIDENCE};
+use linestereo::diagnostics::{Models, Observer, SupportModels};
 use linestereo::image::ViewError;
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
@@ -57,7 +57,7 @@ pub struct FittedModels {
     /// Of the sides of segments.
     pub segments: Models,
     /// Of support points.
-    pub support: Model<SUPPORT_EVIDENCE>,
+    pub support: SupportModels,
 }
 
 /// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.
@@ -110,7 +110,7 @@ impl Engine {
     /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
     pub fn with_models(mut self, FittedModels { segments, support }: FittedModels) -> Self {
         let plan = self.matcher.plan().with_models(Box::leak(Box::new(segments)));
-        self.matcher.set_plan(plan.with_support_model(Box::leak(Box::new(support))));
+        self.matcher.set_plan(plan.with_support_models(Box::leak(Box::new(support))));
         self
     }
 

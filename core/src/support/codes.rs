@@ -50,6 +50,17 @@ impl<'a> CodeRows<'a> {
         }
     }
 
+    /// The window that begins at column `x` of the left image.
+    pub(super) fn window(&self, x: i32) -> Option<&[CodeColumn; WINDOW_COLUMNS]> {
+        self.columns[0].get(usize::try_from(x).ok()?..)?.first_chunk()
+    }
+
+    /// The right image, and the row of it that matches row `y` of the left one.
+    pub(super) fn right(&self, y: i32) -> (Gray<'a>, i32, u32) {
+        let [_, right] = self.images;
+        (right, y + self.row_offset, self.doublings)
+    }
+
     /// The window that begins at column `x` of the left image, and the columns of the right one from `first` on.
     pub(super) fn windows(&self, x: i32, first: i32) -> Option<(&[CodeColumn; WINDOW_COLUMNS], &[CodeColumn])> {
         let [left, right] = &self.columns;

@@ -5,11 +5,14 @@
 //! # Cost
 //! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight neighbours another 250.
 
-use super::SupportPoint;
+use super::grid::Grid;
 use super::paths::PointCosts;
+use super::plane::{LABELS, PlaneLabel};
+use super::{SUPPORT_PITCH, SupportPoint};
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
 use crate::evidence::{define_evidence, log2_mean_q8};
+use crate::ground::GroundPlane;
 use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte};
 use crate::units::narrow;
 use core::ops::Range;
@@ -28,6 +31,8 @@ const MOST_DETAIL_Q8: i16 = 3000;
 const LEAST_INCREASE: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
+/// Largest distance from the ground plane of a point that may be of it, 1/64 px.
+const NEAR_PLANE_Q6: i32 = 96;
 
 define_evidence! {
     /// Kinds of evidence of a support point, in the order of the model's coefficients.
@@ -42,6 +47,9 @@ define_evidence! {
     Curvature: "log2(1 + how much worse the window is 1 px away)",
     Changes: "log2(1 + how much codes change along the window)",
     PathsRatioSquared: "square of the first",
+    OnPlane: "label beside the ground plane",
+    NearPlane: "at most 1.5 px off the ground plane",
+    BelowPlane: "farther than the ground plane by more",
     Agreeing: "log2(1 + neighbours that agree)",
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
@@ -49,16 +57,54 @@ define_evidence! {
     Detail: "log2(1 + how much codes change along a window, on average)",
 }
 
-/// Disparity of a point, as an index into its costs, with its evidence.
+/// Labels of a point: disparities, and behind one that never matches those beside the ground plane.
+pub(super) struct Labels {
+    /// Indices of the disparities with the window on valid pixels.
+    pub(super) range: Range<usize>,
+    /// Number of disparities.
+    pub(super) disparities: usize,
+    /// Disparity of the first, px.
+    pub(super) last: i32,
+    /// Labels beside the plane, and the first of them with the window on valid pixels.
+    pub(super) beside: Option<(PlaneLabel, usize)>,
+}
+
+impl Labels {
+    /// The index of the same disparity among the labels of the other kind.
+    fn twin(&self, index: usize) -> Option<usize> {
+        let (beside, _) = self.beside?;
+        let first = self.disparities + 1;
+        let disparity_of = |index: usize| match index.checked_sub(first) {
+            Some(at) => beside.disparity - at as i32,
+            None => self.last - index as i32,
+        };
+        let disparity = disparity_of(index);
+        if index < first {
+            usize::try_from(beside.disparity - disparity).ok().filter(|&at| at < LABELS).map(|at| first + at)
+        } else {
+            usize::try_from(self.last - disparity).ok().filter(|&at| at < self.disparities)
+        }
+    }
+}
+
+/// Disparity of a point, with its evidence.
 pub(super) struct Found {
-    /// Sub-pixel index of the best, 1/64.
-    pub(super) at_q6: i32,
+    /// Disparity at the point's place in the grid, 1/64 px.
+    pub(super) disparity_q6: i32,
+    /// True when it is a label beside the ground plane.
+    pub(super) is_on_plane: bool,
     pub(super) uniqueness_q8: u8,
     pub(super) evidence: SupportEvidence,
 }
 
 /// Lowest cost outside of the neighbourhood of `at`; overwrites that neighbourhood with the largest cost.
 fn second_best(costs: &mut [u8], at: usize) -> u8 {
+    mask(costs, at);
+    lowest_byte(costs)
+}
+
+/// Overwrites the neighbourhood of `at` with the largest cost.
+fn mask(costs: &mut [u8], at: usize) {
     let end = (at + NEIGHBOURHOOD + 1).min(costs.len());
     if let Some(near) = costs.get_mut(at.saturating_sub(NEIGHBOURHOOD)..end) {
         match near.first_chunk_mut() {
@@ -66,7 +112,6 @@ fn second_best(costs: &mut [u8], at: usize) -> u8 {
             None => fill_part(near),
         }
     }
-    lowest_byte(costs)
 }
 
 /// Masks a neighbourhood that ends with the range.
@@ -144,21 +189,36 @@ impl Found {
     /// in its own image from so many pixels to the right on, and their number.
     pub(super) fn new(
         costs: PointCosts<'_>,
-        range: Range<usize>,
+        labels: &Labels,
         steps: u16,
         costs_in_left: impl FnOnce(usize, &mut [u8]) -> usize,
     ) -> Result<Self, Unmatched> {
         let PointCosts { costs, sums, lowest } = costs;
         let best = place_of_byte(sums, lowest).ok_or(Unmatched::Unclear)?;
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
+        let twin = labels.twin(best);
+        if let Some(twin) = twin {
+            mask(sums, twin);
+        }
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {
             return Err(Unmatched::Unclear);
         }
+        let (disparities, beside) = costs.split_at_mut_checked(labels.disparities).ok_or(Unmatched::Unclear)?;
+        let (beside_label, first) = labels.beside.unzip();
+        let first = labels.disparities + 1 + first.unwrap_or(0);
+        let is_on_plane = best > labels.disparities;
+        // Costs of the kind of the best label, where windows lie on valid pixels, and of the other kind.
+        let (cut_off, in_range) = disparities.split_at_mut_checked(labels.range.start).ok_or(Unmatched::Unclear)?;
+        let in_range = in_range.get_mut(..labels.range.len()).ok_or(Unmatched::Unclear)?;
+        let end = (labels.disparities + 1 + LABELS).min(labels.disparities + beside.len());
+        let on_plane = beside.get_mut(first - labels.disparities..end - labels.disparities).unwrap_or(&mut []);
+        let start = if is_on_plane { first } else { labels.range.start };
+        let other_start = if is_on_plane { labels.range.start } else { first };
+        let (costs, others) = if is_on_plane { (on_plane, in_range) } else { (in_range, on_plane) };
         // At the largest disparity compared the minimum may lie beyond.
-        let at = best.checked_sub(range.start).filter(|&at| at > 0).ok_or(Unmatched::Unclear)?;
-        let (cut_off, costs) = costs.split_at_mut_checked(range.start).ok_or(Unmatched::Unclear)?;
-        let costs = costs.get_mut(..range.len()).ok_or(Unmatched::Unclear)?;
+        let is_inside = |at: &usize| *at > 0 && (!is_on_plane || at + 1 < costs.len());
+        let at = best.checked_sub(start).filter(is_inside).ok_or(Unmatched::Unclear)?;
         let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
         let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at).unwrap_or(u8::MAX), cost(at + 1));
         let increase = Increase::of(here, [at.checked_sub(2).and_then(cost), before, after, cost(at + 2)]);
@@ -169,12 +229,20 @@ impl Found {
             0 => Some(here),
             _ => after,
         };
-        let at_q6 = (best << 6) as i32 + subpixel_q6(0, |distance| beside(distance).map(u16::from));
-        let length = costs.len() as u32;
-        let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
+        let sub_q6 = subpixel_q6(0, |distance| beside(distance).map(u16::from));
+        let whole = match beside_label.filter(|_| is_on_plane) {
+            Some(label) => label.at_zero_q6 - ((best - labels.disparities - 1) << 6) as i32,
+            None => (labels.last - best as i32) << 6,
+        };
+        let disparity_q6 = whole - sub_q6;
+        let length = labels.range.len() as u32;
+        if let Some(twin) = twin.and_then(|twin| twin.checked_sub(other_start)) {
+            mask(others, twin);
+        }
+        let second = second_best(costs, at).min(lowest_byte(others)).saturating_sub(JUMP_PENALTY);
         if let Some(most) = increase.most_of_repetition() {
             // Where nothing repeats in the range, the left image itself tells whether something does where it is cut off.
-            let length = if second <= most { 0 } else { costs_in_left(at + 1, cut_off) };
+            let length = if second <= most || is_on_plane { 0 } else { costs_in_left(at + 1, cut_off) };
             let in_left = cut_off.get(..length).filter(|costs| !costs.is_empty()).map(lowest_byte);
             if second <= most || in_left.is_some_and(|cost| cost.saturating_sub(JUMP_PENALTY) <= most) {
                 return Err(Unmatched::Repeats);
@@ -191,7 +259,15 @@ impl Found {
         evidence.set(SupportKind::Changes, log2_mean_q8(steps.into(), 1));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
         // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.
-        Ok(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
+        if let Some(label) = beside_label {
+            // The plane at the point's place in the grid: the label of the plane itself.
+            let off_q6 = disparity_q6 - (label.plane_q6);
+            let set = |is: bool| i32::from(is) << 8;
+            evidence.set(SupportKind::OnPlane, set(is_on_plane));
+            evidence.set(SupportKind::NearPlane, set(off_q6.abs() <= NEAR_PLANE_Q6));
+            evidence.set(SupportKind::BelowPlane, set(off_q6 < -NEAR_PLANE_Q6));
+        }
+        Ok(Self { disparity_q6, is_on_plane, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
 }
 
@@ -218,28 +294,42 @@ pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENC
     model.part_q8(NEARBY[0] as usize, &nearby_q8)
 }
 
-/// Evidence by the eight points around the one at `index`, in rows of `columns` points, and by segments, Q8.
-pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, index: usize) -> [i16; 5] {
+/// Evidence by the eight points around the one at `index`, and by segments, Q8.
+pub(super) fn nearby(
+    points: &[SupportPoint],
+    grid: Grid,
+    (detail_q8, plane): (i16, Option<GroundPlane>),
+    index: usize,
+) -> [i16; 5] {
     let Some(own) = points.get(index).filter(|point| point.is_matched()) else { return [0; 5] };
-    let column = index - index.checked_div(columns).unwrap_or(0) * columns;
+    let columns = grid.columns;
+    let row = index.checked_div(columns).unwrap_or(0);
+    let column = index - row * columns;
     let first = column.saturating_sub(1);
     let (width, start) = ((column + 2).min(columns) - first, index + first - column);
     let near = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
+    // Beside the plane neighbours agree along it.
+    let slope = plane.filter(|_| own.place.is_on_plane());
     let lowest = i32::from(own.disparity_q6) - AGREES_Q6;
     let (mut agreeing, mut all) = (0_u32, 0_u32);
-    let mut add = |row: &[SupportPoint]| {
-        for point in row {
+    let mut add = |start: usize, rows: i32| {
+        for (point, at) in near(start).iter().zip(first..) {
             // 0 without a disparity.
             let weight = u32::from(point.uniqueness_q8);
             all += weight;
-            if (i32::from(point.disparity_q6) - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
+            let change = slope.map_or(0, |plane| {
+                let dx = grid.x(at) + point.place.dx() - grid.x(column) - own.place.dx();
+                let dy = rows * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
+                plane.change_q6(dx, dy)
+            });
+            if (i32::from(point.disparity_q6) - change - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
                 agreeing += weight;
             }
         }
     };
-    add(near(start.wrapping_sub(columns)));
-    add(near(start));
-    add(near(start + columns));
+    add(start.wrapping_sub(columns), -1);
+    add(start, 0);
+    add(start + columns, 1);
     let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
     let [supporting, conflicting] = own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
     [

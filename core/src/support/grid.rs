@@ -1,7 +1,7 @@
 //! Positions of support points, and the memory that matching them takes.
 
 use super::place::Place;
-use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
+use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths, plane};
 use crate::area::Area;
 use crate::image::Dims;
 use crate::params::Params;
@@ -24,6 +24,8 @@ pub(crate) struct Grid {
     pitch: u16,
     width: u16,
     min_disparity: i16,
+    /// Labels beside the ground plane as well.
+    pub(super) has_plane: bool,
 }
 
 impl Grid {
@@ -39,20 +41,35 @@ impl Grid {
             pitch,
             width: dims.width,
             min_disparity,
+            has_plane: false,
         };
         let close = of_pitch(SUPPORT_PITCH);
         let there = row_bytes(dims.width) * BAND_ROWS * PLANES;
         if close.bytes() <= there { close } else { of_pitch(2 * SUPPORT_PITCH) }
     }
 
-    /// Working memory, bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        codes::bytes(self.width) + paths::bytes(self.disparities, self.columns)
+    /// The same with labels beside the ground plane, where these fit the memory.
+    pub(crate) fn with_plane(self, memory: usize) -> Self {
+        let with = Self { has_plane: true, ..self };
+        if with.bytes() <= memory { with } else { self }
     }
 
-    /// The memory of the codes and that of the paths.
-    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<(&'m mut [u8], &'m mut [u8])> {
-        memory.split_at_mut_checked(codes::bytes(self.width))
+    /// Number of labels of a point: disparities, and beside the plane one that never matches between both kinds.
+    pub(super) fn labels(&self) -> usize {
+        self.disparities + if self.has_plane { 1 + plane::LABELS } else { 0 }
+    }
+
+    /// Working memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let planes = if self.has_plane { plane::bytes(self.width, self.columns) } else { 0 };
+        codes::bytes(self.width) + paths::bytes(self.labels(), self.columns) + planes
+    }
+
+    /// The memory of the codes, that of the paths, and that of labels beside the plane.
+    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<[&'m mut [u8]; 3]> {
+        let (codes, memory) = memory.split_at_mut_checked(codes::bytes(self.width))?;
+        let (paths, memory) = memory.split_at_mut_checked(paths::bytes(self.labels(), self.columns))?;
+        Some([codes, paths, memory])
     }
 
     /// The largest disparity compared, px: costs are stored from there down, as columns of the right image rise.

@@ -30,6 +30,7 @@ mod nearer;
 mod noise;
 mod paths;
 mod place;
+mod plane;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
@@ -39,6 +40,7 @@ pub(crate) use noise::Noise;
 
 use crate::area::Area;
 use crate::confidence::Model;
+use crate::ground::GroundPlane;
 use crate::image::{Dims, Gray, Span};
 use crate::kernel::{JUMP_PENALTY, code_costs, code_steps};
 use crate::params::Params;
@@ -47,11 +49,12 @@ use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby};
+use evidence::{Detail, Found, Labels, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
 use place::Place;
+use plane::PlaneLabels;
 
 /// Distance from one support point to the next, across and down, px.
 pub const SUPPORT_PITCH: u16 = 8;
@@ -109,6 +112,12 @@ impl SupportPoint {
         self.score_q8 > i16::MIN
     }
 
+    /// True when its disparity was found beside the ground plane, along which its window was moved row by row.
+    #[must_use]
+    pub fn is_beside_ground(&self) -> bool {
+        self.is_matched() && self.place.is_on_plane()
+    }
+
     /// True when it has none because its window matches elsewhere as well.
     #[must_use]
     pub fn repeats(&self) -> bool {
@@ -155,6 +164,21 @@ pub(crate) enum Seen<'a> {
     Evidence(&'a SupportEvidence),
 }
 
+/// Models for the probability of support points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupportModels {
+    /// In pairs without a ground plane.
+    pub upright: Model<SUPPORT_EVIDENCE>,
+    /// In pairs with one.
+    pub ground: Model<SUPPORT_EVIDENCE>,
+}
+
+impl SupportModels {
+    pub(crate) const fn of(&self, has_plane: bool) -> &Model<SUPPORT_EVIDENCE> {
+        if has_plane { &self.ground } else { &self.upright }
+    }
+}
+
 /// A pair and the grid of points that is matched in it.
 pub(crate) struct Matching<'a> {
     pub(crate) images: [Gray<'a>; 2],
@@ -162,6 +186,7 @@ pub(crate) struct Matching<'a> {
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
     pub(crate) noise: Noise,
+    pub(crate) plane: Option<GroundPlane>,
     pub(crate) model: &'a Model<SUPPORT_EVIDENCE>,
 }
 
@@ -202,9 +227,13 @@ impl Matching<'_> {
         watch: &mut impl FnMut(usize, Seen<'_>),
     ) {
         let [left, right] = self.images;
-        let Some((codes, paths)) = self.grid.split(memory) else { return };
+        let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
+        let mut labels = self
+            .plane
+            .filter(|_| self.grid.has_plane)
+            .and_then(|plane| PlaneLabels::new(plane, self.grid, left.dims().width, labels));
         let Some(mut codes) = CodeRows::new([left, right], self.row_offset, self.noise, codes) else { return };
-        let Some(mut paths) = Paths::new(self.grid.disparities, self.grid.columns, paths) else { return };
+        let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else { return };
         paths.restart();
         let columns = usize::from(area.left)..usize::from(area.right);
         let last = self.grid.last();
@@ -220,7 +249,17 @@ impl Matching<'_> {
                     *range = self.range(column, valid).unwrap_or_default();
                 }
             }
+            if let Some(labels) = &mut labels {
+                labels.measure(y, self.grid, &codes, valid[1]);
+            }
             paths.forward(columns.clone(), |column, costs| {
+                let (costs, beside) = costs.split_at_mut_checked(self.grid.disparities).unwrap_or_default();
+                if let Some((none, beside)) = beside.split_first_mut()
+                    && let Some(labels) = &labels
+                {
+                    *none = u8::MAX;
+                    labels.fill(column, self.grid.x(column), beside);
+                }
                 let range = indices(ranges.get(column));
                 if range.len() < costs.len() {
                     costs.fill(OUTSIDE);
@@ -250,13 +289,15 @@ impl Matching<'_> {
                     watch(first + column, Seen::Curves(SupportCurves::new(&costs, range.clone(), last)));
                     let window = self.grid.window(column);
                     let in_left = |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);
-                    *point = match Found::new(costs, range.clone(), steps, in_left) {
+                    let beside = labels.as_ref().and_then(|labels| labels.label(column, self.grid, y));
+                    let labels = Labels { range: range.clone(), disparities: self.grid.disparities, last, beside };
+                    *point = match Found::new(costs, &labels, steps, in_left) {
                         Ok(found) => {
                             watch(first + column, Seen::Evidence(&found.evidence));
                             let place = codes
                                 .around_window(window)
                                 .map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
-                            SupportPoint { place, ..self.to_point(&found) }
+                            self.to_point(&found, place)
                         }
                         Err(Unmatched::Repeats) => SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() },
                         Err(Unmatched::Unclear) => SupportPoint::none(),
@@ -266,14 +307,18 @@ impl Matching<'_> {
         }
     }
 
-    fn to_point(&self, found: &Found) -> SupportPoint {
-        let last = self.grid.last();
+    fn to_point(&self, found: &Found, place: Place) -> SupportPoint {
+        // Beside the plane the disparity changes from its place in the grid as the plane does.
+        let (place, moved_q6) = match self.plane.filter(|_| found.is_on_plane) {
+            Some(plane) => (place.on_plane(), plane.change_q6(place.dx(), place.dy())),
+            None => (place, 0),
+        };
         SupportPoint {
-            disparity_q6: narrow((last << 6) - found.at_q6),
+            disparity_q6: narrow(found.disparity_q6 + moved_q6),
             score_q8: narrow(self.model.score_q8(&found.evidence.0).max(1 - (1 << 15))),
             probability_q16: 0,
             uniqueness_q8: found.uniqueness_q8,
-            place: Place::MIDDLE,
+            place,
             segments: [0; 2],
         }
     }
@@ -301,9 +346,14 @@ fn indices(range: Option<&Span>) -> Range<usize> {
 }
 
 /// Sets the probability of every point by its own evidence and that by its neighbours.
-pub(crate) fn rate(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, model: &Model<SUPPORT_EVIDENCE>) {
+pub(crate) fn rate(
+    points: &mut [SupportPoint],
+    grid: Grid,
+    (detail_q8, plane): (i16, Option<GroundPlane>),
+    model: &Model<SUPPORT_EVIDENCE>,
+) {
     for index in 0..points.len() {
-        let nearby = nearby(points, grid.columns, detail_q8, index);
+        let nearby = nearby(points, grid, (detail_q8, plane), index);
         if let Some(point) = points.get_mut(index)
             && point.is_matched()
         {
@@ -319,12 +369,24 @@ pub struct Support<'a> {
     pub(crate) grid: Grid,
     /// [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
+    pub(crate) plane: Option<GroundPlane>,
     pub(crate) points: &'a [SupportPoint],
 }
 
 impl<'a> Support<'a> {
     pub(crate) fn new(params: &Params, dims: Dims, points: &'a [SupportPoint], detail_q8: i16) -> Self {
-        Self { grid: Grid::new(params, dims), detail_q8, points }
+        Self { grid: Grid::new(params, dims), detail_q8, plane: None, points }
+    }
+
+    /// The same of a pair with a ground plane, if there is one.
+    pub(crate) fn with_plane(self, plane: Option<GroundPlane>) -> Self {
+        Self { plane, ..self }
+    }
+
+    /// The ground plane of the pair, if one was found.
+    #[must_use]
+    pub const fn plane(&self) -> Option<GroundPlane> {
+        self.plane
     }
 
     /// Number of points, matched or not.
@@ -460,6 +522,6 @@ impl<'a> Support<'a> {
     /// The evidence of the point at `index`, completed with that by its neighbours.
     #[must_use]
     pub fn with_nearby(&self, index: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_nearby(nearby(self.points, self.grid.columns, self.detail_q8, index))
+        evidence.with_nearby(nearby(self.points, self.grid, (self.detail_q8, self.plane), index))
     }
 }

@@ -13,6 +13,9 @@ pub(super) const LEAST: i32 = -4;
 /// Largest offset.
 pub(super) const MOST: i32 = 3;
 
+/// Bit of a point beside the ground plane.
+const ON_PLANE: u8 = 8;
+
 /// Offset of a point from its place in the grid, [`LEAST`] ..= [`MOST`] px across and down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -46,9 +49,19 @@ impl Place {
         Self(offset(dx) | offset(dy) << 4)
     }
 
+    /// The same place of a point whose disparity is a label beside the ground plane.
+    pub(super) const fn on_plane(self) -> Self {
+        Self(self.0 | ON_PLANE)
+    }
+
+    /// True when the point's disparity is a label beside the ground plane.
+    pub(crate) const fn is_on_plane(self) -> bool {
+        self.0 & ON_PLANE != 0
+    }
+
     /// To the right, px.
     pub(crate) fn dx(self) -> i32 {
-        i32::from(self.0 & 15) + LEAST
+        i32::from(self.0 & 7) + LEAST
     }
 
     /// Downward, px.

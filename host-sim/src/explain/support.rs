@@ -30,7 +30,17 @@ pub(super) fn account(index: usize, log: &CurveLog, points: &Support<'_>, params
         account.verdict = "too close to the border to compare enough disparities".to_owned();
         return (pixel, account);
     };
-    let failed = add_tests((&costs.window, &costs.paths), (point.is_matched(), point.repeats()), params, &mut account);
+    let beside_ground = points.plane().filter(|_| point.is_beside_ground());
+    let failed = if let Some(plane) = beside_ground {
+        let at = f64::from(plane.at_q6(pixel.0.into(), pixel.1.into())) / 64.0;
+        account
+            .steps
+            .push(Step::note("search", "up to 7 px beside the ground plane, as well as all disparities".into()));
+        account.steps.push(Step::note("ground plane", format!("{at:.2} px: the window was moved along it row by row")));
+        ""
+    } else {
+        add_tests((&costs.window, &costs.paths), (point.is_matched(), point.repeats()), params, &mut account)
+    };
     account.plots = vec![
         Plot::new("support point: window alone, before aggregation", vec![("window", costs.window.clone())]),
         Plot::new("support point: sum of the paths, after aggregation", vec![("paths", costs.paths.clone())]),

@@ -3,8 +3,11 @@
 use super::batch::collect;
 use crate::bench::GLOSSY;
 use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
-use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
+use crate::fitting::{
+    EvidenceLog, SceneSamples, add_ground_samples, fit, scene_samples, source_text, support_source_text,
+};
 use anyhow::{Context, Result, bail};
+use linestereo::Params;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_frames::{Perturbation, Scene, load_values};
@@ -140,11 +143,18 @@ fn damages_of<'d>(scene: &Scene, damages: &'d [(&'static str, Perturbation)]) ->
 /// The answers of one scene, whatever their confidence.
 fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
-    let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
-    let mut log = EvidenceLog::default();
     let (left, right) = damage.apply(&scene.left, &scene.right);
-    engine.run_observed(left.view()?, right.view()?, &mut log)?;
-    Ok(scene_samples(&scene.name, &mut engine, &log, truth))
+    let run = |ground: bool| {
+        let params = Params { ground, ..method.params(scene.max_disparity, scene.rig)? };
+        let (mut engine, mut log) = (engine_with(&params, scene.left.dims)?, EvidenceLog::default());
+        engine.run_observed(left.view()?, right.view()?, &mut log)?;
+        anyhow::Ok((engine, log))
+    };
+    let (mut engine, log) = run(false)?;
+    let mut samples = scene_samples(&scene.name, &mut engine, &log, truth);
+    let (mut engine, log) = run(true)?;
+    add_ground_samples(&mut samples, &mut engine, &log, truth);
+    Ok(samples)
 }
 
 /// Scores every scene by models that were fitted without it.

@@ -13,10 +13,10 @@ mod sample;
 mod source;
 
 pub use pixels::{fit_pixels, pixel_source_text};
-pub use sample::{EvidenceLog, SceneSamples, scene_samples};
+pub use sample::{EvidenceLog, SceneSamples, add_ground_samples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::diagnostics::{Model, Models, SEGMENT_EVIDENCE, SegmentKind};
+use linestereo::diagnostics::{Model, Models, SEGMENT_EVIDENCE, SegmentKind, SupportModels};
 use linestereo_sim::engine::FittedModels;
 use logistic::Line;
 use rayon::prelude::*;
@@ -41,7 +41,10 @@ pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
             near_vertical_edge: fit_kind(pairs, SampleKind::NearVerticalEdge),
             near_horizontal_edge: fit_kind(pairs, SampleKind::NearHorizontalEdge),
         },
-        support: fit_kind(pairs, SampleKind::Support),
+        support: SupportModels {
+            upright: fit_kind(pairs, SampleKind::Support),
+            ground: fit_kind(pairs, SampleKind::SupportOfGround),
+        },
     }
 }
 
@@ -50,7 +53,8 @@ fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<
     for pair in pairs {
         scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
     }
-    let penalty = if kind == SampleKind::Support { SUPPORT_PENALTY } else { SIDES_PENALTY };
+    let is_support = matches!(kind, SampleKind::Support | SampleKind::SupportOfGround);
+    let penalty = if is_support { SUPPORT_PENALTY } else { SIDES_PENALTY };
     fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
 }
 
