@@ -303,7 +303,11 @@ impl Hypotheses {
             }
         }
         let is_free = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
-        let is_covered = self.clear_parts.count_ones() >= CLEAR_PARTS;
+        // On the ground all rows in which something within the range would stand have to be seen behind it.
+        let is_covered = match plan.ground {
+            Some(ground) => self.clear_parts & ground.parts == ground.parts,
+            None => self.clear_parts.count_ones() >= CLEAR_PARTS,
+        };
         (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
             .then_some((None, self.clear_error_q16))
     }
@@ -358,7 +362,7 @@ impl ObstaclePlan {
 
     /// A point (column and row in 1/32 px, disparity plus offset in 1/64 px) as a level camera sees it.
     fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Seen {
-        let Some(Ground { plane, per_row_q16 }) = self.ground else {
+        let Some(Ground { plane, per_row_q16, .. }) = self.ground else {
             return Seen { row_q5: y_q5, level_q5: y_q5, d_q6, above_q6: None };
         };
         let ground_q6 = plane.at_q6(x_q5 >> 5, y_q5 >> 5) + self.offset_q6;
@@ -372,9 +376,9 @@ impl ObstaclePlan {
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
         let rows = points.map(|point| point.row_q5);
         if points.iter().all(|point| point.above_q6.is_some_and(|above_q6| above_q6 <= GROUND_Q6)) {
-            // The ground, or a hole in it: no obstacle, and free is only what lies before ground behind the range.
+            // The ground, or a hole in it: no obstacle, and nothing stands before ground that is seen.
             let is_hole = points.iter().any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
-            return (nearness_q6 < clear_q6 && !is_hole).then(|| Ray::Passes(self.parts(rows)));
+            return (!is_hole).then(|| Ray::Passes(self.parts(rows)));
         }
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
             Some(Ray::Ends(nearness_q6))
@@ -425,7 +429,7 @@ impl ObstaclePlan {
     }
 
     /// Parts of the rows from one row to another, 1/32 px, a bit each.
-    fn parts(&self, rows_q5: [i32; 2]) -> u8 {
+    pub(super) fn parts(&self, rows_q5: [i32; 2]) -> u8 {
         let [a, b] =
             rows_q5.map(|y_q5| quotient(y_q5, i32::from(self.height) * 32 / PARTS_OF_ROWS).clamp(0, PARTS_OF_ROWS - 1));
         ((2_u32 << a.max(b)) - (1 << a.min(b))) as u8

@@ -225,6 +225,8 @@ pub(super) struct Ground {
     pub(super) plane: GroundPlane,
     /// Change of the disparity per row that a level camera at this height sees: baseline / height, Q16.
     pub(super) per_row_q16: i32,
+    /// Parts of the rows in which the ground within the range lies, a bit each.
+    pub(super) parts: u8,
 }
 
 impl ObstaclePlan {
@@ -244,7 +246,12 @@ impl ObstaclePlan {
             let [down, across] = [plane.down_q16, plane.across_q16].map(i64::from);
             let length = (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
             let per_row_q16 = i32::try_from(length).ok().filter(|&length| length > 0)?;
-            Some(Ground { plane, per_row_q16 })
+            // Rows from that of the ground at the range down.
+            let at_axis_q6 = |y: i32| plane.at_q6(self.column_q5 >> 5, y) + self.offset_q6;
+            let height = i32::from(self.height);
+            let from = (0..height).find(|&y| at_axis_q6(y) >= self.far_q6)?;
+            let parts = self.parts([from << 5, (height - 1) << 5]);
+            Some(Ground { plane, per_row_q16, parts })
         });
         Self { ground, ..self }
     }
