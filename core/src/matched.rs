@@ -32,6 +32,12 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// The ground plane, if one was found.
+    #[must_use]
+    pub const fn ground(&self) -> Option<GroundPlane> {
+        self.plane
+    }
+
     /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
@@ -73,6 +79,12 @@ pub struct Matched<'a> {
 }
 
 impl<'a> Matched<'a> {
+    /// The ground plane, if one was found.
+    #[must_use]
+    pub const fn ground(&self) -> Option<GroundPlane> {
+        self.summary.plane
+    }
+
     /// Size of both images.
     #[must_use]
     pub fn dims(&self) -> Dims {

@@ -245,7 +245,7 @@ impl Plan {
         }
         let cut = consistency::accumulate_support(m.candidates, m.neighbours);
         counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
-        surroundings::evaluate_sides(m.candidates, Grid::new(&self.params, self.dims), m.support);
+        surroundings::evaluate_sides(m.candidates, (Grid::new(&self.params, self.dims), plane), m.support);
     }
 
     /// First disparity, and the one after the last, px.

@@ -4,7 +4,7 @@ use linestereo::diagnostics::{Models, Observer, SupportModels};
 use linestereo::image::ViewError;
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Area, Dims, Gray, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params,
+    Area, Dims, Gray, GroundPlane, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params,
     PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
@@ -36,12 +36,14 @@ pub struct FrameResult {
     pub health: Health,
     /// The numbers behind it; `None` when nobody looked.
     pub pair: Option<PairReport>,
+    /// The ground plane, if one was found.
+    pub ground: Option<GroundPlane>,
 }
 
 impl FrameResult {
     /// Points of another method, without segments: what the scores of the core are computed from.
     pub fn of_points(points: Vec<Point>) -> Self {
-        Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None }
+        Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None, ground: None }
     }
 
     /// The same; without its points if asked. The counts stay.
@@ -208,6 +210,7 @@ impl Engine {
             counts,
             health: Health::of(matched.counts()) | health.flags.into(),
             pair: Some(health.into()),
+            ground: matched.ground(),
         };
         let summary = *matched.summary();
         let (last, images) = &mut self.last;

@@ -385,7 +385,7 @@ fn codes_are_limited_differences_of_rows() {
         let width = rows[0].len();
         for doublings in [1, 2, 4] {
             let mut found = vec![[7; CODE_ROWS]; width];
-            code_columns(std::array::from_fn(|row| &rows[row][..]), doublings, &mut found);
+            code_columns(core::array::from_fn(|row| &rows[row][..]), doublings, &mut found);
             for (x, column) in found.iter().enumerate() {
                 for (k, &code) in column.iter().enumerate() {
                     let is_border = x < 2 || x + 2 >= width;
@@ -401,8 +401,8 @@ fn codes_are_limited_differences_of_rows() {
 fn costs_of_codes_are_a_64th_of_their_differences() {
     let mut random = Random(3);
     for length in 0..40 {
-        let mut column = || -> CodeColumn { std::array::from_fn(|_| random.grey()) };
-        let window: [CodeColumn; STRIP] = std::array::from_fn(|_| column());
+        let mut column = || -> CodeColumn { core::array::from_fn(|_| random.grey()) };
+        let window: [CodeColumn; STRIP] = core::array::from_fn(|_| column());
         let columns: Vec<CodeColumn> = (0..length + STRIP - 1).map(|_| column()).collect();
         let mut costs = vec![0; length];
         code_costs(&window, &columns, &mut costs);

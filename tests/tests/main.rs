@@ -15,6 +15,7 @@ mod focus;
 mod frames;
 mod fuzz;
 mod hardware;
+mod ground;
 mod health;
 mod kernels;
 mod laws;

@@ -21,17 +21,17 @@ const FEWEST: usize = 300;
 const LARGEST: f64 = 0.03;
 
 /// Random grey levels at the corners of cells, smooth between them.
-struct Texture(Vec<f64>);
+pub(crate) struct Texture(Vec<f64>);
 
 impl Texture {
     const SIDE: usize = 256;
 
-    fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         let mut random = Random(seed);
         Self((0..Self::SIDE * Self::SIDE).map(|_| f64::from(random.grey())).collect())
     }
 
-    fn at(&self, x: f64, y: f64) -> f64 {
+    pub(crate) fn at(&self, x: f64, y: f64) -> f64 {
         let (u, v) = (x / CELL + 40.0, y / CELL + 40.0);
         let (i, j) = (u.floor(), v.floor());
         // The cubic whose slope is zero at the corners.

@@ -108,9 +108,7 @@ fn search(strips: &Strips<'_>, image: &[u8]) -> [Option<Candidate>; BANDS] {
     for at_bottom in (8..(strips.most + BEYOND) as i32).step_by(PITCH) {
         for horizon in (-quotient(3 * height, 4)..quotient(7 * height, 10)).step_by(PITCH) {
             let Some(down_q16) = slope_q16(strips, at_bottom, horizon) else { continue };
-            let Some(band) = BANDS_Q16.windows(2).position(|ends| (ends[0]..ends[1]).contains(&down_q16)) else {
-                continue;
-            };
+            let Some(band) = BANDS_Q16.iter().rposition(|&from_q16| from_q16 <= down_q16) else { continue };
             let (mut d_q16, mut score) = (down_q16 * (first - horizon) + (1 << 15), 0);
             for sums in image.chunks_exact(strips.most.max(1)) {
                 let d = d_q16 >> 16;

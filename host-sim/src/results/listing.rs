@@ -323,6 +323,7 @@ mod tests {
             counts: Counts::default(),
             health: Health::GOOD,
             pair: None,
+            ground: None,
         }
     }
 
