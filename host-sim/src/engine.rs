@@ -4,8 +4,8 @@ use linestereo::diagnostics::{Models, Observer, SupportModels};
 use linestereo::image::ViewError;
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Area, Dims, Gray, GroundPlane, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params,
-    PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
+    Area, Dims, Gray, GroundPlane, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError,
+    Params, PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 

@@ -83,7 +83,9 @@ fn floors_are_found_and_seen_at_every_slope() {
         let [seen, wrong] = floor.seen(&result);
         let [without, _] = floor.seen(&floor.run(false, seed));
         let off = result.ground.map_or(f64::INFINITY, |plane| apart(plane, floor));
-        table += &format!("slope {down:.1}, roll {across:6.3}: plane {off:.2} px off, {seen:.0} % seen ({without:.0} % without), {wrong:.1} % of these off\n");
+        table += &format!(
+            "slope {down:.1}, roll {across:6.3}: plane {off:.2} px off, {seen:.0} % seen ({without:.0} % without), {wrong:.1} % of these off\n"
+        );
         all &= off < 1.0 && seen >= 75.0 && wrong <= 2.0;
     }
     println!("{table}");

@@ -51,7 +51,8 @@ pub(crate) fn evaluate_sides(
             let Some(side) = side else { continue };
             let off = sign * WINDOW_MIDDLE;
             let [d0, d1] = side.disparity_q6.map(i32::from);
-            let line = Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], near_horizontal, plane };
+            let line =
+                Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], near_horizontal, plane };
             let [agreeing, farther, nearer] = line.weights_of(grid, points, side.weight_q8.into());
             let share = |sum: i32| narrow(quotient(sum >> 2, (agreeing + farther + nearer + LITTLE) >> 10));
             let [support, behind, before, _] = &mut side.nearby_q8;

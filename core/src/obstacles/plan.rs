@@ -242,7 +242,8 @@ impl ObstaclePlan {
         let ground = plane.and_then(|plane| {
             // The plane's normal, in units of baseline / height: b and c per px, and the disparity on the axis per focal length.
             let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
-            let along = (i64::from(axis_q6) << 10).checked_mul(self.baseline_q16)?.checked_div(self.focal_baseline_q16)?;
+            let along =
+                (i64::from(axis_q6) << 10).checked_mul(self.baseline_q16)?.checked_div(self.focal_baseline_q16)?;
             let [down, across] = [plane.down_q16, plane.across_q16].map(i64::from);
             let length = (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
             let per_row_q16 = i32::try_from(length).ok().filter(|&length| length > 0)?;
