@@ -66,7 +66,8 @@ impl Plan {
         let mut summary = Summary { counts, row_offset_q5, ..Summary::default() };
         let row_offset = summary.row_offset();
         if self.params.ground {
-            summary.plane = ground::find(images, row_offset, self.params.max_disparity, m.rows);
+            let searched = (row_offset, self.params.max_disparity);
+            summary.plane = ground::find(images, searched, focus.ground, m.rows);
         }
         (summary.detail_q8, summary.range) =
             self.match_support(images, (row_offset, &regions), summary.plane, &mut m, observer);

@@ -1,4 +1,4 @@
-//! Least squares over the strips near a line.
+//! Least squares over the strips near a plane.
 //!
 //! ```text
 //! four times, with strips within 4, 4, 3, 3 px and then 3.5, 2.5, 1.5, 1.2 px of the plane so far:
@@ -11,7 +11,6 @@
 //! strips: sums below 2^6 * 2^9 * 2^9 * 2^9 = 2^33, products of two below 2^63 with disparities in 1/16 px.
 
 use super::GroundPlane;
-use super::lines::Line;
 use super::strips::Strips;
 use crate::curve::subpixel_q6;
 
@@ -26,14 +25,8 @@ const SLOPES_Q16: core::ops::RangeInclusive<i32> = 9175..=144_179;
 /// Shrinks roll: 1000 px^2 of columns at weight 1, as weights are counted.
 const SHRINK: i64 = 63_000;
 
-/// The plane near this line.
-pub(super) fn fit(strips: &Strips<'_>, line: Line) -> Option<GroundPlane> {
-    let half_width = i32::from(strips.dims.width / 2);
-    let mut plane = GroundPlane {
-        down_q16: line.down_q16,
-        across_q16: line.across_q16,
-        origin_q16: -line.down_q16 * line.horizon - line.across_q16 * half_width,
-    };
+/// The plane near this one.
+pub(super) fn fit(strips: &Strips<'_>, mut plane: GroundPlane) -> Option<GroundPlane> {
     let mut strong = false;
     for (reach, tolerance_q6) in ROUNDS {
         let sums = Sums::of(strips, plane, (reach, tolerance_q6));

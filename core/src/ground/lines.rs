@@ -8,6 +8,7 @@
 //!          sum of the strips' own gains within 1 px, less their means
 //! ```
 
+use super::GroundPlane;
 use super::strips::{MOST_ROWS, MOST_STRIPS, STEP, Strips, WIDTH};
 use crate::units::quotient;
 
@@ -30,11 +31,11 @@ const ROLL_COST: i32 = 13;
 #[derive(Clone, Copy)]
 pub(super) struct Line {
     /// Change down the rows, Q16.
-    pub(super) down_q16: i32,
+    down_q16: i32,
     /// Change along the columns, Q16.
-    pub(super) across_q16: i32,
+    across_q16: i32,
     /// Row at which it is 0 in the middle of the image.
-    pub(super) horizon: i32,
+    horizon: i32,
 }
 
 /// A line of the first search: its score, disparity at the lowest row, horizon.
@@ -146,6 +147,16 @@ fn score(strips: &Strips<'_>, means: &[[u8; MOST_STRIPS]; MOST_ROWS], line: Line
 }
 
 impl Line {
+    /// The line as a plane.
+    pub(super) fn plane(self, strips: &Strips<'_>) -> GroundPlane {
+        let half_width = i32::from(strips.dims.width / 2);
+        GroundPlane {
+            down_q16: self.down_q16,
+            across_q16: self.across_q16,
+            origin_q16: -self.down_q16 * self.horizon - self.across_q16 * half_width,
+        }
+    }
+
     /// Disparity at a row of the middle of a strip, rounded, px.
     fn at(&self, strips: &Strips<'_>, index: usize, y: i32) -> i32 {
         let from_middle = Strips::middle(index) - i32::from(strips.dims.width / 2);

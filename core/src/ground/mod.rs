@@ -1,7 +1,7 @@
 //! The ground plane of a pair: the disparity of the floor that a robot drives on is a plane over the
 //! image, steeper down the rows than any window stands.
 //!
-//! In: both images, before anything is matched. Out: the plane, if one is seen.
+//! In: both images, before anything is matched, and the plane of the pair before. Out: the plane, if one is seen.
 //!
 //! ```text
 //! d = b y + c x + a        b: baseline / camera height, px per row; c: roll; a: pitch and height
@@ -14,7 +14,7 @@
 //! Images wider than [`WIDEST`] are searched at half of their size.
 //!
 //! # Cost
-//! Some 1.5 M instructions for 320x240 and 64 disparities.
+//! Some 1.5 M instructions for 320x240 and 64 disparities, half of it where the plane is near that of the pair before.
 //!
 //! # Source
 //! Labayrade, Aubert, Tarel 2002 (v-disparity), by strips of single rows instead of a dense map.
@@ -23,7 +23,7 @@ mod fit;
 mod lines;
 mod strips;
 
-use crate::image::{Dims, Gray};
+use crate::image::Gray;
 use strips::Strips;
 
 /// Widest image that is searched as it is, px.
@@ -69,17 +69,30 @@ impl GroundPlane {
         let half = (self.down_q16 + self.across_q16) / 2;
         Self { origin_q16: 2 * self.origin_q16 - half, ..self }
     }
+
+    /// The same plane in images of half the size.
+    const fn halved(self) -> Self {
+        let half = (self.down_q16 + self.across_q16) / 2;
+        Self { origin_q16: (self.origin_q16 + half) / 2, ..self }
+    }
 }
 
 /// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities below
-/// `most`; `None` where none is seen, or `memory` is too small.
-pub(crate) fn find(images: [Gray<'_>; 2], row_offset: i32, most: u16, memory: &mut [u8]) -> Option<GroundPlane> {
+/// `most`: near that of the pair before, if there is one, then everywhere. `None` where none is seen, or
+/// `memory` is too small.
+pub(crate) fn find(
+    images: [Gray<'_>; 2],
+    (row_offset, most): (i32, u16),
+    before: Option<GroundPlane>,
+    memory: &mut [u8],
+) -> Option<GroundPlane> {
     let [left, _] = images;
-    let Dims { width, .. } = left.dims();
-    let half = width > WIDEST;
+    let half = left.dims().width > WIDEST;
     let most = if half { most / 2 } else { most };
     let mut strips = Strips::measure(images, row_offset, (half, most.into()), memory)?;
-    let line = lines::best(&mut strips)?;
-    let plane = fit::fit(&strips, line)?;
+    let near = before.map(|plane| if half { plane.halved() } else { plane });
+    let plane = near
+        .and_then(|plane| fit::fit(&strips, plane))
+        .or_else(|| lines::best(&mut strips).and_then(|line| fit::fit(&strips, line.plane(&strips))))?;
     Some(if half { plane.doubled() } else { plane })
 }
