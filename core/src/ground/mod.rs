@@ -80,6 +80,7 @@ impl GroundPlane {
 /// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities below
 /// `most`: near that of the pair before, if there is one, then everywhere. `None` where none is seen, or
 /// `memory` is too small.
+#[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn find(
     images: [Gray<'_>; 2],
     (row_offset, most): (i32, u16),

@@ -77,6 +77,7 @@ type Sample = (u8, i16);
 
 /// Measures the rows of a pair that was matched with rows moved by `row_offset`; `None` with too few
 /// samples.
+#[inline(never)] // its variables are on the stack only while it runs
 pub(super) fn measure(images: [Gray<'_>; 2], support: Support<'_>, row_offset: i32) -> Option<Evenness> {
     let mut samples: Vec<Sample, MOST> = Vec::new();
     for ((x, y), point) in (0..STEP).flat_map(|first| support.every(first, STEP)) {

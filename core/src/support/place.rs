@@ -40,7 +40,7 @@ impl Place {
             return Self::MIDDLE;
         }
         // Rounded to nearest. Changes along the row are of four rows of pixels each, whose middles are at -2.5, -0.5, 1.5 and 3.5 px.
-        let nearest = |doubled: u32| ((doubled + all) / (2 * all)) as i32;
+        let nearest = |doubled: u32| (doubled + all).checked_div(2 * all).unwrap_or(0) as i32;
         Self::new(start + nearest(2 * across), nearest(4 * down + all) - 3)
     }
 
