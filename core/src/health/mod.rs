@@ -241,7 +241,8 @@ impl HealthMonitor {
             tested |= HealthFlags::ROWS_UNEVEN;
             now |= HealthFlags::ROWS_UNEVEN.when(is_uneven);
         }
-        if let Some(even) = by_points {
+        // Edges that agree know it better.
+        if let Some(even) = by_points.filter(|_| !tested.contains(HealthFlags::ROWS_FAR)) {
             let offset_q8 = i32::from(even.offset_q8) + (found.row_offset << 8);
             now |= HealthFlags::ROWS_FAR.when(offset_q8.unsigned_abs() > u32::from(limits.row_limit_q8));
         }
