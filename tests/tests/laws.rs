@@ -135,6 +135,7 @@ fn a_mirror_swaps_the_cameras() {
         let Agreement { kept, off } = Agreement::of(&points, &found, |point| {
             (last - i32::from(point.x) + point.disparity.round().to_num::<i32>(), point.y.into())
         });
-        assert!(off <= 20 && kept >= 500, "{kept} kept, {off} off");
+        // Where the border cuts disparities off, a window that repeats further right in the left image is no point, and left and right are exchanged.
+        assert!(off <= 20 && kept >= 480, "{kept} kept, {off} off");
     }
 }

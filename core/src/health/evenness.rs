@@ -81,7 +81,8 @@ type Sample = (u8, i16);
 pub(super) fn measure(images: [Gray<'_>; 2], support: Support<'_>, row_offset: i32) -> Option<Evenness> {
     let mut samples: Vec<Sample, MOST> = Vec::new();
     for ((x, y), point) in (0..STEP).flat_map(|first| support.every(first, STEP)) {
-        if !point.is_matched() || point.confidence() < CREDIBLE {
+        // Beside the ground plane rows of a window have disparities of their own.
+        if !point.is_matched() || point.is_beside_ground() || point.confidence() < CREDIBLE {
             continue;
         }
         if let Some(offset_q8) = offset_q8(images, (x.into(), y.into()), point, row_offset)

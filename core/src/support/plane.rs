@@ -110,7 +110,8 @@ impl<'m> PlaneLabels<'m> {
         let (nearest, farthest) =
             moves.iter().fold((i32::MIN, i32::MAX), |(most, least), &d| (most.max(d), least.min(d)));
         let span = usize::try_from(nearest - farthest).ok()?;
-        let width = usize::from(right.dims().width).checked_sub(span)?;
+        // Whole words, as kernels take them.
+        let width = usize::from(right.dims().width).checked_sub(span)? & !3;
         let mut slices: [&[u8]; ROWS] = [&[]; ROWS];
         for ((slice, row), d) in slices.iter_mut().zip(rows).zip(moves) {
             let row = (row - y + y_right).max(0).min(last);
