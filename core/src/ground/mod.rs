@@ -97,3 +97,69 @@ pub(crate) fn find(
         .or_else(|| lines::best(&mut strips).and_then(|line| fit::fit(&strips, line.plane(&strips))))?;
     Some(if half { plane.doubled() } else { plane })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Dims;
+
+    const DIMS: Dims = Dims { width: 320, height: 240 };
+    const PIXELS: usize = 320 * 240;
+
+    /// A floor of this slope from row 80 down, with random columns of 4 px; a wall above.
+    fn floor(down_q8: i32) -> [[u8; PIXELS]; 2] {
+        let mut state = 7_u32;
+        let mut texture = [0_u8; PIXELS];
+        for (i, pixel) in texture.iter_mut().enumerate() {
+            if i % 4 == 0 {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            }
+            *pixel = 60 + (state >> 25) as u8;
+        }
+        let disparity = |y: i32| (((y - 80).max(4) * down_q8 + 128) >> 8) as usize;
+        let right = core::array::from_fn(|i| {
+            let (x, y) = (i % 320, i / 320);
+            texture.get(i + disparity(y as i32)).copied().filter(|_| x + disparity(y as i32) < 320).unwrap_or(0)
+        });
+        [texture, right]
+    }
+
+    fn found(images: &[[u8; PIXELS]; 2], before: Option<GroundPlane>) -> Option<GroundPlane> {
+        let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
+        find(images, (0, 64), before, &mut [0; 16_384])
+    }
+
+    #[test]
+    fn a_floor_is_found_near_the_plane_before_and_without_one() {
+        let images = floor(102); // 0.4 px per row
+        let plane = found(&images, None).unwrap();
+        for y in [100, 170, 230] {
+            let expected_q6 = (y - 80) * 102 / 4;
+            assert!((plane.at_q6(160, y) - expected_q6).abs() < 32, "{y}: {plane:?}");
+        }
+        let before = GroundPlane { origin_q16: plane.origin_q16 + (2 << 16), ..plane };
+        let again = found(&images, Some(before)).unwrap();
+        assert!((again.at_q6(160, 230) - plane.at_q6(160, 230)).abs() < 8, "{again:?}");
+        // A plane before that is far off is no hindrance.
+        let far = GroundPlane { origin_q16: plane.origin_q16 + (30 << 16), ..plane };
+        assert_eq!(found(&images, Some(far)), Some(plane));
+    }
+
+    #[test]
+    fn a_wall_is_no_ground_and_too_little_memory_no_error() {
+        assert_eq!(found(&floor(8), None), None);
+        let images = floor(102);
+        let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
+        assert_eq!(find(images, (0, 64), None, &mut [0; 64]), None);
+    }
+
+    #[test]
+    fn half_and_whole_sizes_say_the_same() {
+        let plane = GroundPlane { down_q16: 20_000, across_q16: -300, origin_q16: -1_500_000 };
+        let half = plane.halved();
+        assert_eq!(half.doubled(), plane);
+        // Pixel (100, 90) of the half lies between those of the whole at (200.5, 180.5).
+        let whole_q6 = (plane.at_q6(200, 180) + plane.at_q6(201, 181)) / 2;
+        assert!((2 * half.at_q6(100, 90) - whole_q6).abs() <= 2);
+    }
+}
