@@ -6,8 +6,9 @@
 //! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight neighbours another 250.
 
 use super::grid::Grid;
+use super::paths::PLANE_LABELS as LABELS;
 use super::paths::PointCosts;
-use super::plane::{LABELS, PlaneLabel};
+use super::plane::PlaneLabel;
 use super::{SUPPORT_PITCH, SupportPoint};
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;

@@ -1,9 +1,10 @@
 //! Positions of support points, and the memory that matching them takes.
 
 use super::place::Place;
-use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths, plane};
+use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
 use crate::area::Area;
 use crate::image::Dims;
+use crate::kernel::CODE_ROWS;
 use crate::params::Params;
 use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
 use crate::units::quotient;
@@ -56,12 +57,13 @@ impl Grid {
 
     /// Number of labels of a point: disparities, and beside the plane one that never matches between both kinds.
     pub(super) fn labels(&self) -> usize {
-        self.disparities + if self.has_plane { 1 + plane::LABELS } else { 0 }
+        self.disparities + if self.has_plane { 1 + paths::PLANE_LABELS } else { 0 }
     }
 
     /// Working memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let planes = if self.has_plane { plane::bytes(self.width, self.columns) } else { 0 };
+        let planes =
+            if self.has_plane { CODE_ROWS * usize::from(self.width) + paths::PLANE_LABELS * self.columns } else { 0 };
         codes::bytes(self.width) + paths::bytes(self.labels(), self.columns) + planes
     }
 

@@ -16,6 +16,9 @@ use core::ops::Range;
 /// Number of points of the widest row.
 pub(super) const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
 
+/// Labels of a point beside the ground plane, behind its disparities.
+pub(super) const PLANE_LABELS: usize = 15;
+
 /// Bytes of one curve.
 const fn stride(labels: usize) -> usize {
     labels.next_multiple_of(16)

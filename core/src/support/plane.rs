@@ -13,13 +13,11 @@
 
 use super::Grid;
 use super::codes::{BORDER, CodeRows, WINDOW_COLUMNS};
-use super::paths::MAX_COLUMNS;
+use super::paths::{MAX_COLUMNS, PLANE_LABELS as LABELS};
 use crate::ground::GroundPlane;
 use crate::image::Span;
 use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, code_columns, code_costs};
 
-/// Labels beside the plane.
-pub(super) const LABELS: usize = 15;
 /// The nearest of them, px before the plane: labels fall, as disparities do.
 const NEAREST: i32 = LABELS as i32 / 2;
 /// Rows that codes read.
@@ -28,11 +26,6 @@ const ROWS: usize = 2 * CODE_ROWS + 4;
 const READ: [i32; ROWS] = [1, 1, 2, 2, 4, 4, 4, 4, 3, 3, 2, 2];
 /// Cost of a label that does not exist.
 const NONE: u8 = u8::MAX;
-
-/// Bytes of memory.
-pub(super) const fn bytes(width: u16, columns: usize) -> usize {
-    CODE_ROWS * width as usize + LABELS * columns
-}
 
 /// Costs of the labels of a row of points.
 pub(super) struct PlaneLabels<'m> {
