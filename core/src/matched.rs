@@ -4,7 +4,6 @@
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 
-use crate::ground::GroundPlane;
 use crate::health::{Findings, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
@@ -27,17 +26,10 @@ pub struct Summary {
     /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
-    pub(crate) plane: Option<GroundPlane>,
     pub(crate) health: PairHealth,
 }
 
 impl Summary {
-    /// The ground plane, if one was found.
-    #[must_use]
-    pub const fn ground(&self) -> Option<GroundPlane> {
-        self.plane
-    }
-
     /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
@@ -79,12 +71,6 @@ pub struct Matched<'a> {
 }
 
 impl<'a> Matched<'a> {
-    /// The ground plane, if one was found.
-    #[must_use]
-    pub const fn ground(&self) -> Option<GroundPlane> {
-        self.summary.plane
-    }
-
     /// Size of both images.
     #[must_use]
     pub fn dims(&self) -> Dims {
@@ -125,13 +111,7 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
         let range = self.summary.range;
-        Findings {
-            matches: self.segments(),
-            counts: self.counts(),
-            support: self.support(),
-            range,
-            row_offset: self.summary.row_offset(),
-        }
+        Findings { matches: self.segments(), counts: self.counts(), support: self.support(), range }
     }
 
     /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.
@@ -144,7 +124,6 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn support(&self) -> Support<'_> {
         Support::new(&self.plan.params, self.plan.dims, self.scratch.support, self.summary.detail_q8)
-            .with_plane(self.summary.plane)
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence); [`Matched::points`] lists each pixel once.
@@ -174,7 +153,7 @@ impl<'a> Matched<'a> {
         let Plan { params, dims, models, .. } = &self.plan;
         let mut query = ObjectQuery {
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
+            support: Support::new(params, *dims, support, self.summary.detail_q8),
             models,
             dims: *dims,
             rig: params.rig,
@@ -219,7 +198,7 @@ impl<'a> Matched<'a> {
             images: self.images,
             dims: *dims,
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
+            support: Support::new(params, *dims, support, self.summary.detail_q8),
             row_offset: self.summary.row_offset(),
             rows,
             work,

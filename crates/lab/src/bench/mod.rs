@@ -11,7 +11,6 @@
 mod against;
 mod cells;
 mod classes;
-pub(crate) use classes::GLOSSY;
 mod data_set;
 mod figures;
 mod grid;
