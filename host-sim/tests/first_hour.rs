@@ -323,7 +323,10 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
     let at = folder.path();
     let cases = [
         (r#"{"focal_px": 451}"#, "\"focal_px\" means nothing, it belongs into \"rectified\""),
-        (r#"{"max_disparty": 64}"#, "\"max_disparty\" means nothing; known are scene, size, max_disparity"),
+        (
+            r#"{"max_disparty": 64}"#,
+            "\"max_disparty\" means nothing; is it max_disparity? Known are scene, size, max_disparity",
+        ),
         (r#"{"rectified": {"focal_px": 451, "baseline": 0.1}}"#, "\"baseline\" in \"rectified\" means nothing"),
         (r#"{"rectified": {"focal_px": 451}}"#, "missing field `baseline_m`"),
     ];
@@ -332,6 +335,10 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
         let line = refused(at, &with(&["--scene", "scene.json"]));
         assert!(line.contains(says), "{line}");
     }
+    // What other programs note is none of these.
+    fs::write(at.join("scene.json"), r#"{"camera": {"height_m": 0.1}, "accepted": "ok", "seed": [1], "shares": {}}"#)
+        .unwrap();
+    succeed(at, &with(&["--scene", "scene.json"]));
     // The help's own example is one.
     let help = succeed(at, &["run", "--help"]);
     let example = help.lines().skip_while(|line| !line.starts_with("scene.json")).nth(1).unwrap();

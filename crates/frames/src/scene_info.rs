@@ -13,8 +13,8 @@
 //!   "note": "..." }                                                 where infinite is unknown and 0 is not
 //! ```
 //!
-//! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale` in `ground_truth`. A key that means nothing
-//! is refused, but for those of notes. Images of another size than `size` are refused.
+//! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale` in `ground_truth`. A key that
+//! is a known one in the wrong place or written wrongly is refused, others are notes. Images of another size than `size` are refused.
 
 use super::error::FrameError;
 use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};
@@ -29,26 +29,8 @@ const KEYS: [&str; 6] = ["scene", "size", "max_disparity", "disparity_zero_px", 
 const TRUTH_KEYS: [&str; 2] = ["file", "disparity_scale"];
 const RIG_KEYS: [&str; 5] =
     ["focal_px", "baseline_m", "disparity_offset_px", "principal_point_px", "left_valid_normalized"];
-/// Notes of people and of other programs: where frames are from, what else lies beside them.
-const NOTES: [&str; 17] = [
-    "note",
-    "rectified_note",
-    "set",
-    "frames",
-    "source",
-    "from",
-    "terms",
-    "licence",
-    "license",
-    "kind",
-    "published",
-    "calib",
-    "gt",
-    "gt_kind",
-    "visible",
-    "objects",
-    "comment",
-];
+/// Letters that a key may differ by from a known one to be that one, written wrongly.
+const MISSPELT: usize = 2;
 /// Largest difference between `disparity_offset_px` and minus `disparity_zero_px`, px: they are the
 /// same number.
 const SAME_OFFSET_PX: f64 = 0.01;
@@ -196,20 +178,31 @@ impl SceneInfo {
     }
 }
 
-/// A key that means nothing is a mistake: what it was to say would be missing without a word.
+/// Refuses a key that is a known one elsewhere, or written wrongly: what it was to say would be
+/// missing without a word. Others are notes of people and of other programs.
 fn check_keys(object: &str, value: &Value, known: &[&str]) -> Result<(), String> {
-    let keys = value.as_object().into_iter().flat_map(|fields| fields.keys());
-    let Some(key) = keys.into_iter().find(|key| !known.contains(&key.as_str()) && !NOTES.contains(&key.as_str()))
-    else {
-        return Ok(());
-    };
     let places = [("the file itself", &KEYS[..]), ("\"ground_truth\"", &TRUTH_KEYS), ("\"rectified\"", &RIG_KEYS)];
-    let right = places.into_iter().find(|(_, keys)| keys.contains(&key.as_str()));
     let at = if object.is_empty() { String::new() } else { format!(" in \"{object}\"") };
-    Err(match right {
-        Some((place, _)) => format!("\"{key}\"{at} means nothing, it belongs into {place}"),
-        None => format!("\"{key}\"{at} means nothing; known are {}, and for notes \"note\"", known.join(", ")),
-    })
+    for key in value.as_object().into_iter().flat_map(|fields| fields.keys()) {
+        if known.contains(&key.as_str()) {
+            continue;
+        }
+        if let Some((place, _)) = places.iter().find(|(_, keys)| keys.contains(&key.as_str())) {
+            return Err(format!("\"{key}\"{at} means nothing, it belongs into {place}"));
+        }
+        if let Some(meant) = known.iter().find(|known| is_like(key, known)) {
+            let known = known.join(", ");
+            return Err(format!("\"{key}\"{at} means nothing; is it {meant}? Known are {known}, others are notes"));
+        }
+    }
+    Ok(())
+}
+
+/// True when the key is a known one with a few other letters, or a part of it.
+fn is_like(key: &str, known: &str) -> bool {
+    let [key, known] = [key, known].map(|name| name.to_lowercase().replace(['-', '_', ' '], ""));
+    let is_part = key.len() > 3 && (known.starts_with(&key) || known.ends_with(&key));
+    is_part || key == known || key.len() > 4 && strsim::levenshtein(&key, &known) <= MISSPELT
 }
 
 /// `[640, 480]` or `"640x480"`.
