@@ -336,8 +336,11 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
         assert!(line.contains(says), "{line}");
     }
     // What other programs note is none of these.
-    fs::write(at.join("scene.json"), r#"{"camera": {"height_m": 0.1}, "accepted": "ok", "seed": [1], "shares": {}}"#)
-        .unwrap();
+    fs::write(
+        at.join("scene.json"),
+        r#"{"scene": "a", "camera": {"height_m": 0.1}, "accepted": "ok", "seed": [1], "shares": {}}"#,
+    )
+    .unwrap();
     succeed(at, &with(&["--scene", "scene.json"]));
     // The help's own example is one.
     let help = succeed(at, &["run", "--help"]);

@@ -97,6 +97,10 @@ impl SceneInfo {
     fn parsed(text: &[u8]) -> Result<Self, String> {
         let value: Value = serde_json::from_slice(text).map_err(|error| error.to_string())?;
         check_keys("", &value, &KEYS)?;
+        let is_known = |key: &String| KEYS.contains(&key.as_str()) || key == "note";
+        if value.as_object().is_some_and(|fields| !fields.is_empty() && !fields.keys().any(is_known)) {
+            return Err(format!("it has none of {}, note", KEYS.join(", ")));
+        }
         check_keys("ground_truth", &value["ground_truth"], &TRUTH_KEYS)?;
         check_keys("rectified", &value["rectified"], &RIG_KEYS)?;
         let info: Self = serde_json::from_value(value).map_err(|error| error.to_string())?;
