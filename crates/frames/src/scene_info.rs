@@ -13,8 +13,10 @@
 //!   "note": "..." }                                                 where infinite is unknown and 0 is not
 //! ```
 //!
-//! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale` in `ground_truth`. A key that
-//! is a known one in the wrong place or written wrongly is refused, others are notes. Images of another size than `size` are refused.
+//! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale` in
+//! `ground_truth`. A key that is a known one in the wrong place or written wrongly is refused, others
+//! are notes; a file without any of these keys is no scene. Images of another size than `size` are
+//! refused.
 
 use super::error::FrameError;
 use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};
@@ -29,7 +31,8 @@ const KEYS: [&str; 6] = ["scene", "size", "max_disparity", "disparity_zero_px", 
 const TRUTH_KEYS: [&str; 2] = ["file", "disparity_scale"];
 const RIG_KEYS: [&str; 5] =
     ["focal_px", "baseline_m", "disparity_offset_px", "principal_point_px", "left_valid_normalized"];
-/// Letters that a key may differ by from a known one to be that one, written wrongly.
+/// Letters that a key may differ by from a known one to be that one, written wrongly; in keys of
+/// fewer than five letters that would be another word.
 const MISSPELT: usize = 2;
 /// Largest difference between `disparity_offset_px` and minus `disparity_zero_px`, px: they are the
 /// same number.
