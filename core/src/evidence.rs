@@ -70,7 +70,7 @@ define_evidence! {
     Lean: "slope against its direction, px per px",
     Range: "log2(1 + disparities compared)",
     Contrast: "log2(1 + grey step)",
-    Detail: "log2(1 + ranks that change along a window of the image, on average)",
+    Detail: "log2(1 + how much codes change along a window of the image, on average)",
     SupportAgreeing: "log2(1 + support points nearby that agree)",
     SupportFarther: "share of those that are farther",
     SupportNearer: "share of those that are nearer",

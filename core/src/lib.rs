@@ -52,6 +52,7 @@ mod curve;
 mod evidence;
 mod fnv;
 mod focus;
+pub mod ground;
 pub mod health;
 pub mod image;
 #[doc(hidden)] // re-exported in `diagnostics`
@@ -80,6 +81,7 @@ mod units;
 
 pub use area::Area;
 pub use focus::Focus;
+pub use ground::GroundPlane;
 pub use health::{HealthFlags, HealthLimits, PairHealth};
 pub use image::{Dims, Gray, Span};
 pub use kernel::KERNELS;
@@ -109,6 +111,7 @@ pub mod diagnostics {
     pub use crate::query::{FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PIXEL_EVIDENCE, PixelEvidence, PixelKind, SECOND_BEST_Q8};
     pub use crate::result::Techniques;
     pub use crate::side_pixels::ValidPixels;
+    pub use crate::support::SupportModels;
     pub use crate::support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
     pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH, SupportCurves};
     pub use crate::{kernel, lines};

@@ -4,6 +4,7 @@
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 
+use crate::ground::GroundPlane;
 use crate::health::{Findings, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
@@ -26,10 +27,17 @@ pub struct Summary {
     /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
+    pub(crate) plane: Option<GroundPlane>,
     pub(crate) health: PairHealth,
 }
 
 impl Summary {
+    /// The ground plane, if one was found.
+    #[must_use]
+    pub const fn ground(&self) -> Option<GroundPlane> {
+        self.plane
+    }
+
     /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
@@ -71,6 +79,12 @@ pub struct Matched<'a> {
 }
 
 impl<'a> Matched<'a> {
+    /// The ground plane, if one was found.
+    #[must_use]
+    pub const fn ground(&self) -> Option<GroundPlane> {
+        self.summary.plane
+    }
+
     /// Size of both images.
     #[must_use]
     pub fn dims(&self) -> Dims {
@@ -111,7 +125,13 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
         let range = self.summary.range;
-        Findings { matches: self.segments(), counts: self.counts(), support: self.support(), range }
+        Findings {
+            matches: self.segments(),
+            counts: self.counts(),
+            support: self.support(),
+            range,
+            row_offset: self.summary.row_offset(),
+        }
     }
 
     /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.
@@ -124,6 +144,7 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn support(&self) -> Support<'_> {
         Support::new(&self.plan.params, self.plan.dims, self.scratch.support, self.summary.detail_q8)
+            .with_plane(self.summary.plane)
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence); [`Matched::points`] lists each pixel once.
@@ -153,7 +174,7 @@ impl<'a> Matched<'a> {
         let Plan { params, dims, models, .. } = &self.plan;
         let mut query = ObjectQuery {
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8),
+            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
             models,
             dims: *dims,
             rig: params.rig,
@@ -198,7 +219,7 @@ impl<'a> Matched<'a> {
             images: self.images,
             dims: *dims,
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8),
+            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
             row_offset: self.summary.row_offset(),
             rows,
             work,

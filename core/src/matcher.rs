@@ -10,6 +10,7 @@
 
 use crate::area::Area;
 use crate::focus::Focus;
+use crate::ground::GroundPlane;
 use crate::health::{HealthLimits, HealthMonitor};
 use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
@@ -29,7 +30,7 @@ pub struct Pair<'a> {
     pub times_us: Option<[u64; 2]>,
 }
 
-/// A plan, the health monitor and the row offset of the last whole pair.
+/// A plan, the health monitor, the row offset of the last whole pair and the ground plane of the last pair.
 #[derive(Clone, Debug)]
 pub struct Matcher {
     /// Limits of health, in the units of each field.
@@ -38,6 +39,8 @@ pub struct Matcher {
     monitor: HealthMonitor,
     /// Row offset of the last pair that was matched as a whole, 1/32 px.
     row_offset_q5: Option<i16>,
+    /// Ground plane of the last pair.
+    ground: Option<GroundPlane>,
 }
 
 impl Params {
@@ -52,7 +55,7 @@ impl Matcher {
     #[must_use]
     pub const fn new(plan: Plan) -> Self {
         let limits = HealthLimits::DEFAULT.of_rig(plan.rig().as_ref());
-        Self { limits, plan, monitor: HealthMonitor::new(), row_offset_q5: None }
+        Self { limits, plan, monitor: HealthMonitor::new(), row_offset_q5: None, ground: None }
     }
 
     /// Plan of the matching.
@@ -108,19 +111,22 @@ impl Matcher {
                 summary: Summary { health, ..Summary::default() },
             });
         }
-        let focus = areas.map_or(Focus::WHOLE, |areas| Focus { areas: Some(areas), row_offset_q5: self.row_offset_q5 });
+        let row_offset_q5 = self.row_offset_q5.filter(|_| areas.is_some());
+        let focus = Focus { areas, row_offset_q5, ground: self.ground };
         let mut matched = self.plan.run_stages([left, right], &focus, scratch, observer);
         if areas.is_none() {
             self.row_offset_q5 = Some(matched.summary.row_offset_q5);
         }
+        self.ground = matched.summary.plane;
         self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
         observer.on_event(StageEvent::Health(&health));
         matched.summary.health = health;
         Ok(matched)
     }
 
-    /// Resets the state of health; the row offset stays.
+    /// Resets the state of health, and forgets the ground plane; the row offset stays.
     pub fn forget_health(&mut self) {
         self.monitor = HealthMonitor::new();
+        self.ground = None;
     }
 }

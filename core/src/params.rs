@@ -64,6 +64,8 @@ pub struct Params {
     pub reach: u16,
     /// Parts of the method that match pairs.
     pub parts: Parts,
+    /// Look for the ground plane, and match support points beside it as well.
+    pub ground: bool,
 }
 
 impl Params {
@@ -80,6 +82,7 @@ impl Params {
         min_confidence: Confidence::from_bits(0xe666),
         reach: 4,
         parts: Parts::Both,
+        ground: true,
     };
 
     /// End of the disparities searched by default in images of this width, px: fewer than

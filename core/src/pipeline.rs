@@ -2,6 +2,7 @@
 
 use crate::area::Area;
 use crate::focus::{Focus, SearchRegions};
+use crate::ground::{self, GroundPlane};
 use crate::image::Gray;
 use crate::lines::{self, LineParams, LineScratch};
 use crate::matched::{Matched, Summary};
@@ -64,17 +65,27 @@ impl Plan {
         };
         let mut summary = Summary { counts, row_offset_q5, ..Summary::default() };
         let row_offset = summary.row_offset();
-        (summary.detail_q8, summary.range) = self.match_support(images, (row_offset, &regions), &mut m, observer);
+        if self.params.ground {
+            let searched = (row_offset, self.params.max_disparity);
+            summary.plane = ground::find(images, searched, focus.ground, m.rows);
+        }
+        (summary.detail_q8, summary.range) =
+            self.match_support(images, (row_offset, &regions), summary.plane, &mut m, observer);
         if self.params.parts != Parts::Support {
             self.match_segments(
                 images,
-                (row_offset, summary.detail_q8, &regions),
+                (row_offset, summary.detail_q8, &regions, summary.plane),
                 &mut m,
                 &mut summary.counts,
                 observer,
             );
         }
-        support::rate(m.support, Grid::new(&self.params, self.dims), summary.detail_q8, self.support_model);
+        support::rate(
+            m.support,
+            Grid::new(&self.params, self.dims),
+            (summary.detail_q8, summary.plane),
+            self.support_models.of(summary.plane.is_some()),
+        );
         observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
         let (mut report, matches) = Report::new(self, images, &mut m, summary.detail_q8);
@@ -176,11 +187,15 @@ impl Plan {
         &self,
         images: [Gray<'_>; 2],
         (row_offset, regions): (i32, &SearchRegions),
+        plane: Option<GroundPlane>,
         m: &mut ScratchView<'_>,
         observer: &mut dyn Observer,
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
-        let matching = support::Matching { images, grid, row_offset, model: self.support_model };
+        let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
+        let noise = support::Noise::of(images);
+        let model = self.support_models.of(plane.is_some());
+        let matching = support::Matching { images, grid, row_offset, noise, plane, model };
         let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
             support::Seen::Curves(curves) => observer.support_curves(index, &curves),
             support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
@@ -194,12 +209,12 @@ impl Plan {
     fn match_segments(
         &self,
         images: [Gray<'_>; 2],
-        (row_offset, detail_q8, regions): (i32, i16, &SearchRegions),
+        (row_offset, detail_q8, regions, plane): (i32, i16, &SearchRegions, Option<GroundPlane>),
         m: &mut ScratchView<'_>,
         counts: &mut Counts,
         observer: &mut dyn Observer,
     ) {
-        let support = Support::new(&self.params, self.dims, m.support, detail_q8);
+        let support = Support::new(&self.params, self.dims, m.support, detail_q8).with_plane(plane);
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
         let extents = regions.extents(m.left, self.disparities());
         let Some(mut band) = Band::new(images, row_offset, extents.as_deref(), m.rows) else { return };
@@ -231,7 +246,7 @@ impl Plan {
         }
         let cut = consistency::accumulate_support(m.candidates, m.neighbours);
         counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
-        surroundings::evaluate_sides(m.candidates, Grid::new(&self.params, self.dims), m.support);
+        surroundings::evaluate_sides(m.candidates, (Grid::new(&self.params, self.dims), plane), m.support);
     }
 
     /// First disparity, and the one after the last, px.

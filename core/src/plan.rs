@@ -5,8 +5,7 @@ use crate::image::Dims;
 use crate::params::{ParamError, Params};
 use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
 use crate::rig::Rig;
-use crate::support::FITTED_SUPPORT;
-use crate::support::evidence::SUPPORT_EVIDENCE;
+use crate::support::{FITTED_SUPPORT, SupportModels};
 
 /// Checked parameters for one image size, constant over frames.
 #[derive(Clone, Copy, Debug)]
@@ -15,14 +14,14 @@ pub struct Plan {
     pub(crate) params: Params,
     pub(crate) models: &'static Models,
     pub(crate) pixel_model: &'static Model<PIXEL_EVIDENCE>,
-    pub(crate) support_model: &'static Model<SUPPORT_EVIDENCE>,
+    pub(crate) support_models: &'static SupportModels,
 }
 
 impl Params {
     /// Checks all parameters for images of this size.
     pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
         self.check(dims)?;
-        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_model: &FITTED_SUPPORT })
+        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_models: &FITTED_SUPPORT })
     }
 }
 
@@ -45,9 +44,9 @@ impl Plan {
         Self { models, ..self }
     }
 
-    /// The same plan with another confidence model for support points.
+    /// The same plan with other confidence models for support points.
     #[must_use]
-    pub fn with_support_model(self, support_model: &'static Model<SUPPORT_EVIDENCE>) -> Self {
-        Self { support_model, ..self }
+    pub fn with_support_models(self, support_models: &'static SupportModels) -> Self {
+        Self { support_models, ..self }
     }
 }

@@ -88,7 +88,13 @@ impl Autopilot {
     pub fn see(&mut self, matched: &Matched<'_>, health: HealthFlags, time_us: u64) {
         match &self.view {
             Some((plan, _)) => {
-                self.obstacles.update(plan, matched.segments(), matched.support_points(), health, time_us);
+                self.obstacles.update(
+                    &plan.on_ground(matched.ground()),
+                    matched.segments(),
+                    matched.support_points(),
+                    health,
+                    time_us,
+                );
             }
             None => self.obstacles.mark_missing(),
         }

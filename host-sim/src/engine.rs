@@ -1,11 +1,11 @@
 //! The core with memory for any image up to 1280 x 1280, as one call from PC code.
 
-use linestereo::diagnostics::{Model, Models, Observer, SUPPORT_EVIDENCE};
+use linestereo::diagnostics::{Models, Observer, SupportModels};
 use linestereo::image::ViewError;
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Area, Dims, Gray, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError, Params,
-    PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
+    Area, Dims, Gray, GroundPlane, HealthLimits, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, ParamError,
+    Params, PixelDepth, PixelRejection, Point, Region, RunError, Scratch, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
@@ -36,12 +36,14 @@ pub struct FrameResult {
     pub health: Health,
     /// The numbers behind it; `None` when nobody looked.
     pub pair: Option<PairReport>,
+    /// The ground plane, if one was found.
+    pub ground: Option<GroundPlane>,
 }
 
 impl FrameResult {
     /// Points of another method, without segments: what the scores of the core are computed from.
     pub fn of_points(points: Vec<Point>) -> Self {
-        Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None }
+        Self { matches: Vec::new(), points, counts: Counts::default(), health: Health::GOOD, pair: None, ground: None }
     }
 
     /// The same; without its points if asked. The counts stay.
@@ -57,7 +59,7 @@ pub struct FittedModels {
     /// Of the sides of segments.
     pub segments: Models,
     /// Of support points.
-    pub support: Model<SUPPORT_EVIDENCE>,
+    pub support: SupportModels,
 }
 
 /// A planned core with its memory: make one per image size and thread, call [`Engine::run`] per pair.
@@ -110,7 +112,7 @@ impl Engine {
     /// The same engine with other confidence models, which stay in memory: plans refer to constants on a board.
     pub fn with_models(mut self, FittedModels { segments, support }: FittedModels) -> Self {
         let plan = self.matcher.plan().with_models(Box::leak(Box::new(segments)));
-        self.matcher.set_plan(plan.with_support_model(Box::leak(Box::new(support))));
+        self.matcher.set_plan(plan.with_support_models(Box::leak(Box::new(support))));
         self
     }
 
@@ -208,6 +210,7 @@ impl Engine {
             counts,
             health: Health::of(matched.counts()) | health.flags.into(),
             pair: Some(health.into()),
+            ground: matched.ground(),
         };
         let summary = *matched.summary();
         let (last, images) = &mut self.last;

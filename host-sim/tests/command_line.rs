@@ -104,8 +104,16 @@ fn objects_alone_have_the_depths_of_the_whole_frame() {
     };
     let (whole, alone) = (lines(&[]), lines(&["--only-objects"]));
     assert_eq!(whole[0], alone[0]); // the first pair tells how far the rows are apart
-    assert_eq!(whole[1]["objects"], alone[1]["objects"]);
-    assert!(whole[1]["objects"].as_array().unwrap().iter().any(|object| object["depth_m"].is_number()));
+    let objects = |line: &Value| line["objects"].as_array().unwrap().clone();
+    let (whole_objects, alone_objects) = (objects(&whole[1]), objects(&alone[1]));
+    assert_eq!((whole_objects.len(), alone_objects.len()), (2, 2));
+    for (whole, alone) in whole_objects.iter().zip(&alone_objects) {
+        // Paths begin at the border of what is matched: where texture is weak a point more or less is matched.
+        let number = |object: &Value, key: &str| object[key].as_f64().unwrap();
+        let apart = (number(whole, "disparity_px") - number(alone, "disparity_px")).abs();
+        assert!(apart <= 0.2 * number(whole, "sigma_px"), "{whole} {alone}");
+        assert_eq!((&whole["name"], &whole["reason"]), (&alone["name"], &alone["reason"]));
+    }
     let segments = |line: &Value| line["counts"]["segments_left"].as_u64().unwrap();
     assert!(segments(&alone[1]) < segments(&whole[1]));
 }

@@ -139,7 +139,8 @@ fn support_points_are_explained_as_they_are() {
     for y in (4..DIMS.height).step_by(8) {
         for x in (4..DIMS.width).step_by(8) {
             let (pixel, account) = Explanation::new((x, y), &log, &mut engine, &params, &result).support.unwrap();
-            assert_eq!(pixel, (x, y));
+            // A point stands where its texture is.
+            assert!(pixel.0.abs_diff(x) <= 8 && pixel.1.abs_diff(y) <= 8, "{pixel:?}");
             assert_eq!(account.accepted, credible.contains(&pixel), "{account}");
             assert_eq!(account.accepted, account.steps.len() > 3 && failed(&account).is_empty(), "{account}");
             let kind = account.verdict.split([':', ',']).next_back().unwrap_or_default().to_owned();

@@ -121,6 +121,7 @@ fn run(
         counts: matched.counts().into(),
         health: Health::of(matched.counts()) | health.flags.into(),
         pair: Some(health.into()),
+        ground: matched.ground(),
     };
     result.counts.points = result.points.len() as u32;
     let mut found = Vec::new();

@@ -26,7 +26,9 @@ fn expected(engine: &mut Engine, rendering: &Rendering, boxes: &[RegionBox], onl
     let dims = rendering.left.dims;
     let regions: Vec<_> = boxes.iter().map(|of| of.region(dims).unwrap()).collect();
     engine.focus(only.then(|| regions.iter().map(linestereo::Region::area).collect()));
-    let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+    // The next pair of the same cameras: the ground is looked for near that of the pair before.
+    let images = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
+    let result = engine.run_next(images, None, &mut ()).unwrap();
     engine.objects(&regions, linestereo_sim::results::health::is_fit(result.health))
 }
 

@@ -124,7 +124,7 @@ fn run(memory: &mut Memory, [left, right]: [&GrayImage; 2], part: Part) -> (f64,
     let mut steps = Steps::default();
     let (images, areas) = ([left.view().unwrap(), right.view().unwrap()], part.areas());
     // Areas are matched with the row offset of a whole pair.
-    let focus = Focus { areas: areas.as_deref(), row_offset_q5: areas.as_ref().map(|_| 0) };
+    let focus = Focus { areas: areas.as_deref(), row_offset_q5: areas.as_ref().map(|_| 0), ..Focus::WHOLE };
     let matched = plan.run_on(images, &focus, memory.view(), &mut steps).unwrap();
     (steps.cost(part, matched.counts()), *matched.counts())
 }

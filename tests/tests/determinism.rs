@@ -10,7 +10,7 @@ type Memory = linestereo::scratch!(DIMS, 512);
 
 /// Digests of the values of all matches and points of [`scenes`], names left out. A change that is meant to change the output changes them: run
 /// the test and take the numbers it prints. Debug and release builds are held to the same ones.
-const BLESSED: [u32; 3] = [0x4e77_4686, 0xf49c_e301, 0x9b7f_cc2e];
+const BLESSED: [u32; 3] = [0xf72a_1450, 0xed02_5e16, 0xc8bb_b197];
 
 fn scenes() -> Vec<scene::Rendering> {
     [Kind::Demo, Kind::Boxes, Kind::Corridor].map(|kind| rendered(kind, DIMS, 1.5, 7)).into()

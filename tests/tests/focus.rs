@@ -64,7 +64,7 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
             let [width, height] = [0; 2].map(|_| 20 + random(&mut seed, 90));
             let (left, top) = (random(&mut seed, dims.width - width), random(&mut seed, dims.height - height));
             let area = Area { left, top, right: left + width, bottom: top + height };
-            let focus = Focus { areas: Some(&[area]), row_offset_q5: row_offset_q5(&whole) };
+            let focus = Focus { areas: Some(&[area]), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE };
             let part = run(&plan, scene, &focus, &mut parts_of_it);
             let (a, b) = (near(&whole, area), near(&part, area));
             let common = a.iter().filter(|facts| b.contains(facts)).count();
@@ -89,7 +89,7 @@ fn all_of_the_image_is_the_whole_frame() {
         let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
         let all = [Area::of(dims)];
         for row_offset_q5 in [None, row_offset_q5(&whole)] {
-            let part = run(&plan, scene, &Focus { areas: Some(&all), row_offset_q5 }, &mut parts_of_it);
+            let part = run(&plan, scene, &Focus { areas: Some(&all), row_offset_q5, ..Focus::WHOLE }, &mut parts_of_it);
             assert_eq!(part.segments(), whole.segments(), "{}", scene.name);
             assert_eq!(part.summary().row_offset_q5(), whole.summary().row_offset_q5());
         }
@@ -105,7 +105,12 @@ fn nothing_is_matched_where_nothing_is_asked_for() {
     let dims = scene.left.dims;
     let (zero, outside) = (Area::default(), Area { left: dims.width, top: 0, right: u16::MAX, bottom: u16::MAX });
     for areas in [&[][..], &[zero][..], &[outside, zero][..]] {
-        let none = run(&plan(scene), scene, &Focus { areas: Some(areas), row_offset_q5: None }, &mut parts_of_it);
+        let none = run(
+            &plan(scene),
+            scene,
+            &Focus { areas: Some(areas), row_offset_q5: None, ..Focus::WHOLE },
+            &mut parts_of_it,
+        );
         assert!(none.segments().is_empty() && none.candidates().is_empty());
         assert_eq!(none.counts().segments_left, 0);
     }
@@ -124,8 +129,12 @@ fn more_areas_than_are_told_apart_lose_none() {
         .filter(|area| area.right <= dims.width)
         .collect();
     assert!(areas.len() > Focus::MAX_AREAS);
-    let part =
-        run(&plan, scene, &Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole) }, &mut parts_of_it);
+    let part = run(
+        &plan,
+        scene,
+        &Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE },
+        &mut parts_of_it,
+    );
     let number = |ran: &Matched<'_>| areas.iter().map(|&area| near(ran, area).len()).sum::<usize>();
     let (found, wanted) = (number(&part), number(&whole));
     // Without the areas that do not fit in the list it would be half; see above for the rest.
@@ -139,7 +148,12 @@ fn every_segment_is_counted_once() {
     let mut parts_of_it = memory();
     for scene in &scenes {
         let area = Area { left: 60, top: 50, right: 200, bottom: 150 };
-        let part = run(&plan(scene), scene, &Focus { areas: Some(&[area]), row_offset_q5: None }, &mut parts_of_it);
+        let part = run(
+            &plan(scene),
+            scene,
+            &Focus { areas: Some(&[area]), row_offset_q5: None, ..Focus::WHOLE },
+            &mut parts_of_it,
+        );
         let counts = part.counts();
         let rejected: u32 = linestereo::Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
         assert_eq!(u32::from(counts.segments_left), rejected + u32::from(counts.matched), "{}", scene.name);
@@ -158,7 +172,7 @@ fn objects_have_the_depths_of_the_whole_frame() {
         for case in object_cases(scene).unwrap() {
             let Some(region) = case.region() else { continue };
             let areas = [region.area()];
-            let focus = Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole) };
+            let focus = Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE };
             let mut part = run(&plan, scene, &focus, &mut parts_of_it);
             let depth = |ran: &mut Matched<'_>| {
                 let mut found = None;

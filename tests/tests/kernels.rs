@@ -5,6 +5,9 @@ use linestereo::diagnostics::kernel::{
     bilinear, bilinear_cells, bilinear_runs, census_row, crossing, gradient_row, hamming_curve, largest_step,
     lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
 };
+use linestereo::diagnostics::kernel::{
+    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, code_columns, code_costs, code_steps,
+};
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};
 
@@ -360,5 +363,59 @@ fn knots_are_weighed_to_a_few_steps() {
             assert!((f64::from(found) - exact).abs() <= 8.0, "{found} for {exact}");
         }
         assert_eq!(found[1], Knot::default());
+    }
+}
+
+/// The code of row `k` at a column by its definition, pixel by pixel.
+fn naive_code(rows: &[Vec<u8>], k: usize, x: usize, doublings: u32) -> u8 {
+    let limited = |value: i32| value.clamp(-128, 127);
+    let grey = |row: usize, x: usize| i32::from(rows[2 * k + row][x]);
+    let h = |x: usize| {
+        let along = |row: usize| limited(grey(row, x) - grey(row, x - 2));
+        limited(limited(along(2) + along(3)) + limited(along(4) + along(5)))
+    };
+    let v = |x: usize| limited(limited(grey(4, x) - grey(0, x)) + limited(grey(5, x) - grey(1, x)));
+    let full = |sum: i32| (0..doublings).fold(limited(sum), |sum, _| limited(2 * sum));
+    ((full(h(x) + h(x + 1)) + full(v(x) + v(x + 1))).div_euclid(2) + 128) as u8
+}
+
+#[test]
+fn codes_are_limited_differences_of_rows() {
+    for rows in rows(2 * CODE_ROWS + 4) {
+        let width = rows[0].len();
+        for doublings in [1, 2, 4] {
+            let mut found = vec![[7; CODE_ROWS]; width];
+            code_columns(core::array::from_fn(|row| &rows[row][..]), doublings, &mut found);
+            for (x, column) in found.iter().enumerate() {
+                for (k, &code) in column.iter().enumerate() {
+                    let is_border = x < 2 || x + 2 >= width;
+                    let expected = if is_border { CODE_FLAT } else { naive_code(&rows, k, x, doublings) };
+                    assert_eq!(code, expected, "row {k}, column {x} of {width}, {doublings} doublings");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn costs_of_codes_are_a_64th_of_their_differences() {
+    let mut random = Random(3);
+    for length in 0..40 {
+        let mut column = || -> CodeColumn { core::array::from_fn(|_| random.grey()) };
+        let window: [CodeColumn; STRIP] = core::array::from_fn(|_| column());
+        let columns: Vec<CodeColumn> = (0..length + STRIP - 1).map(|_| column()).collect();
+        let mut costs = vec![0; length];
+        code_costs(&window, &columns, &mut costs);
+        for (i, &cost) in costs.iter().enumerate() {
+            let apart = |k: usize| (0..CODE_ROWS).map(move |row| (k, row));
+            let sum: u32 = (0..STRIP)
+                .flat_map(apart)
+                .map(|(k, row)| u32::from(window[k][row].abs_diff(columns[i + k][row])))
+                .sum();
+            assert_eq!(u32::from(cost), sum / 64 + u32::from(JUMP_PENALTY));
+        }
+        let steps =
+            |k: usize| (0..CODE_ROWS).map(|row| u16::from(window[k][row].abs_diff(window[k + 1][row]))).sum::<u16>();
+        assert_eq!(code_steps(&window), (0..STRIP - 1).map(steps).sum::<u16>());
     }
 }

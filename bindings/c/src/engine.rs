@@ -85,6 +85,7 @@ impl Config {
             min_confidence: Confidence::from_bits(self.min_confidence_q16),
             reach: self.reach,
             parts: if self.support_only == 0 { Parts::Both } else { Parts::Support },
+            ground: true,
         };
         Ok(params.plan(self.dims())?)
     }

@@ -1,4 +1,4 @@
-//! Written by `linestereo-lab fit-confidence` from 35 pairs under 7 damages (Aloe, Art, Baby1, Books, Bowling2, Cloth1, Dolls, Lampshade1, Monopoly, Motorcycle, Rocks1, Wood1, aloe, art, baby1, books, bowling2, boxes, cloth1, corridor, demo, dolls, lampshade1, monopoly, motorcycle, poles, rocks1, teddy, tsukuba, wood1): do not edit.
+//! Written by `linestereo-lab fit-confidence` from 125 pairs of qvga, robot_world, oakd_agreed_320, oakd_agreed_640, kitti2012_640, robot_world_640, middlebury2006_third, middlebury2006_half, middlebury2005_half, small ones under 7 damages: do not edit.
 
 use super::{Model, Models};
 
@@ -6,183 +6,183 @@ use super::{Model, Models};
 #[rustfmt::skip]
 pub const FITTED: Models = Models {
     near_vertical: Model {
-        bias_q12: -18857,
+        bias_q12: -825,
         coefficients_q12: [
-            -14607, // this side's window: cost at the disparity / best cost elsewhere
-            1482, // log2(1 + that cost per pixel)
-            -478, // log2(1 + how much worse elsewhere is, per pixel)
-            9643, // segment window: best cost / best elsewhere
-            -3200, // log2(1 + its cost per pixel)
-            1113, // census: best cost / best elsewhere
-            2310, // log2(1 + its cost per point)
-            -6647, // this side's census: cost at the disparity / best elsewhere
-            -3489, // |window - census|, px
-            -18578, // |difference of the halves' disparities| per row or column
-            -1536, // log2(1 + rows or columns)
-            495, // the other side's window ratio
-            -377, // 1 if the other side prefers another disparity
-            -3197, // 1 if this side alone prefers another disparity
-            -8777, // 1 if the right image has no such edge there
-            -1381, // |the edge in the right image - halves|, px
-            290, // -1 left of or above the edge, +1 right or below
-            -2194, // slope against its direction, px per px
-            1257, // log2(1 + disparities compared)
-            -677, // log2(1 + grey step)
-            11572, // log2(1 + ranks that change along a window of the image, on average)
-            2907, // log2(1 + support points nearby that agree)
-            -9162, // share of those that are farther
-            -7455, // share of those that are nearer
-            698, // log2(1 + segments nearby that agree)
-            -4780, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -7715, // this side's window: cost at the disparity / best cost elsewhere
+            1150, // log2(1 + that cost per pixel)
+            1004, // log2(1 + how much worse elsewhere is, per pixel)
+            11697, // segment window: best cost / best elsewhere
+            -3153, // log2(1 + its cost per pixel)
+            3285, // census: best cost / best elsewhere
+            1224, // log2(1 + its cost per point)
+            -5910, // this side's census: cost at the disparity / best elsewhere
+            -3227, // |window - census|, px
+            -12787, // |difference of the halves' disparities| per row or column
+            -1252, // log2(1 + rows or columns)
+            -285, // the other side's window ratio
+            -1611, // 1 if the other side prefers another disparity
+            -2944, // 1 if this side alone prefers another disparity
+            -7979, // 1 if the right image has no such edge there
+            -2313, // |the edge in the right image - halves|, px
+            189, // -1 left of or above the edge, +1 right or below
+            -413, // slope against its direction, px per px
+            1117, // log2(1 + disparities compared)
+            -122, // log2(1 + grey step)
+            1979, // log2(1 + how much codes change along a window of the image, on average)
+            1511, // log2(1 + support points nearby that agree)
+            -16423, // share of those that are farther
+            -9745, // share of those that are nearer
+            837, // log2(1 + segments nearby that agree)
+            -1850, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            511, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -890, // distance of the pixel from the edge, px
-            -1061, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -877, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -1074, // distance of the pixel from the edge, px
+            -889, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            86, 131, 200, 305, 466, 710, 1079, 1635, 2467, 3698, 5490,
-            8037, 11539, 16138, 21830, 28376, 35299, 42002, 47960, 52864, 56832, 59695,
-            62245, 63716, 64248, 64627, 65144, 65368, 65464, 65505, 65523, 65530, 65533,
+            47, 95, 142, 189, 236, 284, 331, 378, 3393, 7829, 9510,
+            11900, 16878, 24562, 29465, 32036, 33380, 39076, 44654, 48953, 53320, 57272,
+            59866, 61541, 62672, 63425, 63881, 64159, 64184, 65237, 65239, 65241, 65243,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 466, 386, 294, 125, 70, 46, 34, 28, 24,
-            21, 19, 17, 16, 14, 13, 12, 11, 10, 10, 10,
+            512, 512, 512, 512, 512, 512, 512, 512, 272, 272, 272,
+            272, 272, 272, 165, 133, 115, 82, 48, 33, 26, 22,
+            19, 16, 15, 14, 13, 11, 10, 10, 10, 10, 10,
         ],
     },
     near_horizontal: Model {
-        bias_q12: -2938,
+        bias_q12: 728,
         coefficients_q12: [
-            -6246, // this side's window: cost at the disparity / best cost elsewhere
-            57, // log2(1 + that cost per pixel)
-            -1313, // log2(1 + how much worse elsewhere is, per pixel)
+            -1052, // this side's window: cost at the disparity / best cost elsewhere
+            396, // log2(1 + that cost per pixel)
+            -842, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -4686, // census: best cost / best elsewhere
-            839, // log2(1 + its cost per point)
+            -5876, // census: best cost / best elsewhere
+            1392, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -3032, // |window - census|, px
-            -27666, // |difference of the halves' disparities| per row or column
-            -2228, // log2(1 + rows or columns)
-            -1133, // the other side's window ratio
-            -79, // 1 if the other side prefers another disparity
+            -3224, // |window - census|, px
+            -28855, // |difference of the halves' disparities| per row or column
+            -2826, // log2(1 + rows or columns)
+            -1831, // the other side's window ratio
+            282, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -332, // -1 left of or above the edge, +1 right or below
-            -4779, // slope against its direction, px per px
-            519, // log2(1 + disparities compared)
-            -1102, // log2(1 + grey step)
-            9436, // log2(1 + ranks that change along a window of the image, on average)
-            2969, // log2(1 + support points nearby that agree)
-            -6587, // share of those that are farther
-            -6312, // share of those that are nearer
-            1287, // log2(1 + segments nearby that agree)
-            34, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -4917, // the less unique half: cost at the disparity / best elsewhere
-            -653, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -593, // distance of the pixel from the edge, px
-            -2154, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -173, // -1 left of or above the edge, +1 right or below
+            -3558, // slope against its direction, px per px
+            87, // log2(1 + disparities compared)
+            -815, // log2(1 + grey step)
+            3258, // log2(1 + how much codes change along a window of the image, on average)
+            3954, // log2(1 + support points nearby that agree)
+            -1311, // share of those that are farther
+            -2310, // share of those that are nearer
+            635, // log2(1 + segments nearby that agree)
+            -58, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -5472, // the less unique half: cost at the disparity / best elsewhere
+            -1704, // how unique the other side is at a nearer disparity, 0 ..= 1
+            -839, // distance of the pixel from the edge, px
+            -2958, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            296, 419, 593, 837, 1180, 1659, 2327, 3250, 4513, 6218, 8476,
-            11398, 15061, 19478, 24559, 30100, 35799, 41319, 46363, 50733, 56324, 60033,
-            62202, 63544, 64573, 65074, 65325, 65440, 65492, 65516, 65527, 65531, 65533,
+            1699, 3397, 5096, 6795, 8493, 10192, 11891, 13589, 13591, 13593, 13595,
+            15600, 18228, 21069, 24414, 30533, 37231, 42723, 47565, 52439, 56288, 58968,
+            61272, 62739, 63414, 63951, 64454, 64456, 64530, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
-            512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            415, 288, 232, 166, 123, 93, 72, 56, 43, 33, 27,
-            23, 20, 17, 16, 14, 13, 12, 11, 11, 11, 11,
+            512, 512, 512, 512, 512, 512, 512, 512, 185, 185, 185,
+            185, 185, 185, 146, 116, 87, 67, 54, 42, 34, 27,
+            22, 19, 16, 14, 13, 11, 10, 9, 9, 9, 9,
         ],
     },
     near_vertical_edge: Model {
-        bias_q12: -10394,
+        bias_q12: -20207,
         coefficients_q12: [
-            -3005, // this side's window: cost at the disparity / best cost elsewhere
-            893, // log2(1 + that cost per pixel)
-            312, // log2(1 + how much worse elsewhere is, per pixel)
-            -24, // segment window: best cost / best elsewhere
-            -3624, // log2(1 + its cost per pixel)
-            -2779, // census: best cost / best elsewhere
-            921, // log2(1 + its cost per point)
-            -337, // this side's census: cost at the disparity / best elsewhere
-            -2330, // |window - census|, px
-            -17930, // |difference of the halves' disparities| per row or column
-            -677, // log2(1 + rows or columns)
-            -946, // the other side's window ratio
-            -823, // 1 if the other side prefers another disparity
-            -589, // 1 if this side alone prefers another disparity
-            -11805, // 1 if the right image has no such edge there
-            -4568, // |the edge in the right image - halves|, px
-            103, // -1 left of or above the edge, +1 right or below
-            -456, // slope against its direction, px per px
-            495, // log2(1 + disparities compared)
-            51, // log2(1 + grey step)
-            8260, // log2(1 + ranks that change along a window of the image, on average)
-            669, // log2(1 + support points nearby that agree)
-            -2786, // share of those that are farther
-            -7814, // share of those that are nearer
-            3893, // log2(1 + segments nearby that agree)
-            -459, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            2276, // this side's window: cost at the disparity / best cost elsewhere
+            760, // log2(1 + that cost per pixel)
+            856, // log2(1 + how much worse elsewhere is, per pixel)
+            -3387, // segment window: best cost / best elsewhere
+            -4422, // log2(1 + its cost per pixel)
+            -4617, // census: best cost / best elsewhere
+            3438, // log2(1 + its cost per point)
+            2257, // this side's census: cost at the disparity / best elsewhere
+            -2049, // |window - census|, px
+            -14583, // |difference of the halves' disparities| per row or column
+            -1311, // log2(1 + rows or columns)
+            -517, // the other side's window ratio
+            -1616, // 1 if the other side prefers another disparity
+            -1667, // 1 if this side alone prefers another disparity
+            -8734, // 1 if the right image has no such edge there
+            -6086, // |the edge in the right image - halves|, px
+            48, // -1 left of or above the edge, +1 right or below
+            582, // slope against its direction, px per px
+            451, // log2(1 + disparities compared)
+            516, // log2(1 + grey step)
+            3797, // log2(1 + how much codes change along a window of the image, on average)
+            2459, // log2(1 + support points nearby that agree)
+            -1306, // share of those that are farther
+            -2370, // share of those that are nearer
+            3312, // log2(1 + segments nearby that agree)
+            1616, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
             0, // the less unique half: cost at the disparity / best elsewhere
-            1172, // how unique the other side is at a nearer disparity, 0 ..= 1
+            335, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            79, 123, 191, 298, 463, 718, 1112, 1716, 2635, 4015, 6049,
-            8963, 12975, 18205, 24557, 31644, 38838, 45473, 51073, 55457, 58234, 60319,
-            61632, 62631, 64126, 64860, 65152, 65318, 65413, 65466, 65497, 65514, 65523,
+            973, 1946, 2919, 3893, 4866, 5839, 6812, 7785, 8758, 9731, 10705,
+            11678, 12651, 12653, 12655, 29510, 41016, 46684, 52854, 54875, 57904, 61581,
+            62056, 62285, 63383, 64051, 64381, 64783, 65049, 65389, 65477, 65479, 65481,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            512, 512, 353, 339, 205, 90, 59, 38, 29, 24, 21,
-            19, 17, 15, 14, 12, 12, 11, 11, 10, 8, 6,
+            512, 512, 285, 242, 120, 98, 49, 36, 28, 23, 19,
+            16, 14, 13, 12, 11, 10, 10, 10, 10, 8, 7,
         ],
     },
     near_horizontal_edge: Model {
-        bias_q12: 3260,
+        bias_q12: -473,
         coefficients_q12: [
-            -4972, // this side's window: cost at the disparity / best cost elsewhere
-            176, // log2(1 + that cost per pixel)
-            -1889, // log2(1 + how much worse elsewhere is, per pixel)
+            3369, // this side's window: cost at the disparity / best cost elsewhere
+            -777, // log2(1 + that cost per pixel)
+            -170, // log2(1 + how much worse elsewhere is, per pixel)
             0, // segment window: best cost / best elsewhere
             0, // log2(1 + its cost per pixel)
-            -2685, // census: best cost / best elsewhere
-            962, // log2(1 + its cost per point)
+            -3968, // census: best cost / best elsewhere
+            1698, // log2(1 + its cost per point)
             0, // this side's census: cost at the disparity / best elsewhere
-            -2350, // |window - census|, px
-            -19700, // |difference of the halves' disparities| per row or column
-            -1793, // log2(1 + rows or columns)
-            -3234, // the other side's window ratio
-            -5041, // 1 if the other side prefers another disparity
+            -3024, // |window - census|, px
+            -19687, // |difference of the halves' disparities| per row or column
+            -1710, // log2(1 + rows or columns)
+            -4935, // the other side's window ratio
+            -4144, // 1 if the other side prefers another disparity
             0, // 1 if this side alone prefers another disparity
             0, // 1 if the right image has no such edge there
             0, // |the edge in the right image - halves|, px
-            -657, // -1 left of or above the edge, +1 right or below
-            690, // slope against its direction, px per px
-            483, // log2(1 + disparities compared)
-            -225, // log2(1 + grey step)
-            6658, // log2(1 + ranks that change along a window of the image, on average)
-            1294, // log2(1 + support points nearby that agree)
-            -4825, // share of those that are farther
-            -6136, // share of those that are nearer
-            2328, // log2(1 + segments nearby that agree)
-            -5227, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -2941, // the less unique half: cost at the disparity / best elsewhere
-            -5236, // how unique the other side is at a nearer disparity, 0 ..= 1
+            152, // -1 left of or above the edge, +1 right or below
+            1384, // slope against its direction, px per px
+            439, // log2(1 + disparities compared)
+            -81, // log2(1 + grey step)
+            2318, // log2(1 + how much codes change along a window of the image, on average)
+            2443, // log2(1 + support points nearby that agree)
+            -1634, // share of those that are farther
+            -1337, // share of those that are nearer
+            1545, // log2(1 + segments nearby that agree)
+            -4859, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
+            -3300, // the less unique half: cost at the disparity / best elsewhere
+            -8095, // how unique the other side is at a nearer disparity, 0 ..= 1
             0, // distance of the pixel from the edge, px
             0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
         ],
         probability_q16: [
-            282, 400, 568, 805, 1140, 1609, 2266, 3178, 4430, 6128, 8387,
-            11320, 15010, 19470, 24610, 30217, 35978, 41545, 46616, 50990, 56124, 59655,
-            61960, 63394, 64639, 65165, 65363, 65455, 65498, 65518, 65528, 65531, 65533,
+            1024, 2048, 3072, 4096, 5120, 6145, 7169, 8193, 9217, 10241, 10243,
+            11556, 18487, 21714, 24806, 29257, 34893, 40154, 45648, 51035, 55438, 58892,
+            61428, 63157, 64065, 64440, 65071, 65403, 65481, 65527, 65529, 65531, 65533,
         ],
         sigma_q6: [
             512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-            429, 325, 221, 167, 132, 101, 73, 53, 41, 32, 26,
-            21, 18, 15, 14, 12, 11, 10, 9, 7, 7, 7,
+            267, 213, 184, 162, 114, 85, 69, 54, 42, 33, 27,
+            22, 17, 14, 12, 10, 9, 9, 8, 6, 6, 6,
         ],
     },
 };

@@ -35,7 +35,11 @@ pub struct HealthLimits {
     pub row_drift_q8: u16,
     /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 32 (0.125 px):
     /// captured pairs, at several sizes, and those of a robot's camera as it was delivered stay below 0.1 px.
+    /// Where too few support points say whether rows are even.
     pub row_spread_q8: u16,
+    /// Largest difference of rows between two parts of an image, at support points, 1/256 px; more is
+    /// uneven. Default 256 (1 px).
+    pub row_region_q8: u16,
     /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,
     /// Number of pairs over which the difference of rows is smoothed, and of its long mean. Default 8 and 256; at most 1024.
@@ -75,6 +79,7 @@ impl HealthLimits {
         row_limit_q8: 384,
         row_drift_q8: 38,
         row_spread_q8: 32,
+        row_region_q8: 256,
         min_row_samples: 6,
         row_pairs: (8, 256),
         matched_permille: 60,

@@ -64,7 +64,7 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
     let step = support.len().div_ceil(POINTS).max(1);
     let mut sums = [Products::default(); 2];
     let (mut credible, mut still, mut compared) = (0, 0, 0);
-    for ((x, y), point) in support.every(step).filter(|(_, point)| point.is_matched()) {
+    for ((x, y), point) in support.every(0, step).filter(|(_, point)| point.is_matched()) {
         let disparity_q6 = point.disparity().to_bits();
         if point.confidence() >= CREDIBLE {
             credible += 1;

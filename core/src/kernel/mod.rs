@@ -6,8 +6,8 @@
 //! ```text
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
 //! thumbv8m.main (Cortex-M33 and above)    dsp       with the feature `dsp`, or compiled for such a processor
-//! x86_64                                  sse2      sad_curve, rank_costs, path_step; the others are portable
-//! wasm32 with simd128                     simd128   sad_curve, rank_costs, path_step; the others are portable
+//! x86_64                                  sse2      sad_curve, code_costs, path_step; the others are portable
+//! wasm32 with simd128                     simd128   sad_curve, code_costs, path_step; the others are portable
 //! any other, such as RISC-V               portable
 //! ```
 //!
@@ -37,25 +37,25 @@ mod simd128;
 mod sse2;
 
 pub use portable::{
-    CELL, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES, LargestStep, Products, RANK_FLAT,
-    RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    CELL, CODE_FLAT, CODE_ROWS, CodeColumn, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES,
+    LargestStep, Products, RIGHT_GRADIENTS, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
 };
 
 #[cfg(dsp)]
 pub use dsp::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step, place_of_byte, rank_columns,
-    rank_costs, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_costs, code_steps,
+    crossing, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step,
+    place_of_byte, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(dsp))]
 pub use portable::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, crossing, gradient_row, hamming_curve,
-    largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte, rank_columns, reverse_row,
-    sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_steps, crossing,
+    gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte,
+    reverse_row, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64", target_feature = "simd128")))]
-pub use portable::{path_step, rank_costs, sad_curve};
+pub use portable::{code_costs, path_step, sad_curve};
 #[cfg(target_feature = "simd128")]
-pub use simd128::{path_step, rank_costs, sad_curve};
+pub use simd128::{code_costs, path_step, sad_curve};
 #[cfg(target_arch = "x86_64")]
-pub use sse2::{path_step, rank_costs, sad_curve};
+pub use sse2::{code_costs, path_step, sad_curve};

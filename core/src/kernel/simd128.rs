@@ -5,15 +5,15 @@
 //! # Cost
 //! A captured QVGA pair in Node 20, median of ten, an x86-64 PC: 2.0 ms against 2.7 ms of the portable versions as vectorised for the same target.
 
-use super::portable::{JUMP_PENALTY, LANES, RANK_ROWS, RankColumn, STEP_PENALTY, STRIP, Strip};
+use super::portable::{CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip};
 use core::arch::wasm32::{
     i8x16_shuffle, i8x16_splat, i16x8_narrow_i32x4, u8x16_add, u8x16_max, u8x16_min, u8x16_narrow_i16x8, u8x16_splat,
     u8x16_sub, u8x16_sub_sat, u16x8_add, u16x8_extadd_pairwise_u8x16, u16x8_splat, u32x4_extadd_pairwise_u16x8,
-    u32x4_shr, u32x4_splat, v128, v128_and, v128_load, v128_store,
+    u32x4_shr, u32x4_splat, v128, v128_load, v128_store,
 };
 
-/// Columns of ranks in a vector.
-const COLUMNS: usize = LANES / RANK_ROWS;
+/// Columns of codes in a vector.
+const COLUMNS: usize = LANES / CODE_ROWS;
 
 /// See [`portable::sad_curve`](super::portable::sad_curve).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
@@ -46,38 +46,37 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     }
 }
 
-/// See [`portable::rank_costs`](super::portable::rank_costs).
-pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+/// See [`portable::code_costs`](super::portable::code_costs).
+pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &mut [u8]) {
     let reference = window.map(|column| u32x4_splat(u32::from_ne_bytes(column)));
     let count = costs.len().min((columns.len() + 1).saturating_sub(STRIP));
     let costs = costs.get_mut(..count).unwrap_or_default();
     for (start, costs) in (0..).step_by(LANES).zip(costs.chunks_mut(LANES)) {
-        let ranks = columns.get(start..).unwrap_or_default();
+        let codes = columns.get(start..).unwrap_or_default();
         let sums =
-            [0, 1, 2, 3].map(|quarter| four_sums(&reference, ranks.get(quarter * COLUMNS..).unwrap_or_default()));
+            [0, 1, 2, 3].map(|quarter| four_sums(&reference, codes.get(quarter * COLUMNS..).unwrap_or_default()));
         let halves = i16x8_narrow_i32x4(sums[0], sums[1]);
         let bytes = u8x16_narrow_i16x8(halves, i16x8_narrow_i32x4(sums[2], sums[3]));
         store(u8x16_add(bytes, u8x16_splat(JUMP_PENALTY)), costs);
     }
 }
 
-/// Half of the sums, modulo 256, for the windows that start at the first four columns; of columns that are missing anything.
+/// 1/64 of the sums, for the windows that start at the first four columns; of columns that are missing anything.
 #[inline]
-fn four_sums(reference: &[v128; STRIP], columns: &[RankColumn]) -> v128 {
+fn four_sums(reference: &[v128; STRIP], columns: &[CodeColumn]) -> v128 {
     const REACH: usize = COLUMNS + STRIP - 1;
-    let mut padded = [[0; RANK_ROWS]; REACH];
+    let mut padded = [[0; CODE_ROWS]; REACH];
     let columns = columns.first_chunk::<REACH>().unwrap_or_else(|| {
         padded.iter_mut().zip(columns).for_each(|(padded, column)| *padded = *column);
         &padded
     });
-    let mut sums = u8x16_splat(0);
+    let mut sums = u16x8_splat(0);
     for (reference, columns) in reference.iter().zip(columns.windows(COLUMNS)) {
-        let ranks = load(columns.as_flattened());
-        let apart = u8x16_sub(u8x16_max(ranks, *reference), u8x16_min(ranks, *reference));
-        sums = u8x16_add(sums, apart);
+        let codes = load(columns.as_flattened());
+        let apart = u8x16_sub(u8x16_max(codes, *reference), u8x16_min(codes, *reference));
+        sums = u16x8_add(sums, u16x8_extadd_pairwise_u8x16(apart));
     }
-    let sums = u32x4_extadd_pairwise_u16x8(u16x8_extadd_pairwise_u8x16(sums));
-    u32x4_shr(v128_and(sums, u32x4_splat(255)), 1)
+    u32x4_shr(u32x4_extadd_pairwise_u16x8(sums), 6)
 }
 
 /// See [`portable::path_step`](super::portable::path_step).

@@ -8,7 +8,8 @@
 //! farther   = sum of those that are farther / (sum of all + 0.2), nearer likewise: a hypothesis before a surface may be of a thin object, one
 //!             behind it is not
 //! ```
-//! A point agrees when its disparity differs from the side's line, continued to its row, by at most 1 px plus 0.06 px per px of distance.
+//! A point agrees when its disparity, continued along the ground plane if it lies beside it, differs from the side's line, continued to its row, by
+//! at most 1 px plus 0.06 px per px of distance.
 //!
 //! # Bounds
 //! Uniqueness is at most 255, nearness 14 * 14: a point's weight is below 2^14; at most 3 * 9 points count.
@@ -18,6 +19,7 @@
 
 use super::Candidate;
 use crate::evidence::log2_mean_q8;
+use crate::ground::GroundPlane;
 use crate::support::{Grid, SupportPoint};
 use crate::units::narrow;
 use crate::units::quotient;
@@ -32,7 +34,11 @@ const FULL: i32 = 255 * REACH * REACH / 4;
 const LITTLE: i32 = FULL / 5;
 
 /// Sets the evidence by support points of every hypothesis, and the weights of segments around every point.
-pub(crate) fn evaluate_sides(candidates: &mut [Candidate], grid: Grid, points: &mut [SupportPoint]) {
+pub(crate) fn evaluate_sides(
+    candidates: &mut [Candidate],
+    (grid, plane): (Grid, Option<GroundPlane>),
+    points: &mut [SupportPoint],
+) {
     if points.is_empty() {
         return;
     }
@@ -45,7 +51,8 @@ pub(crate) fn evaluate_sides(candidates: &mut [Candidate], grid: Grid, points: &
             let Some(side) = side else { continue };
             let off = sign * WINDOW_MIDDLE;
             let [d0, d1] = side.disparity_q6.map(i32::from);
-            let line = Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], near_horizontal };
+            let line =
+                Line { sign, along, across: across.map(|at| at + off), disparity_q6: [d0, d1], near_horizontal, plane };
             let [agreeing, farther, nearer] = line.weights_of(grid, points, side.weight_q8.into());
             let share = |sum: i32| narrow(quotient(sum >> 2, (agreeing + farther + nearer + LITTLE) >> 10));
             let [support, behind, before, _] = &mut side.nearby_q8;
@@ -62,6 +69,7 @@ struct Line {
     disparity_q6: [i32; 2],
     sign: i32,
     near_horizontal: bool,
+    plane: Option<GroundPlane>,
 }
 
 impl Line {
@@ -89,9 +97,22 @@ impl Line {
             for k in grid_across.within(edge - before, edge + after) {
                 let index = i * grid_along.step + k * grid_across.step;
                 let Some(point) = points.get_mut(index).filter(|point| point.is_matched()) else { continue };
-                let across = (grid_across.pixel(k) - edge).abs();
-                let nearness = (REACH - across) * (REACH - beyond);
-                let apart = i32::from(point.disparity_q6) - disparity_q6;
+                let [dx, dy] = [point.place.dx(), point.place.dy()];
+                let (own_along, own_across) = if self.near_horizontal { (dx, dy) } else { (dy, dx) };
+                let from_edge = grid_across.pixel(k) + own_across - edge;
+                let across = from_edge.abs();
+                let nearness = (REACH - across).max(0) * (REACH - beyond);
+                // A point beside the ground plane goes on along it.
+                let change_q6 = match self.plane.filter(|_| point.place.is_on_plane()) {
+                    Some(plane) => {
+                        let from_foot = along + own_along - foot;
+                        let (dx, dy) =
+                            if self.near_horizontal { (from_foot, from_edge) } else { (from_edge, from_foot) };
+                        plane.change_q6(dx, dy)
+                    }
+                    None => 0,
+                };
+                let apart = i32::from(point.disparity_q6) - change_q6 - disparity_q6;
                 let [supporting, conflicting] = &mut point.segments;
                 let (sum, weight) = if apart.abs() <= 64 + 4 * (across + beyond) {
                     (&mut agreeing, supporting)

@@ -8,10 +8,11 @@
 //! support points, by p, within 1.5 px of the plane (on it) or more than 3 px off (nearer, farther); all matched ones, not credible ones alone:
 //!     contradicted   nearer + farther > 1.5 on, in the region; in a box, which holds background, 3 on
 //!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of that: the surface is what stands beside the region
-//!     beside         a third of what surrounds the region is on the plane, and in it less than 0.4 a point: paths carry the disparity of what is
+//!     beside         a third of what surrounds the region is on the plane, and in it less than 0.2 a point: paths carry the disparity of what is
 //!                    beside a blank face over its border
-//!     blank          thrice as much on the plane around the region as in it, and in it less than 0.4 a point of the grid, matched or not
-//!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.4 a point is on the plane: periodic texture and damaged
+//!     blank          thrice as much on the plane around the region as in it, and in it less than 1/6 a point of the grid, matched or not
+//!     pattern        the windows of twice as many points in the region repeat
+//!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.2 a point is on the plane: periodic texture and damaged
 //!                    pairs give such surfaces, and what is seen in a gap is seldom so poorly matched
 //!     none of them for a mask of at most 4 px a row: points in it show what is behind
 //! parallax:    at least 0.75 px
@@ -118,6 +119,8 @@ impl Sums {
 struct Agreement {
     /// Number of the region's pixels.
     pixels: u32,
+    /// Points in it whose windows repeat.
+    repeating: u32,
     inside: Sums,
     around: Sums,
 }
@@ -131,11 +134,15 @@ impl Agreement {
             let nearer_q6 = i32::from(point.disparity_q6) - surface.at_q6(x - x0, y - y0);
             sums.add(nearer_q6, u32::from(point.probability_q16) >> 8);
         }
-        Self { pixels: cover.pixels, inside, around }
+        let repeating = support.repeating(area, |x, y| cover.contains(x, y));
+        Self { pixels: cover.pixels, repeating, inside, around }
     }
 
     fn refusal(&self, is_box: bool) -> Option<NoDepth> {
-        let Self { pixels, inside, around } = self;
+        let Self { pixels, repeating, inside, around } = self;
+        if repeating << 8 > 2 * inside.on {
+            return Some(NoDepth::LittleSupport);
+        }
         if inside.all < LEAST_POINTS_Q8 {
             return None;
         }
@@ -143,10 +150,8 @@ impl Agreement {
         let product = |of: u32, by: u32| u64::from(of) * u64::from(by);
         let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
-        // 0.4
-        let less_than_of = |points: u32| 10 * inside.on < 4 * 256 * points;
-        let is_poor = less_than_of(inside.points);
-        let is_blank = less_than_of(pixels / POINT_PIXELS) && around.on > 3 * inside.on;
+        let is_poor = 5 * inside.on < 256 * inside.points;
+        let is_blank = 6 * inside.on < 256 * (pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {
             Some(NoDepth::TwoSurfaces)
         } else if is_beside || is_blank || is_poor && 3 * around.on > around.all {
@@ -178,7 +183,7 @@ mod tests {
     /// Of a region of so many points of the grid.
     fn refused_of(places: u32, inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
         let pixels = places * POINT_PIXELS;
-        [false, true].map(|is_box| Agreement { pixels, inside, around }.refusal(is_box))
+        [false, true].map(|is_box| Agreement { pixels, repeating: 0, inside, around }.refusal(is_box))
     }
 
     #[test]
@@ -205,23 +210,33 @@ mod tests {
 
     #[test]
     fn a_blank_region_has_not_the_surface_beside_it() {
-        assert_eq!(refused(doubtful(3), points(7, 0, 13)), [Some(NoDepth::OnlyOutline); 2]);
-        assert_eq!(refused(doubtful(3), points(6, 0, 14)), [None, None]);
-        assert_eq!(refused(doubtful(4), points(7, 0, 13)), [None, None]);
+        // Of six points of the grid: a sixth of them is on the plane.
+        assert_eq!(refused_of(6, doubtful(1), points(7, 0, 13)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused_of(6, doubtful(1), points(6, 0, 14)), [None, None]);
+        assert_eq!(refused_of(6, doubtful(2), points(7, 0, 13)), [None, None]);
     }
 
     #[test]
     fn a_region_with_few_matched_points_has_not_one_of_several_surfaces_around_it() {
-        assert_eq!(refused_of(10, points(3, 0, 0), points(10, 0, 30)), [Some(NoDepth::OnlyOutline); 2]);
-        assert_eq!(refused_of(10, points(3, 0, 0), points(9, 0, 30)), [None, None]);
-        assert_eq!(refused_of(10, points(4, 0, 0), points(13, 0, 30)), [None, None]);
+        assert_eq!(refused_of(7, points(1, 0, 0), points(4, 0, 30)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused_of(7, points(1, 0, 0), points(3, 0, 30)), [None, None]);
+        assert_eq!(refused_of(6, points(1, 0, 0), points(4, 0, 30)), [None, None]);
     }
 
     #[test]
     fn a_hole_needs_points_that_are_well_matched() {
-        assert_eq!(refused(doubtful(3), points(0, 15, 5)), [Some(NoDepth::LittleSupport); 2]);
-        assert_eq!(refused(doubtful(4), points(0, 15, 5)), [None, None]);
-        assert_eq!(refused(doubtful(3), points(0, 14, 6)), [None, None]);
+        assert_eq!(refused(doubtful(1), points(0, 15, 5)), [Some(NoDepth::LittleSupport); 2]);
+        assert_eq!(refused(doubtful(2), points(0, 15, 5)), [None, None]);
+        assert_eq!(refused(doubtful(1), points(0, 14, 6)), [None, None]);
+    }
+
+    #[test]
+    fn a_region_of_a_pattern_has_no_depth_where_a_part_of_it_seems_matched() {
+        let refused = |repeating| {
+            let (inside, around) = (points(5, 0, 0), points(0, 0, 20));
+            Agreement { pixels: 20 * POINT_PIXELS, repeating, inside, around }.refusal(false)
+        };
+        assert_eq!([10, 11].map(refused), [None, Some(NoDepth::LittleSupport)]);
     }
 
     #[test]

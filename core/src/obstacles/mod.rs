@@ -17,7 +17,10 @@
 //!
 //! # Terms
 //! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the depth along the optical axis), for a horizontal
-//!   optical axis. Sectors and height band tilt with the camera.
+//!   optical axis. Sectors tilt with the camera.
+//! - **Height band**: above and below the camera. With the ground plane of the pair ([`ObstaclePlan::on_ground`]) it is parallel to the ground, whatever
+//!   pitch and roll are; what lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it is neither free nor one.
+//!   Without the plane the band tilts with the camera.
 //! - **Free**: credible segments or support points lie *behind* the range in this sector, none within it, and the whole sector is seen by both
 //!   cameras from the near limit on. Obstacles are possible all the same: a wall without texture, a wire along the rows and anything nearer than
 //!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is unknown, not free.
@@ -44,13 +47,16 @@ use crate::health::HealthFlags;
 use crate::result::{Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
-use plan::PARTS;
+use plan::{Ground, PARTS};
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 
 /// Number of hypotheses kept of a sector, the nearest ones.
 const KEPT: usize = 6;
 /// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
 const AGREE_Q6: i32 = 64;
+
+/// Largest distance from the ground of what may be a part of it, 1/64 px.
+const GROUND_Q6: i32 = 48;
 
 /// Least error probability of a support point, Q16: 0.2, since errors of neighbours, which share paths, are correlated.
 const LEAST_POINT_ERROR_Q16: u16 = 13107;
@@ -232,6 +238,19 @@ enum Ray {
     Passes(u8),
 }
 
+/// A point of a hypothesis.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Its row, 1/32 px.
+    row_q5: i32,
+    /// Its row in the image of a level camera, 1/32 px.
+    level_q5: i32,
+    /// Its disparity plus offset, 1/64 px.
+    d_q6: i32,
+    /// How much nearer it is than the ground at its pixel, 1/64 px, where that is known.
+    above_q6: Option<i32>,
+}
+
 /// The nearest hypotheses of one sector, and those behind the range.
 #[derive(Clone, Copy)]
 struct Hypotheses {
@@ -284,7 +303,11 @@ impl Hypotheses {
             }
         }
         let is_free = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
-        let is_covered = self.clear_parts.count_ones() >= CLEAR_PARTS;
+        // On the ground all rows in which something within the range would stand have to be seen behind it.
+        let is_covered = match plan.ground {
+            Some(ground) => self.clear_parts & ground.parts == ground.parts,
+            None => self.clear_parts.count_ones() >= CLEAR_PARTS,
+        };
         (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
             .then_some((None, self.clear_error_q16))
     }
@@ -317,7 +340,7 @@ impl ObstaclePlan {
                 if xb == x1 { (x1, y1, d1) } else { (xb, at(y0, y1, xb), at(d0, d1, xb)) },
             ];
             let [na, nb] = ends.map(|(x, _, d)| self.nearness_q6(x, d));
-            if let Some(ray) = self.ray(na.max(nb), ends.map(|(_, y, d)| (y, d))) {
+            if let Some(ray) = self.ray(na.max(nb), ends.map(|(x, y, d)| self.seen(x, y, d))) {
                 each(sector, ray);
             }
         }
@@ -328,17 +351,39 @@ impl ObstaclePlan {
         let half = i32::from(SUPPORT_PITCH / 2);
         let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
         let d_q6 = i32::from(point.disparity.to_bits()) + self.offset_q6;
-        let rows = [y - half, y + half - 1].map(|y| (y << 5, d_q6));
-        (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), rows))
+        // Above the ground by what the point itself is.
+        let own = self.seen(x_q5, y << 5, d_q6);
+        let ends = [y - half, y + half - 1].map(|y| match self.ground {
+            Some(_) => Seen { row_q5: y << 5, ..own },
+            None => self.seen(x_q5, y << 5, d_q6),
+        });
+        (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), ends))
     }
 
-    /// The ray of a hypothesis of this nearness, 1/64 px, between two points (row in 1/32 px, disparity plus offset in 1/64 px).
-    fn ray(&self, nearness_q6: i32, points: [(i32, i32); 2]) -> Option<Ray> {
+    /// A point (column and row in 1/32 px, disparity plus offset in 1/64 px) as a level camera sees it.
+    fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Seen {
+        let Some(Ground { plane, per_row_q16, .. }) = self.ground else {
+            return Seen { row_q5: y_q5, level_q5: y_q5, d_q6, above_q6: None };
+        };
+        let ground_q6 = plane.at_q6(x_q5 >> 5, y_q5 >> 5) + self.offset_q6;
+        // Rows below the horizon, at which a level camera sees the ground at this disparity.
+        let level_q5 = self.row_q5 + quotient(ground_q6.clamp(-(1 << 15), 1 << 15) << 15, per_row_q16);
+        Seen { row_q5: y_q5, level_q5, d_q6, above_q6: Some(d_q6 - ground_q6) }
+    }
+
+    /// The ray of a hypothesis of this nearness, 1/64 px, between two points.
+    fn ray(&self, nearness_q6: i32, points: [Seen; 2]) -> Option<Ray> {
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
+        let rows = points.map(|point| point.row_q5);
+        if points.iter().all(|point| point.above_q6.is_some_and(|above_q6| above_q6 <= GROUND_Q6)) {
+            // The ground, or a hole in it: no obstacle, and nothing stands before ground that is seen.
+            let is_hole = points.iter().any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
+            return (!is_hole).then(|| Ray::Passes(self.parts(rows)));
+        }
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
             Some(Ray::Ends(nearness_q6))
         } else if nearness_q6 < clear_q6 || self.band_has_camera() {
-            Some(Ray::Passes(self.parts(points.map(|(y, _)| y))))
+            Some(Ray::Passes(self.parts(rows)))
         } else {
             None
         }
@@ -366,11 +411,11 @@ impl ObstaclePlan {
         i32::from(from) + quotient((i32::from(to) - i32::from(from)) * along, width)
     }
 
-    /// True when the line between two points (row in 1/32 px, disparity plus offset in 1/64 px) meets the height band.
-    fn band_meets(&self, points: [(i32, i32); 2]) -> bool {
-        let [a, b] = points.map(|(y_q5, d_q6)| {
+    /// True when the line between two points meets the height band.
+    fn band_meets(&self, points: [Seen; 2]) -> bool {
+        let [a, b] = points.map(|Seen { level_q5, d_q6, .. }| {
             // height = rise * B / (d + offset), compared without the division.
-            let rise = i64::from(self.row_q5 - y_q5) * 2 * self.baseline_q16;
+            let rise = i64::from(self.row_q5 - level_q5) * 2 * self.baseline_q16;
             let [low, high] = self.heights_q16.map(|height_q16| height_q16 * i64::from(d_q6.max(1)));
             (rise < low, rise > high)
         });
@@ -384,7 +429,7 @@ impl ObstaclePlan {
     }
 
     /// Parts of the rows from one row to another, 1/32 px, a bit each.
-    fn parts(&self, rows_q5: [i32; 2]) -> u8 {
+    pub(super) fn parts(&self, rows_q5: [i32; 2]) -> u8 {
         let [a, b] =
             rows_q5.map(|y_q5| quotient(y_q5, i32::from(self.height) * 32 / PARTS_OF_ROWS).clamp(0, PARTS_OF_ROWS - 1));
         ((2_u32 << a.max(b)) - (1 << a.min(b))) as u8

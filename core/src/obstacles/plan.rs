@@ -9,6 +9,7 @@
 //! # Cost
 //! At set-up alone: a tangent for each boundary of a sector.
 
+use crate::ground::GroundPlane;
 use crate::health::HealthFlags;
 use crate::image::Dims;
 use crate::params::Params;
@@ -104,6 +105,8 @@ impl ObstacleParams {
             keep_ms: self.keep_ms.into(),
             error_q16: nearest(65536.0 * self.error_probability) as u16,
             unfit: self.unfit,
+            column_q5: nearest(32.0 * view.column) as i32,
+            ground: None,
         };
         let mut before = f32::NEG_INFINITY;
         for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
@@ -210,6 +213,20 @@ pub struct ObstaclePlan {
     pub(super) keep_ms: u32,
     pub(super) error_q16: u16,
     pub(super) unfit: HealthFlags,
+    /// Principal column, 1/32 px.
+    pub(super) column_q5: i32,
+    pub(super) ground: Option<Ground>,
+}
+
+/// The ground plane of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Ground {
+    /// Its disparity, without the rig's offset.
+    pub(super) plane: GroundPlane,
+    /// Change of the disparity per row that a level camera at this height sees: baseline / height, Q16.
+    pub(super) per_row_q16: i32,
+    /// Parts of the rows in which the ground within the range lies, a bit each.
+    pub(super) parts: u8,
 }
 
 impl ObstaclePlan {
@@ -217,6 +234,27 @@ impl ObstaclePlan {
     #[must_use]
     pub fn sectors(&self) -> u8 {
         self.sectors
+    }
+
+    /// The same plan for a pair with this ground plane, if it has one: heights are then measured from it, and it is no obstacle.
+    #[must_use]
+    pub fn on_ground(self, plane: Option<GroundPlane>) -> Self {
+        let ground = plane.and_then(|plane| {
+            // The plane's normal, in units of baseline / height: b and c per px, and the disparity on the axis per focal length.
+            let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
+            let along =
+                (i64::from(axis_q6) << 10).checked_mul(self.baseline_q16)?.checked_div(self.focal_baseline_q16)?;
+            let [down, across] = [plane.down_q16, plane.across_q16].map(i64::from);
+            let length = (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
+            let per_row_q16 = i32::try_from(length).ok().filter(|&length| length > 0)?;
+            // Rows from that of the ground at the range down.
+            let at_axis_q6 = |y: i32| plane.at_q6(self.column_q5 >> 5, y) + self.offset_q6;
+            let height = i32::from(self.height);
+            let from = (0..height).find(|&y| at_axis_q6(y) >= self.far_q6)?;
+            let parts = self.parts([from << 5, (height - 1) << 5]);
+            Some(Ground { plane, per_row_q16, parts })
+        });
+        Self { ground, ..self }
     }
 
     /// Range, cm: obstacles at this distance or further are ignored.

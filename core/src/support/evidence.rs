@@ -5,12 +5,16 @@
 //! # Cost
 //! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight neighbours another 250.
 
-use super::SupportPoint;
+use super::grid::Grid;
+use super::paths::PLANE_LABELS as LABELS;
 use super::paths::PointCosts;
+use super::plane::PlaneLabel;
+use super::{SUPPORT_PITCH, SupportPoint};
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
 use crate::evidence::{define_evidence, log2_mean_q8};
-use crate::kernel::{JUMP_PENALTY, RankColumn, STRIP, lowest_byte, place_of_byte};
+use crate::ground::GroundPlane;
+use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte};
 use crate::units::narrow;
 use core::ops::Range;
 
@@ -18,16 +22,18 @@ use core::ops::Range;
 const NEIGHBOURHOOD: usize = 2;
 /// Least uniqueness of a point, log2(second-best / best) of the paths' sum, Q8: 4 %. With less, a pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
-/// [`SupportKind::Detail`] where no window was evaluated, Q8: sharp captured frames have 1040 to 1115, blurred ones less, noisy ones more.
-pub(crate) const TYPICAL_DETAIL_Q8: i16 = 1060;
+/// [`SupportKind::Detail`] where no window was evaluated, Q8.
+pub(crate) const TYPICAL_DETAIL_Q8: i16 = 2500;
 /// Least value of [`SupportKind::Detail`] that models were fitted on, Q8; smaller ones are limited to it.
-const LEAST_DETAIL_Q8: i16 = 900;
+const LEAST_DETAIL_Q8: i16 = 1800;
 /// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
-const MOST_DETAIL_Q8: i16 = 1160;
+const MOST_DETAIL_Q8: i16 = 3000;
 /// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
-const LEAST_DEPTH: u8 = 2;
+const LEAST_INCREASE: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
+/// Largest distance from the ground plane of a point that may be of it, 1/64 px.
+const NEAR_PLANE_Q6: i32 = 96;
 
 define_evidence! {
     /// Kinds of evidence of a support point, in the order of the model's coefficients.
@@ -40,26 +46,66 @@ define_evidence! {
     WindowCost: "log2(1 + the window's cost)",
     Range: "log2(1 + disparities compared)",
     Curvature: "log2(1 + how much worse the window is 1 px away)",
-    Changes: "log2(1 + ranks that change along the window)",
+    Changes: "log2(1 + how much codes change along the window)",
     PathsRatioSquared: "square of the first",
-    WindowRatioSquared: "square of the second",
+    OnPlane: "label beside the ground plane",
+    NearPlane: "at most 1.5 px off the ground plane",
+    BelowPlane: "farther than the ground plane by more",
     Agreeing: "log2(1 + neighbours that agree)",
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
     SegmentsConflicting: "log2(1 + hypotheses of segments nearby that contradict)",
-    Detail: "log2(1 + ranks that change along a window, on average)",
+    Detail: "log2(1 + how much codes change along a window, on average)",
 }
 
-/// Disparity of a point, as an index into its costs, with its evidence.
+/// Labels of a point: disparities, and behind one that never matches those beside the ground plane.
+pub(super) struct Labels {
+    /// Indices of the disparities with the window on valid pixels.
+    pub(super) range: Range<usize>,
+    /// Number of disparities.
+    pub(super) disparities: usize,
+    /// Disparity of the first, px.
+    pub(super) last: i32,
+    /// Labels beside the plane, and the first of them with the window on valid pixels.
+    pub(super) beside: Option<(PlaneLabel, usize)>,
+}
+
+impl Labels {
+    /// The index of the same disparity among the labels of the other kind.
+    fn twin(&self, index: usize) -> Option<usize> {
+        let (beside, _) = self.beside?;
+        let first = self.disparities + 1;
+        let disparity_of = |index: usize| match index.checked_sub(first) {
+            Some(at) => beside.disparity - at as i32,
+            None => self.last - index as i32,
+        };
+        let disparity = disparity_of(index);
+        if index < first {
+            usize::try_from(beside.disparity - disparity).ok().filter(|&at| at < LABELS).map(|at| first + at)
+        } else {
+            usize::try_from(self.last - disparity).ok().filter(|&at| at < self.disparities)
+        }
+    }
+}
+
+/// Disparity of a point, with its evidence.
 pub(super) struct Found {
-    /// Sub-pixel index of the best, 1/64.
-    pub(super) at_q6: i32,
+    /// Disparity at the point's place in the grid, 1/64 px.
+    pub(super) disparity_q6: i32,
+    /// True when it is a label beside the ground plane.
+    pub(super) is_on_plane: bool,
     pub(super) uniqueness_q8: u8,
     pub(super) evidence: SupportEvidence,
 }
 
 /// Lowest cost outside of the neighbourhood of `at`; overwrites that neighbourhood with the largest cost.
 fn second_best(costs: &mut [u8], at: usize) -> u8 {
+    mask(costs, at);
+    lowest_byte(costs)
+}
+
+/// Overwrites the neighbourhood of `at` with the largest cost.
+fn mask(costs: &mut [u8], at: usize) {
     let end = (at + NEIGHBOURHOOD + 1).min(costs.len());
     if let Some(near) = costs.get_mut(at.saturating_sub(NEIGHBOURHOOD)..end) {
         match near.first_chunk_mut() {
@@ -67,7 +113,6 @@ fn second_best(costs: &mut [u8], at: usize) -> u8 {
             None => fill_part(near),
         }
     }
-    lowest_byte(costs)
 }
 
 /// Masks a neighbourhood that ends with the range.
@@ -76,25 +121,16 @@ fn fill_part(near: &mut [u8]) {
     near.fill(u8::MAX);
 }
 
-/// Number of ranks of a window that differ from the one in the next column, 0 ..= 28.
-pub(super) fn changes_of(window: &[RankColumn; STRIP]) -> u8 {
-    let (most, ones) = (0x7f7f_7f7f_u32, 0x0101_0101);
-    let &[a, b, c, d, e, f, g, h] = window;
-    let of = |a, b| ((u32::from_le_bytes(a) ^ u32::from_le_bytes(b)) + most) >> 7 & ones;
-    let of_rows: u32 = of(a, b) + of(b, c) + of(c, d) + of(d, e) + of(e, f) + of(f, g) + of(g, h);
-    (of_rows.wrapping_mul(ones) >> 24) as u8
-}
-
-/// Changes of ranks, summed over the windows of an image.
+/// Changes of codes, summed over the windows of an image.
 #[derive(Default)]
 pub(super) struct Detail {
-    changes: u32,
+    steps: u32,
     windows: i32,
 }
 
 impl Detail {
-    pub(super) fn add(&mut self, changes: u8) {
-        self.changes += u32::from(changes);
+    pub(super) fn add(&mut self, steps: u16) {
+        self.steps += u32::from(steps);
         self.windows += 1;
     }
 
@@ -103,7 +139,7 @@ impl Detail {
         if self.windows == 0 {
             return TYPICAL_DETAIL_Q8;
         }
-        narrow(log2_mean_q8(self.changes, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
+        narrow(log2_mean_q8(self.steps, self.windows)).clamp(LEAST_DETAIL_Q8, MOST_DETAIL_Q8)
     }
 }
 
@@ -112,24 +148,81 @@ fn log2_q8(value: u8) -> i32 {
     log2_mean_q8(value.into(), 1)
 }
 
+/// Why a point has no disparity.
+pub(super) enum Unmatched {
+    /// The paths' minimum lies at the end of the range, or is not unique.
+    Unclear,
+    /// The window matches elsewhere as well: paths would propagate one of the disparities of a pattern.
+    Repeats,
+}
+
+/// How much more a window costs beside its best disparity.
+struct Increase {
+    /// The cost there.
+    here: u8,
+    /// 1 px to either side, the smaller.
+    one: u8,
+    /// Up to 2 px to either side, the smaller: half way between two disparities both cost the same.
+    two: u8,
+}
+
+impl Increase {
+    /// From the costs 2 and 1 px before, and 1 and 2 px behind it.
+    fn of(here: u8, [two_before, before, after, two_after]: [Option<u8>; 4]) -> Self {
+        let smaller = |one: Option<u8>, other: Option<u8>| {
+            one.unwrap_or(u8::MAX).min(other.unwrap_or(u8::MAX)).saturating_sub(here)
+        };
+        Self { here, one: smaller(before, after), two: smaller(before.max(two_before), after.max(two_after)) }
+    }
+
+    /// The largest cost elsewhere with which the window's pattern repeats; `None` on a blank wall, which is alike everywhere.
+    fn most_of_repetition(&self) -> Option<u8> {
+        let of_one = if self.one >= LEAST_INCREASE { self.one / 2 } else { 0 };
+        let of_two = if self.two >= 2 * LEAST_INCREASE { self.two / 8 } else { 0 };
+        Some(of_one.max(of_two)).filter(|&most| most > 0).map(|most| self.here.saturating_add(most))
+    }
+}
+
 impl Found {
-    /// The best of the costs in this range of indices, where the window lies on valid pixels; `None` where the paths' minimum lies outside of it,
-    /// or is not unique.
-    pub(super) fn new(costs: PointCosts<'_>, range: Range<usize>, changes: u8) -> Option<Self> {
+    /// The best of the costs in this range of indices, where the window lies on valid pixels.
+    ///
+    /// Where the border of the right image cuts the range off, the pattern may repeat at larger disparities. `costs_in_left` gives the window's costs
+    /// in its own image from so many pixels to the right on, and their number.
+    pub(super) fn new(
+        costs: PointCosts<'_>,
+        labels: &Labels,
+        steps: u16,
+        costs_in_left: impl FnOnce(usize, &mut [u8]) -> usize,
+    ) -> Result<Self, Unmatched> {
         let PointCosts { costs, sums, lowest } = costs;
-        let best = place_of_byte(sums, lowest)?;
-        if best == 0 {
-            return None; // the largest disparity: the minimum may lie beyond
-        }
+        let best = place_of_byte(sums, lowest).ok_or(Unmatched::Unclear)?;
         let ratio_q8 = |best: u8, second: u8| log2_q8(best) - log2_q8(second);
+        let twin = labels.twin(best);
+        if let Some(twin) = twin {
+            mask(sums, twin);
+        }
         let paths_q8 = ratio_q8(lowest, second_best(sums, best));
         if paths_q8 > -LEAST_UNIQUE_Q8 {
-            return None;
+            return Err(Unmatched::Unclear);
         }
-        let at = best.checked_sub(range.start)?;
-        let costs = costs.get_mut(range)?;
+        let (disparities, beside) = costs.split_at_mut_checked(labels.disparities).ok_or(Unmatched::Unclear)?;
+        let (beside_label, first) = labels.beside.unzip();
+        let first = labels.disparities + 1 + first.unwrap_or(0);
+        let is_on_plane = best > labels.disparities;
+        // Costs of the kind of the best label, where windows lie on valid pixels, and of the other kind.
+        let (cut_off, in_range) = disparities.split_at_mut_checked(labels.range.start).ok_or(Unmatched::Unclear)?;
+        let in_range = in_range.get_mut(..labels.range.len()).ok_or(Unmatched::Unclear)?;
+        let end = (labels.disparities + 1 + LABELS).min(labels.disparities + beside.len());
+        let on_plane = beside.get_mut(first - labels.disparities..end - labels.disparities).unwrap_or(&mut []);
+        let start = if is_on_plane { first } else { labels.range.start };
+        let other_start = if is_on_plane { labels.range.start } else { first };
+        let (costs, others) = if is_on_plane { (on_plane, in_range) } else { (in_range, on_plane) };
+        // At the largest disparity compared the minimum may lie beyond.
+        let is_inside = |at: &usize| *at > 0 && (!is_on_plane || at + 1 < costs.len());
+        let at = best.checked_sub(start).filter(is_inside).ok_or(Unmatched::Unclear)?;
         let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
-        let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at)?, cost(at + 1));
+        let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at).unwrap_or(u8::MAX), cost(at + 1));
+        let increase = Increase::of(here, [at.checked_sub(2).and_then(cost), before, after, cost(at + 2)]);
         let [one, other] = [before, after].map(|side| u16::from(side.unwrap_or(here)));
         let curvature = (one + other).saturating_sub(2 * u16::from(here)).min(u8::MAX.into()) as u8;
         let beside = |distance: i32| match distance {
@@ -137,12 +230,24 @@ impl Found {
             0 => Some(here),
             _ => after,
         };
-        let at_q6 = (best << 6) as i32 + subpixel_q6(0, |distance| beside(distance).map(u16::from));
-        let length = costs.len() as u32;
-        let second = second_best(costs, at).saturating_sub(JUMP_PENALTY);
-        let depth = before.unwrap_or(u8::MAX).min(after.unwrap_or(u8::MAX)).saturating_sub(here);
-        if depth >= LEAST_DEPTH && second <= here {
-            return None; // the pattern repeats: paths would propagate one of its disparities
+        let sub_q6 = subpixel_q6(0, |distance| beside(distance).map(u16::from));
+        let whole = match beside_label.filter(|_| is_on_plane) {
+            Some(label) => label.at_zero_q6 - ((best - labels.disparities - 1) << 6) as i32,
+            None => (labels.last - best as i32) << 6,
+        };
+        let disparity_q6 = whole - sub_q6;
+        let length = labels.range.len() as u32;
+        if let Some(twin) = twin.and_then(|twin| twin.checked_sub(other_start)) {
+            mask(others, twin);
+        }
+        let second = second_best(costs, at).min(lowest_byte(others)).saturating_sub(JUMP_PENALTY);
+        if let Some(most) = increase.most_of_repetition() {
+            // Where nothing repeats in the range, the left image itself tells whether something does where it is cut off.
+            let length = if second <= most || is_on_plane { 0 } else { costs_in_left(at + 1, cut_off) };
+            let in_left = cut_off.get(..length).filter(|costs| !costs.is_empty()).map(lowest_byte);
+            if second <= most || in_left.is_some_and(|cost| cost.saturating_sub(JUMP_PENALTY) <= most) {
+                return Err(Unmatched::Repeats);
+            }
         }
         let window_q8 = ratio_q8(here, second);
 
@@ -152,11 +257,18 @@ impl Found {
         evidence.set(SupportKind::WindowCost, log2_q8(here));
         evidence.set(SupportKind::Range, log2_mean_q8(length, 1));
         evidence.set(SupportKind::Curvature, log2_q8(curvature));
-        evidence.set(SupportKind::Changes, log2_q8(changes));
+        evidence.set(SupportKind::Changes, log2_mean_q8(steps.into(), 1));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
-        evidence.set(SupportKind::WindowRatioSquared, (window_q8 * window_q8) >> 8);
         // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.
-        Some(Self { at_q6, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
+        if let Some(label) = beside_label {
+            // The plane at the point's place in the grid: the label of the plane itself.
+            let off_q6 = disparity_q6 - (label.plane_q6);
+            let set = |is: bool| i32::from(is) << 8;
+            evidence.set(SupportKind::OnPlane, set(is_on_plane));
+            evidence.set(SupportKind::NearPlane, set(off_q6.abs() <= NEAR_PLANE_Q6));
+            evidence.set(SupportKind::BelowPlane, set(off_q6 < -NEAR_PLANE_Q6));
+        }
+        Ok(Self { disparity_q6, is_on_plane, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
     }
 }
 
@@ -183,28 +295,42 @@ pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENC
     model.part_q8(NEARBY[0] as usize, &nearby_q8)
 }
 
-/// Evidence by the eight points around the one at `index`, in rows of `columns` points, and by segments, Q8.
-pub(super) fn nearby(points: &[SupportPoint], columns: usize, detail_q8: i16, index: usize) -> [i16; 5] {
+/// Evidence by the eight points around the one at `index`, and by segments, Q8.
+pub(super) fn nearby(
+    points: &[SupportPoint],
+    grid: Grid,
+    (detail_q8, plane): (i16, Option<GroundPlane>),
+    index: usize,
+) -> [i16; 5] {
     let Some(own) = points.get(index).filter(|point| point.is_matched()) else { return [0; 5] };
-    let column = index - index.checked_div(columns).unwrap_or(0) * columns;
+    let columns = grid.columns;
+    let row = index.checked_div(columns).unwrap_or(0);
+    let column = index - row * columns;
     let first = column.saturating_sub(1);
     let (width, start) = ((column + 2).min(columns) - first, index + first - column);
     let near = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
+    // Beside the plane neighbours agree along it.
+    let slope = plane.filter(|_| own.place.is_on_plane());
     let lowest = i32::from(own.disparity_q6) - AGREES_Q6;
     let (mut agreeing, mut all) = (0_u32, 0_u32);
-    let mut add = |row: &[SupportPoint]| {
-        for point in row {
+    let mut add = |start: usize, rows: i32| {
+        for (point, at) in near(start).iter().zip(first..) {
             // 0 without a disparity.
             let weight = u32::from(point.uniqueness_q8);
             all += weight;
-            if (i32::from(point.disparity_q6) - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
+            let change = slope.map_or(0, |plane| {
+                let dx = grid.x(at) + point.place.dx() - grid.x(column) - own.place.dx();
+                let dy = rows * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
+                plane.change_q6(dx, dy)
+            });
+            if (i32::from(point.disparity_q6) - change - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
                 agreeing += weight;
             }
         }
     };
-    add(near(start.wrapping_sub(columns)));
-    add(near(start));
-    add(near(start + columns));
+    add(start.wrapping_sub(columns), -1);
+    add(start, 0);
+    add(start + columns, 1);
     let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
     let [supporting, conflicting] = own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
     [

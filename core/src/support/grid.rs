@@ -1,8 +1,10 @@
 //! Positions of support points, and the memory that matching them takes.
 
-use super::{SUPPORT_PITCH, SURROUNDINGS, paths, ranks};
+use super::place::Place;
+use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
 use crate::area::Area;
 use crate::image::Dims;
+use crate::kernel::CODE_ROWS;
 use crate::params::Params;
 use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
 use crate::units::quotient;
@@ -23,6 +25,8 @@ pub(crate) struct Grid {
     pitch: u16,
     width: u16,
     min_disparity: i16,
+    /// Labels beside the ground plane as well.
+    pub(super) has_plane: bool,
 }
 
 impl Grid {
@@ -38,20 +42,36 @@ impl Grid {
             pitch,
             width: dims.width,
             min_disparity,
+            has_plane: false,
         };
         let close = of_pitch(SUPPORT_PITCH);
         let there = row_bytes(dims.width) * BAND_ROWS * PLANES;
         if close.bytes() <= there { close } else { of_pitch(2 * SUPPORT_PITCH) }
     }
 
-    /// Working memory, bytes.
-    pub(crate) fn bytes(&self) -> usize {
-        ranks::bytes(self.width) + paths::bytes(self.disparities, self.columns)
+    /// The same with labels beside the ground plane, where these fit the memory.
+    pub(crate) fn with_plane(self, memory: usize) -> Self {
+        let with = Self { has_plane: true, ..self };
+        if with.bytes() <= memory { with } else { self }
     }
 
-    /// The memory of the ranks and that of the paths.
-    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<(&'m mut [u8], &'m mut [u8])> {
-        memory.split_at_mut_checked(ranks::bytes(self.width))
+    /// Number of labels of a point: disparities, and beside the plane one that never matches between both kinds.
+    pub(super) fn labels(&self) -> usize {
+        self.disparities + if self.has_plane { 1 + paths::PLANE_LABELS } else { 0 }
+    }
+
+    /// Working memory, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let planes =
+            if self.has_plane { CODE_ROWS * usize::from(self.width) + paths::PLANE_LABELS * self.columns } else { 0 };
+        codes::bytes(self.width) + paths::bytes(self.labels(), self.columns) + planes
+    }
+
+    /// The memory of the codes, that of the paths, and that of labels beside the plane.
+    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<[&'m mut [u8]; 3]> {
+        let (codes, memory) = memory.split_at_mut_checked(codes::bytes(self.width))?;
+        let (paths, memory) = memory.split_at_mut_checked(paths::bytes(self.labels(), self.columns))?;
+        Some([codes, paths, memory])
     }
 
     /// The largest disparity compared, px: costs are stored from there down, as columns of the right image rise.
@@ -64,15 +84,15 @@ impl Grid {
         i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
     }
 
-    /// First pixel column of the window of a column of points: around it, but not on the two pixels at each border, which have no ranks.
+    /// First pixel column of the window of a column of points: around it, but not on the two pixels at each border, which have no codes.
     pub(super) fn window(&self, column: usize) -> i32 {
-        let last = i32::from(self.width) - ranks::BORDER - ranks::WINDOW_COLUMNS as i32;
-        (self.x(column) - ranks::WINDOW_COLUMNS as i32 / 2).min(last).max(ranks::BORDER)
+        let last = i32::from(self.width) - codes::BORDER - codes::WINDOW_COLUMNS as i32;
+        (self.x(column) - codes::WINDOW_COLUMNS as i32 / 2).min(last).max(codes::BORDER)
     }
 
     /// The pixel column after the last one of windows.
     pub(super) fn border(&self) -> i32 {
-        i32::from(self.width) - ranks::BORDER
+        i32::from(self.width) - codes::BORDER
     }
 
     /// Pixel row of a row of points.
@@ -81,10 +101,10 @@ impl Grid {
     }
 
     /// Pixel of the point at this index in the list.
-    pub(crate) fn pixel(&self, index: usize) -> (u16, u16) {
+    pub(crate) fn pixel(&self, index: usize, place: Place) -> (u16, u16) {
         let row = index.checked_div(self.columns).unwrap_or(0);
         let column = index - row * self.columns;
-        (self.x(column) as u16, Self::y(row) as u16)
+        ((self.x(column) + place.dx()) as u16, (Self::y(row) + place.dy()) as u16)
     }
 
     /// Columns of points between two pixel columns, both included.
@@ -103,13 +123,11 @@ impl Grid {
         [down, Axis { step: 1, pitch: self.pitch.into(), count: self.columns }]
     }
 
-    /// Index in the list of the point at this pixel, if there is one.
+    /// Index in the list of the point in whose square this pixel lies, if there is one.
     pub(crate) fn index(&self, x: u16, y: u16) -> Option<usize> {
-        let pitch = self.pitch; // a power of two
-        let is_point = x & (pitch - 1) == pitch / 2 && y & (SUPPORT_PITCH - 1) == SUPPORT_PITCH / 2;
-        let column = usize::from(x.checked_div(pitch)?);
+        let column = usize::from(x.checked_div(self.pitch)?);
         let row = usize::from(y / SUPPORT_PITCH);
-        (is_point && column < self.columns && row < self.rows).then(|| row * self.columns + column)
+        (column < self.columns && row < self.rows).then(|| row * self.columns + column)
     }
 
     /// Columns and rows of points around an area of pixels: those in it, and its surroundings on each side.

@@ -4,52 +4,61 @@
 //! within 1 px.
 //!
 //! ```text
-//! ranks:   of every second row: number of the four neighbours at distance 2 that are darker                     (ranks)
-//! costs:   half the sum of |rank - rank| over 8 columns of every second of 7 rows, at each disparity
+//! noise:   its deviation, by the flattest runs of pixels of both images: what a difference of grey levels is worth  (noise)
+//! codes:   of each two rows, how the grey level changes to the right and downward, in units of the noise             (codes)
+//! costs:   1/64 of the sum of |code - code| over 8 columns of four rows of codes, at each disparity
 //! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
 //! result:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
+//! place:   the middle of the window's texture, which is what was matched                                         (place)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
 //! ```
 //!
 //! # Bounds
-//! Ranks are 0 ..= 4: a cost is at most 32 * 4 / 2 = 64, a path 64 + P2 = 74: bytes; the sum of three saturates at 255.
+//! Codes are bytes: a cost is at most 32 * 255 / 64 = 127, a path 127 + P2 = 147: bytes; the sum of three saturates at 255.
 //!
 //! # Cost
 //! Linear in the points and in the disparities. Of the cost volume one row of points is held, three planes.
 //!
 //! # Source
-//! Zabih, Woodfill 1994 (rank transform); Hirschmueller 2008 (semi-global matching).
+//! Hirschmueller 2008 (semi-global matching); codes are differences as of Sobel 1968, limited as in Birchfield, Tomasi 1998.
 
+mod codes;
 pub(crate) mod evidence;
 mod fitted;
 mod grid;
 mod nearer;
+mod noise;
 mod paths;
-mod ranks;
+mod place;
+mod plane;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
 pub use grid::most_support_points;
 pub use nearer::RangeCheck;
+pub(crate) use noise::Noise;
 
 use crate::area::Area;
 use crate::confidence::Model;
+use crate::ground::GroundPlane;
 use crate::image::{Dims, Gray, Span};
-use crate::kernel::{JUMP_PENALTY, rank_costs};
+use crate::kernel::{JUMP_PENALTY, code_costs, code_steps};
 use crate::params::Params;
 use crate::result::{Point, Source};
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
+use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{Detail, Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, changes_of, nearby};
+use evidence::{Detail, Found, Labels, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
-use ranks::{BORDER, RankRows, WINDOW_COLUMNS};
+use place::Place;
+use plane::PlaneLabels;
 
 /// Distance from one support point to the next, across and down, px.
 pub const SUPPORT_PITCH: u16 = 8;
-/// Cost where the window leaves the valid part of the right image: half of the largest, and P2 as all costs.
+/// Cost where the window leaves the valid part of the right image: a quarter of the largest, and P2 as all costs.
 const OUTSIDE: u8 = 32 + JUMP_PENALTY;
 /// Least [`SupportPoint::uniqueness_q8`] of a point that guides the search of segments, log2 in Q8.
 const UNIQUE_Q8: u8 = 32;
@@ -61,6 +70,9 @@ const UNIQUE_REACH: i32 = 6;
 pub(crate) const SURROUNDINGS: u16 = 24;
 /// Least number of disparities compared at a point: with fewer there is no second-best.
 const MIN_RANGE: usize = 8;
+
+/// In place of the disparity of a point whose window repeats, 1/64 px.
+const REPEATS_Q6: i16 = i16::MIN;
 
 /// One point of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -74,6 +86,8 @@ pub struct SupportPoint {
     pub(crate) probability_q16: u16,
     /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, Q8, 0 ..= 255: its weight as a neighbour.
     pub(crate) uniqueness_q8: u8,
+    /// Where in its square of the grid it stands.
+    pub(crate) place: Place,
     /// Weights of the hypotheses of segments around it that agree and that contradict, 0 ..= 255.
     pub(crate) segments: [u8; 2],
 }
@@ -82,13 +96,32 @@ impl SupportPoint {
     /// A point without a disparity.
     #[inline]
     pub(crate) const fn none() -> Self {
-        Self { disparity_q6: 0, score_q8: i16::MIN, probability_q16: 0, uniqueness_q8: 0, segments: [0; 2] }
+        Self {
+            disparity_q6: 0,
+            score_q8: i16::MIN,
+            probability_q16: 0,
+            uniqueness_q8: 0,
+            place: Place::MIDDLE,
+            segments: [0; 2],
+        }
     }
 
     /// True when it has a disparity.
     #[must_use]
     pub fn is_matched(&self) -> bool {
         self.score_q8 > i16::MIN
+    }
+
+    /// True when its disparity was found beside the ground plane, along which its window was moved row by row.
+    #[must_use]
+    pub fn is_beside_ground(&self) -> bool {
+        self.is_matched() && self.place.is_on_plane()
+    }
+
+    /// True when it has none because its window matches elsewhere as well.
+    #[must_use]
+    pub fn repeats(&self) -> bool {
+        !self.is_matched() && self.disparity_q6 == REPEATS_Q6
     }
 
     /// Disparity of the surface seen there, px.
@@ -109,7 +142,7 @@ impl SupportPoint {
 pub struct SupportCurves<'a> {
     /// Disparity of the first entry, px.
     pub largest: i32,
-    /// Costs of the window alone, before aggregation, 0 ..= 64.
+    /// Costs of the window alone, before aggregation, 0 ..= 127.
     pub window: &'a [u8],
     /// Sums of the three semi-global paths, after aggregation.
     pub paths: &'a [u8],
@@ -131,12 +164,29 @@ pub(crate) enum Seen<'a> {
     Evidence(&'a SupportEvidence),
 }
 
+/// Models for the probability of support points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SupportModels {
+    /// In pairs without a ground plane.
+    pub upright: Model<SUPPORT_EVIDENCE>,
+    /// In pairs with one.
+    pub ground: Model<SUPPORT_EVIDENCE>,
+}
+
+impl SupportModels {
+    pub(crate) const fn of(&self, has_plane: bool) -> &Model<SUPPORT_EVIDENCE> {
+        if has_plane { &self.ground } else { &self.upright }
+    }
+}
+
 /// A pair and the grid of points that is matched in it.
 pub(crate) struct Matching<'a> {
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) grid: Grid,
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
+    pub(crate) noise: Noise,
+    pub(crate) plane: Option<GroundPlane>,
     pub(crate) model: &'a Model<SUPPORT_EVIDENCE>,
 }
 
@@ -177,41 +227,55 @@ impl Matching<'_> {
         watch: &mut impl FnMut(usize, Seen<'_>),
     ) {
         let [left, right] = self.images;
-        let Some((ranks, paths)) = self.grid.split(memory) else { return };
-        let Some(mut ranks) = RankRows::new([left, right], self.row_offset, ranks) else { return };
-        let Some(mut paths) = Paths::new(self.grid.disparities, self.grid.columns, paths) else { return };
+        let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
+        let mut labels = self
+            .plane
+            .filter(|_| self.grid.has_plane)
+            .and_then(|plane| PlaneLabels::new(plane, self.grid, left.dims().width, labels));
+        let Some(mut codes) = CodeRows::new([left, right], self.row_offset, self.noise, codes) else { return };
+        let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else { return };
         paths.restart();
         let columns = usize::from(area.left)..usize::from(area.right);
         let last = self.grid.last();
         let mut ranges = [Span::default(); MAX_COLUMNS];
-        let mut changes = [0; MAX_COLUMNS];
+        let mut steps = [0; MAX_COLUMNS];
         let mut valid_before = None;
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
-            ranks.code(y);
+            codes.code(y);
             let valid = [left.valid_columns(y), right.valid_columns(y + self.row_offset)];
             if valid_before.replace(valid) != Some(valid) {
                 for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
                     *range = self.range(column, valid).unwrap_or_default();
                 }
             }
+            if let Some(labels) = &mut labels {
+                labels.measure(y, self.grid, &codes, valid[1]);
+            }
             paths.forward(columns.clone(), |column, costs| {
+                let (costs, beside) = costs.split_at_mut_checked(self.grid.disparities).unwrap_or_default();
+                if let Some((none, beside)) = beside.split_first_mut()
+                    && let Some(labels) = &labels
+                {
+                    *none = u8::MAX;
+                    labels.fill(column, self.grid.x(column), beside);
+                }
                 let range = indices(ranges.get(column));
                 if range.len() < costs.len() {
                     costs.fill(OUTSIDE);
                 }
                 let x = self.grid.window(column);
-                if let Some((window, columns)) = ranks.windows(x, x - last + range.start as i32)
+                if let Some((window, columns)) = codes.windows(x, x - last + range.start as i32)
                     && let Some(in_range) = costs.get_mut(range)
                 {
-                    rank_costs(window, columns, in_range);
+                    code_costs(window, columns, in_range);
                     if !in_range.is_empty() {
                         let [_, right] = valid;
-                        nearer.add((row.into(), column), costs, &ranks, right.start.into());
+                        nearer.add((row.into(), column), costs, &codes, right.start.into());
                     }
-                    if let Some(changes) = changes.get_mut(column) {
-                        *changes = changes_of(window);
-                        detail.add(*changes);
+                    if let Some(steps) = steps.get_mut(column) {
+                        *steps = code_steps(window);
+                        detail.add(*steps);
                     }
                 }
             });
@@ -220,25 +284,41 @@ impl Matching<'_> {
                 let range = indices(ranges.get(column));
                 if !range.is_empty()
                     && let Some(point) = points.get_mut(first + column)
-                    && let Some(&changes) = changes.get(column)
+                    && let Some(&steps) = steps.get(column)
                 {
                     watch(first + column, Seen::Curves(SupportCurves::new(&costs, range.clone(), last)));
-                    if let Some(found) = Found::new(costs, range.clone(), changes) {
-                        watch(first + column, Seen::Evidence(&found.evidence));
-                        *point = self.to_point(&found);
-                    }
+                    let window = self.grid.window(column);
+                    let in_left = |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);
+                    let beside = labels.as_ref().and_then(|labels| labels.label(column, self.grid, y));
+                    let labels = Labels { range: range.clone(), disparities: self.grid.disparities, last, beside };
+                    *point = match Found::new(costs, &labels, steps, in_left) {
+                        Ok(found) => {
+                            watch(first + column, Seen::Evidence(&found.evidence));
+                            let place = codes
+                                .around_window(window)
+                                .map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
+                            self.to_point(&found, place)
+                        }
+                        Err(Unmatched::Repeats) => SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() },
+                        Err(Unmatched::Unclear) => SupportPoint::none(),
+                    };
                 }
             });
         }
     }
 
-    fn to_point(&self, found: &Found) -> SupportPoint {
-        let last = self.grid.last();
+    fn to_point(&self, found: &Found, place: Place) -> SupportPoint {
+        // Beside the plane the disparity changes from its place in the grid as the plane does.
+        let (place, moved_q6) = match self.plane.filter(|_| found.is_on_plane) {
+            Some(plane) => (place.on_plane(), plane.change_q6(place.dx(), place.dy())),
+            None => (place, 0),
+        };
         SupportPoint {
-            disparity_q6: narrow((last << 6) - found.at_q6),
+            disparity_q6: narrow(found.disparity_q6 + moved_q6),
             score_q8: narrow(self.model.score_q8(&found.evidence.0).max(1 - (1 << 15))),
             probability_q16: 0,
             uniqueness_q8: found.uniqueness_q8,
+            place,
             segments: [0; 2],
         }
     }
@@ -266,9 +346,14 @@ fn indices(range: Option<&Span>) -> Range<usize> {
 }
 
 /// Sets the probability of every point by its own evidence and that by its neighbours.
-pub(crate) fn rate(points: &mut [SupportPoint], grid: Grid, detail_q8: i16, model: &Model<SUPPORT_EVIDENCE>) {
+pub(crate) fn rate(
+    points: &mut [SupportPoint],
+    grid: Grid,
+    (detail_q8, plane): (i16, Option<GroundPlane>),
+    model: &Model<SUPPORT_EVIDENCE>,
+) {
     for index in 0..points.len() {
-        let nearby = nearby(points, grid.columns, detail_q8, index);
+        let nearby = nearby(points, grid, (detail_q8, plane), index);
         if let Some(point) = points.get_mut(index)
             && point.is_matched()
         {
@@ -284,12 +369,24 @@ pub struct Support<'a> {
     pub(crate) grid: Grid,
     /// [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
+    pub(crate) plane: Option<GroundPlane>,
     pub(crate) points: &'a [SupportPoint],
 }
 
 impl<'a> Support<'a> {
     pub(crate) fn new(params: &Params, dims: Dims, points: &'a [SupportPoint], detail_q8: i16) -> Self {
-        Self { grid: Grid::new(params, dims), detail_q8, points }
+        Self { grid: Grid::new(params, dims), detail_q8, plane: None, points }
+    }
+
+    /// The same of a pair with a ground plane, if there is one.
+    pub(crate) fn with_plane(self, plane: Option<GroundPlane>) -> Self {
+        Self { plane, ..self }
+    }
+
+    /// The ground plane of the pair, if one was found.
+    #[must_use]
+    pub const fn plane(&self) -> Option<GroundPlane> {
+        self.plane
     }
 
     /// Number of points, matched or not.
@@ -312,14 +409,23 @@ impl<'a> Support<'a> {
     /// Every point with its pixel `(x, y)`, row by row, matched or not.
     pub fn iter(&self) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;
-        self.points.iter().enumerate().map(move |(index, point)| (grid.pixel(index), point))
+        self.points.iter().enumerate().map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
-    /// Every `step`-th point of [`Support::iter`], from the first one on.
-    pub(crate) fn every(&self, step: usize) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
+    /// Every `step`-th point of [`Support::iter`], from this one on.
+    pub(crate) fn every(
+        &self,
+        first: usize,
+        step: usize,
+    ) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
         let grid = self.grid;
         // The step before the pixel: those between have none worked out.
-        self.points.iter().enumerate().step_by(step).map(move |(index, point)| (grid.pixel(index), point))
+        self.points
+            .iter()
+            .enumerate()
+            .skip(first)
+            .step_by(step)
+            .map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
     /// The matched points with at least this probability. The list of points has each pixel once: there some are replaced by a more probable point
@@ -347,6 +453,20 @@ impl<'a> Support<'a> {
         self.between((x - reach, x + reach), (y - reach, y + reach))
     }
 
+    /// Number of points, of those in this area that `contains` holds, whose windows repeat.
+    pub(crate) fn repeating(&self, area: Area, contains: impl Fn(i32, i32) -> bool) -> u32 {
+        let Area { left, top, right, bottom } = area;
+        let columns = self.grid.columns_within(left.into(), i32::from(right) - 1);
+        let mut count = 0;
+        for row in self.grid.rows_within(top.into(), i32::from(bottom) - 1) {
+            for column in columns.clone() {
+                let repeats = self.points.get(row * self.grid.columns + column).is_some_and(SupportPoint::repeats);
+                count += u32::from(repeats && contains(self.grid.x(column), Grid::y(row)));
+            }
+        }
+        count
+    }
+
     /// The matched points between two columns and two rows of pixels, all included, with their pixels.
     fn between(
         &self,
@@ -354,11 +474,12 @@ impl<'a> Support<'a> {
         (top, bottom): (i32, i32),
     ) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
         let (grid, points) = (self.grid, self.points);
-        let columns = grid.columns_within(left, right);
-        grid.rows_within(top, bottom).flat_map(move |row| {
+        let columns = grid.columns_within(left - place::MOST, right - place::LEAST);
+        grid.rows_within(top - place::MOST, bottom - place::LEAST).flat_map(move |row| {
             columns.clone().filter_map(move |column| {
                 let point = points.get(row * grid.columns + column).filter(|point| point.is_matched())?;
-                Some((grid.x(column), Grid::y(row), point))
+                let (x, y) = (grid.x(column) + point.place.dx(), Grid::y(row) + point.place.dy());
+                ((left..=right).contains(&x) && (top..=bottom).contains(&y)).then_some((x, y, point))
             })
         })
     }
@@ -366,7 +487,7 @@ impl<'a> Support<'a> {
     /// The matched point at this pixel, if there is one.
     pub(crate) fn at(&self, x: u16, y: u16) -> Option<&'a SupportPoint> {
         let index = self.grid.index(x, y)?;
-        self.points.get(index).filter(|point| point.is_matched())
+        self.points.get(index).filter(|point| point.is_matched() && self.grid.pixel(index, point.place) == (x, y))
     }
 
     /// Lowest and highest disparity, whole px, of the unique points ([`UNIQUE_Q8`]) within [`GUIDE_REACH`] of an area; `None` where less than half of
@@ -401,6 +522,6 @@ impl<'a> Support<'a> {
     /// The evidence of the point at `index`, completed with that by its neighbours.
     #[must_use]
     pub fn with_nearby(&self, index: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_nearby(nearby(self.points, self.grid.columns, self.detail_q8, index))
+        evidence.with_nearby(nearby(self.points, self.grid, (self.detail_q8, self.plane), index))
     }
 }

@@ -1,6 +1,6 @@
 //! Windows that match beyond the disparity range: what is nearer than the range finds a wrong match in it.
 //!
-//! In: the costs of support points in the range, the ranks of their rows. Out: a [`RangeCheck`].
+//! In: the costs of support points in the range, the codes of their rows. Out: a [`RangeCheck`].
 //!
 //! ```text
 //! every fourth row of points, two adjacent points of every four, their costs summed:
@@ -11,15 +11,15 @@
 //! range 5 to 66 of some 70 fall below 0.7.
 //!
 //! # Bounds
-//! A cost is at most 64 + P2, two of them 152: sums fit into a byte.
+//! A cost is at most 127 + P2: the sum of two saturates.
 //!
 //! # Cost
 //! Some 70 windows of a QVGA pair, a third of which is compared beyond the range.
 
-use super::ranks::{BORDER, RankRows, WINDOW_COLUMNS};
+use super::codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use super::{Grid, MIN_RANGE};
 use crate::curve::MAX_DISPARITIES;
-use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte, rank_costs};
+use crate::kernel::{JUMP_PENALTY, code_costs, lowest_byte, place_of_byte};
 
 /// Rows and columns of points from one sample to the next.
 const STEP: usize = 4;
@@ -30,7 +30,7 @@ const FIRST_COLUMN: usize = 1;
 /// Most disparities compared beyond the range.
 const MOST_BEYOND: usize = 64;
 /// Lowest cost in the range, of two windows without P2, below which they have their match there.
-const EXPLAINED: u8 = 20;
+const EXPLAINED: u8 = 40;
 
 /// Windows of the left image compared with disparities beyond the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -69,7 +69,7 @@ impl NearerSearch {
     }
 
     /// Continues with the costs of the next point of a row, at all disparities of the range.
-    pub(super) fn add(&mut self, (row, column): (usize, usize), costs: &[u8], ranks: &RankRows<'_>, right_start: i32) {
+    pub(super) fn add(&mut self, (row, column): (usize, usize), costs: &[u8], codes: &CodeRows<'_>, right_start: i32) {
         if row % STEP != FIRST_ROW {
             return;
         }
@@ -81,12 +81,12 @@ impl NearerSearch {
                 kept.copy_from_slice(costs);
             }
         } else if place == FIRST_COLUMN + 1 && self.sample.take() == Some(sample) {
-            self.compare([column - 1, column], costs, ranks, right_start);
+            self.compare([column - 1, column], costs, codes, right_start);
         }
     }
 
     /// Compares the lowest cost of a sample in the range with that beyond it.
-    fn compare(&mut self, columns: [usize; 2], costs: &[u8], ranks: &RankRows<'_>, right_start: i32) {
+    fn compare(&mut self, columns: [usize; 2], costs: &[u8], codes: &CodeRows<'_>, right_start: i32) {
         let windows = columns.map(|column| self.grid.window(column));
         let (last, [x, _]) = (self.grid.last(), windows);
         // The disparities end where the window leaves the right image; costs are stored from the largest one down.
@@ -101,9 +101,9 @@ impl NearerSearch {
         let mut beyond = [[u8::MAX; MOST_BEYOND]; 2];
         for (costs, x) in beyond.iter_mut().zip(windows) {
             let needed = length + WINDOW_COLUMNS - 1;
-            let Some((window, right)) = ranks.windows(x, x - last - most) else { return };
+            let Some((window, right)) = codes.windows(x, x - last - most) else { return };
             let (Some(right), Some(costs)) = (right.get(..needed), costs.get_mut(..length)) else { return };
-            rank_costs(window, right, costs);
+            code_costs(window, right, costs);
         }
         let [sums, others] = &mut beyond;
         sums.iter_mut().zip(others).for_each(|(sum, other)| *sum = sum.saturating_add(*other));

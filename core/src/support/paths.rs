@@ -16,14 +16,17 @@ use core::ops::Range;
 /// Number of points of the widest row.
 pub(super) const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
 
+/// Labels of a point beside the ground plane, behind its disparities.
+pub(super) const PLANE_LABELS: usize = 15;
+
 /// Bytes of one curve.
-const fn stride(disparities: usize) -> usize {
-    disparities.next_multiple_of(16)
+const fn stride(labels: usize) -> usize {
+    labels.next_multiple_of(16)
 }
 
 /// Bytes of memory for rows of `columns` points.
-pub(super) const fn bytes(disparities: usize, columns: usize) -> usize {
-    stride(disparities) * (3 * columns + 1)
+pub(super) const fn bytes(labels: usize, columns: usize) -> usize {
+    stride(labels) * (3 * columns + 1)
 }
 
 /// Costs and path costs of one row of points.
@@ -32,13 +35,13 @@ pub(super) struct Paths<'m> {
     above: &'m mut [u8],
     sums: &'m mut [u8],
     along: &'m mut [u8],
-    disparities: usize,
+    labels: usize,
     stride: usize,
     /// Lowest cost of each path from above.
     above_lowest: [u8; MAX_COLUMNS],
 }
 
-/// Costs of a point along the disparities.
+/// Costs of a point along its labels: disparities, then those beside the plane.
 pub(super) struct PointCosts<'p> {
     /// The window's own cost, with P2.
     pub(super) costs: &'p mut [u8],
@@ -49,14 +52,14 @@ pub(super) struct PointCosts<'p> {
 }
 
 impl<'m> Paths<'m> {
-    pub(super) fn new(disparities: usize, columns: usize, memory: &'m mut [u8]) -> Option<Self> {
-        let stride = stride(disparities);
-        let memory = memory.get_mut(..bytes(disparities, columns))?;
+    pub(super) fn new(labels: usize, columns: usize, memory: &'m mut [u8]) -> Option<Self> {
+        let stride = stride(labels);
+        let memory = memory.get_mut(..bytes(labels, columns))?;
         let (costs, memory) = memory.split_at_mut_checked(stride * columns)?;
         let (above, memory) = memory.split_at_mut_checked(stride * columns)?;
         let (sums, along) = memory.split_at_mut_checked(stride * columns)?;
         let above_lowest = [0; MAX_COLUMNS];
-        Some(Self { costs, above, sums, along, disparities, stride, above_lowest })
+        Some(Self { costs, above, sums, along, labels, stride, above_lowest })
     }
 
     /// Resets the paths: the next row is the first one.
@@ -65,7 +68,7 @@ impl<'m> Paths<'m> {
         self.above_lowest.fill(0);
         // Entries beyond the disparities.
         for costs in self.costs.chunks_exact_mut(self.stride.max(1)) {
-            if let Some(beyond) = costs.get_mut(self.disparities..) {
+            if let Some(beyond) = costs.get_mut(self.labels..) {
                 beyond.fill(u8::MAX);
             }
         }
@@ -75,7 +78,7 @@ impl<'m> Paths<'m> {
     pub(super) fn forward(&mut self, columns: Range<usize>, mut fill: impl FnMut(usize, &mut [u8])) {
         self.along.fill(0);
         let mut lowest = 0;
-        let (stride, disparities) = (self.stride.max(1), self.disparities);
+        let (stride, labels) = (self.stride.max(1), self.labels);
         let within = columns.start * stride..columns.end * stride;
         let (Some(costs), Some(above), Some(sums), Some(above_lowest)) = (
             self.costs.get_mut(within.clone()),
@@ -88,7 +91,7 @@ impl<'m> Paths<'m> {
         let points =
             costs.chunks_exact_mut(stride).zip(above.chunks_exact_mut(stride)).zip(sums.chunks_exact_mut(stride));
         for (((costs, above), sum), (above_lowest, column)) in points.zip(above_lowest.iter_mut().zip(columns)) {
-            if let Some(costs) = costs.get_mut(..disparities) {
+            if let Some(costs) = costs.get_mut(..labels) {
                 fill(column, costs);
             }
             *above_lowest = path_step(costs, *above_lowest, above);

@@ -69,6 +69,14 @@ impl Truth {
         value.is_finite().then_some(value)
     }
 
+    /// The truth without these pixels.
+    #[must_use]
+    pub fn without(mut self, is_left_out: impl Fn(usize) -> bool) -> Self {
+        let unknown = self.disparity.iter_mut().enumerate().filter(|(index, _)| is_left_out(*index));
+        unknown.for_each(|(_, disparity)| *disparity = f32::NAN);
+        self
+    }
+
     /// The true match of a pixel is known and visible in the right image.
     #[must_use]
     pub fn is_visible(&self, x: i32, y: i32) -> bool {

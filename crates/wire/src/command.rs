@@ -166,6 +166,7 @@ impl ParamUpdate {
             min_confidence: self.min_confidence.unwrap_or(params.min_confidence),
             reach: self.reach.unwrap_or(params.reach),
             parts: self.parts.unwrap_or(params.parts),
+            ground: params.ground,
         })
     }
 

@@ -6,7 +6,7 @@
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::diagnostics::kernel::{CELL, Crossings, Knot, Products, RANK_ROWS, Ring, Run, STRIP, Strip};
+use linestereo::diagnostics::kernel::{CELL, CODE_ROWS, Crossings, Knot, Products, Ring, Run, STRIP, Strip};
 
 const WIDTH: usize = 320;
 const DISPARITIES: usize = 64;
@@ -17,9 +17,9 @@ const ROWS: usize = 8;
 /// Pixels that are read.
 pub const PIXELS: usize = 16 * WIDTH;
 
-/// Columns of ranks, which begin at a whole word as in the core.
+/// Columns of codes, which begin at a whole word as in the core.
 #[repr(align(4))]
-struct Columns<const N: usize>([[u8; RANK_ROWS]; N]);
+struct Columns<const N: usize>([[u8; CODE_ROWS]; N]);
 
 /// Cost of one kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,9 +71,9 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
     let (mut out, mut curve, mut between) = ([0_u8; WIDTH], [0_u16; DISPARITIES], [Knot::default(); CELLS + 3]);
     let [a, b, c] = core::array::from_fn(|k| core::array::from_fn(|i| row(k).get(i).copied().unwrap_or(0).into()));
     let [a, b, c]: [&[u16; DISPARITIES]; 3] = [&a, &b, &c];
-    let ranks = Columns([[1; RANK_ROWS]; DISPARITIES + STRIP - 1]);
-    let mut columns = Columns([[0; RANK_ROWS]; WIDTH]);
-    let window = Columns([[2; RANK_ROWS]; STRIP]);
+    let codes = Columns([[1; CODE_ROWS]; DISPARITIES + STRIP - 1]);
+    let mut columns = Columns([[0; CODE_ROWS]; WIDTH]);
+    let window = Columns([[2; CODE_ROWS]; STRIP]);
     let mut bytes = [[0_u8; DISPARITIES]; 3];
     let [costs, path, sums] = &mut bytes;
     let mut products = [Products::default(); 2];
@@ -94,8 +94,9 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("bilinear_runs", time(clock, || (kernels.bilinear_runs)(pixels, WIDTH, &runs, &mut out))),
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
         ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),
-        ("rank_columns", time(clock, || (kernels.rank_columns)([0, 2, 4, 6, 8, 10].map(row), &mut columns.0))),
-        ("rank_costs", time(clock, || (kernels.rank_costs)(&window.0, &ranks.0, costs))),
+        ("code_columns", time(clock, || (kernels.code_columns)(core::array::from_fn(row), 4, &mut columns.0))),
+        ("code_steps", time(clock, || (kernels.code_steps)(&window.0))),
+        ("code_costs", time(clock, || (kernels.code_costs)(&window.0, &codes.0, costs))),
         ("path_step", time(clock, || (kernels.path_step)(costs, 0, path))),
         ("sum_paths", time(clock, || (kernels.sum_paths)(costs, path, sums))),
         ("lowest_byte", time(clock, || (kernels.lowest_byte)(costs))),

@@ -254,7 +254,8 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             }
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
-                let result = FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair };
+                let result =
+                    FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair, ground: None };
                 frame = Some(BoardResult {
                     result,
                     rectification: 0,

@@ -28,6 +28,9 @@ pub struct MethodArgs {
     /// Parts of the method that match a pair [default: both].
     #[arg(long, value_name = "PARTS", value_enum)]
     parts: Option<PartsArg>,
+    /// Do not look for the ground plane, nor match beside it.
+    #[arg(long)]
+    no_ground: bool,
 }
 
 /// [`Parts`] on the command line.
@@ -83,6 +86,7 @@ impl MethodArgs {
             Some(PartsArg::Both) => Parts::Both,
             Some(PartsArg::Support) => Parts::Support,
         };
+        params.ground = !self.no_ground;
         Ok(params)
     }
 }

@@ -4,7 +4,8 @@ use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, Objects};
 use super::recording::{Played, RecordingArgs};
 use super::video::CameraArgs;
-use crate::results::listing;
+use crate::results::ground::Ground;
+use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use linestereo_frames::{SceneInfo, StoredPair};
 use linestereo_recordings::Footage;
@@ -133,15 +134,17 @@ impl<'a> Player<'a> {
         }
         let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
         let objects = asked.depths(setup, pair, &mut matcher.engine, &result);
-        Ok(Played { images, result, objects })
+        let rig = setup.params.rig.as_ref();
+        let ground = result.ground.map(|plane| Ground::new(plane, rig, images[0].dims));
+        Ok(Played { images, result, objects, ground })
     }
 }
 
 /// The line of a frame.
 pub(super) fn line(number: u64, pair: &StoredPair, played: &Result<Played, String>, no_points: bool) -> Result<String> {
     match played {
-        Ok(Played { images, result, objects }) => {
-            let answers = Asked::answers(objects.as_ref());
+        Ok(Played { images, result, objects, ground }) => {
+            let answers = Answers { ground: *ground, ..Asked::answers(objects.as_ref()) };
             let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
             Ok(with_name(number, &pair.name, &line))
         }

@@ -26,6 +26,8 @@ pub(super) struct Played {
     pub(super) images: [GrayImage; 2],
     pub(super) result: FrameResult,
     pub(super) objects: Option<Asked>,
+    /// The ground plane.
+    pub(super) ground: Option<crate::results::ground::Ground>,
 }
 
 #[derive(Debug, clap::Args)]

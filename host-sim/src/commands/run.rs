@@ -8,6 +8,7 @@ use crate::draw::{self, ColourRange};
 use crate::engine::FrameResult;
 use crate::output::{OutputFiles, OutputPath};
 use crate::results::directions::Directions;
+use crate::results::ground::Ground;
 use crate::results::health;
 use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
@@ -94,7 +95,9 @@ pub fn run(args: &Args) -> Result<()> {
     let (left, result, cost, objects, queries) = matched(&setup, (&given, &pair), &asked, &args.query)?;
     let directions = args.sectors.directions(&setup, &result)?;
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
-    let answers = Answers { queries, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
+    let ground = result.ground.map(|plane| Ground::new(plane, rig.as_ref(), left.dims));
+    let answers =
+        Answers { queries, ground, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
     let mut output = OutputFiles::new();
     output.add_made(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
     output.add_made(args.csv.as_ref(), || Ok(listing::csv(&result)))?;
@@ -204,6 +207,9 @@ fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> Str
     if !lost.is_empty() {
         let list: Vec<String> = lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
         let _ = writeln!(text, "rejected: {}", list.join(", "));
+    }
+    if let Some(plane) = result.ground {
+        text.push_str(&Ground::new(plane, params.rig.as_ref(), dims).summary());
     }
     text.push_str(&health::summary(result.health, result.pair.as_ref()));
     text

@@ -76,7 +76,12 @@ impl SectorArgs {
             bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
         }
         let plan = self.plan.plan(&setup.params, setup.dims())?;
-        Ok(Some(Directions::new(plan, &result.matches, &result.points, result.health.of_pair())))
+        Ok(Some(Directions::new(
+            plan.on_ground(result.ground),
+            &result.matches,
+            &result.points,
+            result.health.of_pair(),
+        )))
     }
 }
 

@@ -260,6 +260,7 @@ mod tests {
             counts: Counts::default(),
             health: Health::GOOD,
             pair: None,
+            ground: None,
         };
         let picture = overlay(&left, &result, None, 64);
         assert_eq!(picture.width(), 4 * 320);

@@ -1,6 +1,6 @@
 //! A support point: the window's own costs, the sum of the paths, its neighbours, its probability.
 
-use super::curve::{Curve, Low, Mark, Plot, words};
+use super::curve::{Curve, Mark, Plot, words};
 use super::log::CurveLog;
 use super::{Account, Step};
 use linestereo::diagnostics::SUPPORT_PITCH;
@@ -8,8 +8,6 @@ use linestereo::{Params, Support, SupportPoint};
 
 /// Largest difference between the disparities of neighbours that agree, px.
 const AGREES: f64 = 1.5;
-/// Least increase of the window's cost 1 px away for an equal cost elsewhere to be a repetition.
-const LEAST_DEPTH: u16 = 2;
 
 /// Index of the point next to a pixel.
 pub(super) fn nearest((x, y): (u16, u16), points: &Support<'_>) -> Option<usize> {
@@ -32,7 +30,17 @@ pub(super) fn account(index: usize, log: &CurveLog, points: &Support<'_>, params
         account.verdict = "too close to the border to compare enough disparities".to_owned();
         return (pixel, account);
     };
-    let failed = add_tests(&costs.window, &costs.paths, point.is_matched(), params, &mut account);
+    let beside_ground = points.plane().filter(|_| point.is_beside_ground());
+    let failed = if let Some(plane) = beside_ground {
+        let at = f64::from(plane.at_q6(pixel.0.into(), pixel.1.into())) / 64.0;
+        account
+            .steps
+            .push(Step::note("search", "up to 7 px beside the ground plane, as well as all disparities".into()));
+        account.steps.push(Step::note("ground plane", format!("{at:.2} px: the window was moved along it row by row")));
+        ""
+    } else {
+        add_tests((&costs.window, &costs.paths), (point.is_matched(), point.repeats()), params, &mut account)
+    };
     account.plots = vec![
         Plot::new("support point: window alone, before aggregation", vec![("window", costs.window.clone())]),
         Plot::new("support point: sum of the paths, after aggregation", vec![("paths", costs.paths.clone())]),
@@ -54,7 +62,12 @@ pub(super) fn account(index: usize, log: &CurveLog, points: &Support<'_>, params
 }
 
 /// The tests of its costs; returns the words for the one that failed, if it has no disparity.
-fn add_tests(window: &Curve, paths: &Curve, is_matched: bool, params: &Params, account: &mut Account) -> &'static str {
+fn add_tests(
+    (window, paths): (&Curve, &Curve),
+    (is_matched, repeats): (bool, bool),
+    params: &Params,
+    account: &mut Account,
+) -> &'static str {
     let (Some((best, second)), Some(window_best)) = (paths.best_and_second(), window.best_and_second()) else {
         return "too few disparities to compare";
     };
@@ -62,10 +75,6 @@ fn add_tests(window: &Curve, paths: &Curve, is_matched: bool, params: &Params, a
     account.steps.push(Step::note("search", range));
     account.steps.push(Step::note("window", words(window, window_best.0, window_best.1)));
     let is_last = best.at == i32::from(params.max_disparity) - 1;
-    let near = |at: i32| window.near(at, 0).map_or(0, |low| low.cost);
-    let here = near(best.at);
-    let repeats = repeats(window, best, here);
-    // The remaining reason when nothing else was wrong.
     let is_unique = is_matched || is_last || repeats;
     account.steps.push(Step::test("paths", is_unique && !is_last, words(paths, best, second)));
     if is_last {
@@ -74,17 +83,11 @@ fn add_tests(window: &Curve, paths: &Curve, is_matched: bool, params: &Params, a
     if !is_unique {
         return "two disparities fit nearly as well after aggregation: no texture, or one that repeats";
     }
+    let here = window.near(best.at, 0).map_or(0, |low| low.cost);
     let elsewhere = window.second(best.at).map_or(0, |low| low.cost);
     let text = format!("at {} px the window costs {here}, elsewhere at least {elsewhere}", best.at);
     account.steps.push(Step::test("no repetition", is_matched, text));
-    "the pattern repeats: another disparity fits the window as well"
-}
-
-/// Does another disparity fit the window as well, though it has a minimum here?
-fn repeats(window: &Curve, best: Low, here: u16) -> bool {
-    let beside = [best.at - 1, best.at + 1].map(|at| window.near(at, 0).map_or(u16::MAX, |low| low.cost));
-    let depth = beside[0].min(beside[1]).saturating_sub(here);
-    depth >= LEAST_DEPTH && window.second(best.at).is_some_and(|second| second.cost <= here)
+    "the pattern repeats: it fits another disparity as well, or, where the border cuts those off, the left image further right"
 }
 
 fn neighbours((x, y): (u16, u16), disparity: f64, list: &[((u16, u16), &SupportPoint)]) -> Step {

@@ -73,7 +73,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let dims = Dims { width: head.width, height: head.height };
     let FrameHead { counts, health, pair, times, .. } = *head;
     let FrameTimes { waiting_us, matching_us, port_us } = times;
-    let result = FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair };
+    let result = FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair, ground: None };
     let text = listing::json(dims, &result, &Answers::default())?;
     let mut listing: Value = serde_json::from_str(&text)?;
     serde_json::to_string(&Listing {

@@ -4,6 +4,7 @@
 //! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
 
 use super::directions::{Direction, five_decimals};
+use super::ground::Ground;
 use crate::engine::FrameResult;
 use crate::results::health;
 use core::fmt::Write;
@@ -42,6 +43,9 @@ pub struct Answers {
     /// Depth of each pixel that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub queries: Option<Vec<Query>>,
+    /// The ground plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground: Option<Ground>,
     /// Every direction of the turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sectors: Option<Vec<Direction>>,
@@ -323,6 +327,7 @@ mod tests {
             counts: Counts::default(),
             health: Health::GOOD,
             pair: None,
+            ground: None,
         }
     }
 

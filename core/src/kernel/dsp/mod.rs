@@ -7,7 +7,8 @@
 //! rows    gradient, census, reversal of a row
 //! curves  costs over disparity: sums of strips and points, operations on curves
 //! pixels  bilinear interpolation between two rows
-//! support ranks, costs of windows of ranks, paths
+//! codes   codes of texture, and how they change
+//! support costs of windows of codes, paths
 //! edges   the largest step along a row or column, gradients where an edge crosses
 //! lags    products of gradients along two rows, at several lags
 //! ```
@@ -21,7 +22,7 @@
 //! In the modules.
 //!
 //! # Source
-//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, UHADD8, UQADD8, UQSUB8, UQADD16, USUB16, SSUB16, UXTB16, UXTAB16, PKHBT, SMLAD, SMUAD.
+//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, QADD8, QSUB8, SHADD8, UQADD8, UQSUB8, UQADD16, USUB16, SSUB16, UXTB16, UXTAB16, PKHBT, SMLAD, SMUAD.
 
 /// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without one by name.
 #[cfg(armv8m)]
@@ -33,6 +34,7 @@ macro_rules! asm {
     ($($arguments:tt)*) => { core::arch::asm!($($arguments)*) };
 }
 
+mod codes;
 mod curves;
 mod edges;
 mod lags;
@@ -40,12 +42,13 @@ mod pixels;
 mod rows;
 mod support;
 
+pub use codes::{code_columns, code_steps};
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
 pub use edges::{crossing, largest_step};
 pub use lags::add_products;
 pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, reverse_row};
-pub use support::{lowest_byte, path_step, place_of_byte, rank_columns, rank_costs, sum_paths};
+pub use support::{code_costs, lowest_byte, path_step, place_of_byte, sum_paths};
 
 /// A function of two words that is one instruction.
 macro_rules! two_operands {

@@ -1,10 +1,9 @@
-//! Kernels of support points: ranks, costs of windows of ranks, paths.
+//! Kernels of support points: costs of windows of codes, paths. Codes are in [`codes`](super::codes).
 //!
-//! In: rows of pixels or ranks, curves of bytes over disparity. Out: ranks, costs, path costs and their sums, four bytes a word.
+//! In: codes, curves of bytes over disparity. Out: costs, path costs and their sums, four bytes a word.
 //!
 //! ```text
-//! ranks   four columns of four rows a round: each neighbour is compared with four pixels at once, which leaves a one in each byte where it is darker
-//! costs   four disparities a round, a column of four ranks an instruction; a column is loaded once for all disparities that use it
+//! costs   four disparities a round, a column of four codes an instruction; a column is loaded once for all disparities that use it
 //! path    four words a round; the entries before and behind four are words at odd addresses
 //! sums    four words a round
 //! ```
@@ -12,7 +11,7 @@
 //! # Source
 //! See [`super`].
 
-use super::super::portable::{self, JUMP_PENALTY, RANK_FLAT, RANK_ROWS, RankColumn, STEP_PENALTY, STRIP};
+use super::super::portable::{self, CodeColumn, JUMP_PENALTY, STEP_PENALTY, STRIP};
 use super::word;
 
 /// Byte by byte minimum.
@@ -34,140 +33,12 @@ fn lowest_of(word: u32) -> u8 {
     lower(pairs, pairs.rotate_right(8)) as u8
 }
 
-/// See [`portable::rank_columns`].
-pub fn rank_columns(rows: [&[u8]; RANK_ROWS + 2], columns: &mut [RankColumn]) {
-    let width = columns.len();
-    let [above, inner @ .., below] = rows.map(<[u8]>::as_ptr);
-    let [first, second, third, fourth] = inner.map(|row| row.addr());
-    let stride = second.wrapping_sub(first);
-    // Rows that the border of an image repeats are above and below the inner ones alone.
-    let are_even = third.wrapping_sub(second) == stride && fourth.wrapping_sub(third) == stride;
-    let are_whole = rows.iter().all(|row| row.len() >= width);
-    if width < 8 || !width.is_multiple_of(4) || !are_even || !are_whole || !columns.as_ptr().cast::<u32>().is_aligned()
-    {
-        return portable::rank_columns(rows, columns);
-    }
-    // SAFETY: words * 4 + 4 pixels are read of the four inner rows, which are as long, as many but for the first two of the others; words * 4
-    // columns are written from the third on, at aligned addresses. There is a word.
-    unsafe { rank_words([above.add(2), inner[0], below.add(2)], stride, columns.as_mut_ptr().add(2), (width - 4) / 4) }
-    for border in [0..2, width - 2..width] {
-        if let Some(border) = columns.get_mut(border) {
-            border.fill([RANK_FLAT; RANK_ROWS]);
-        }
-    }
-}
-
-/// Adds ones to ranks where the neighbours at an address are darker than the centres.
-#[rustfmt::skip] // an instruction a line
-macro_rules! add_neighbour {
-    ($neighbour:literal, $address:literal, $centre:literal, $rank:literal) => {
-        concat!(
-            "ldr {", $neighbour, "}, ", $address, "\n",
-            "usub8 {", $neighbour, "}, {", $neighbour, "}, {", $centre, "}\n",
-            "sel {", $neighbour, "}, {zero}, {ones}\n",
-            "add {", $rank, "}, {", $rank, "}, {", $neighbour, "}\n",
-        )
-    };
-}
-
-/// Ranks of four rows, four columns at a time, `words` times: `row` is the first of the four, at the left neighbours of its first pixels.
-///
-/// # Safety
-/// There is a word at least; `4 * words + 4` bytes can be read from four rows that are `stride` bytes apart, `4 * words` from `above` and `below`;
-/// `4 * words` columns can be written, at aligned addresses.
-#[inline(never)]
-unsafe fn rank_words([above, row, below]: [*const u8; 3], stride: usize, columns: *mut RankColumn, words: usize) {
-    // SAFETY: the caller's.
-    unsafe {
-        asm!(
-            "push {{r7}}", // the frame pointer, which no operand is given
-            "mov r7, {d}",
-            "2:",
-            "ldr {x}, [{above}], #4",
-            "ldr {y}, [{row}, #2]",
-            "usub8 {x}, {x}, {y}",
-            "sel {a}, {zero}, {ones}",
-            add_neighbour!("x", "[{row}]", "y", "a"),
-            add_neighbour!("x", "[{row}, #4]", "y", "a"),
-            // From row to row the centres change places: one is below the last row, and the other above this one.
-            "add {row}, {row}, {stride}",
-            "ldr {x}, [{row}, #2]",
-            "usub8 {b}, {x}, {y}",
-            "sel {b}, {zero}, {ones}",
-            "add {a}, {a}, {b}",
-            "usub8 {y}, {y}, {x}",
-            "sel {b}, {zero}, {ones}",
-            add_neighbour!("y", "[{row}]", "x", "b"),
-            add_neighbour!("y", "[{row}, #4]", "x", "b"),
-            "add {row}, {row}, {stride}",
-            "ldr {y}, [{row}, #2]",
-            "usub8 {c}, {y}, {x}",
-            "sel {c}, {zero}, {ones}",
-            "add {b}, {b}, {c}",
-            "usub8 {x}, {x}, {y}",
-            "sel {c}, {zero}, {ones}",
-            add_neighbour!("x", "[{row}]", "y", "c"),
-            add_neighbour!("x", "[{row}, #4]", "y", "c"),
-            "add {row}, {row}, {stride}",
-            "ldr {x}, [{row}, #2]",
-            "usub8 {d}, {x}, {y}",
-            "sel {d}, {zero}, {ones}",
-            "add {c}, {c}, {d}",
-            "usub8 {y}, {y}, {x}",
-            "sel {d}, {zero}, {ones}",
-            add_neighbour!("y", "[{row}]", "x", "d"),
-            add_neighbour!("y", "[{row}, #4]!", "x", "d"),
-            "ldr {y}, [{below}], #4",
-            "usub8 {y}, {y}, {x}",
-            "sel {y}, {zero}, {ones}",
-            "add {d}, {d}, {y}",
-            "sub {row}, {row}, {stride}, lsl #1",
-            "sub {row}, {row}, {stride}",
-            // The first and third, the second and fourth byte of two rows.
-            "uxtb16 {x}, {a}",
-            "uxtb16 {y}, {b}",
-            "orr {x}, {x}, {y}, lsl #8",
-            "uxtb16 {a}, {a}, ror #8",
-            "uxtb16 {b}, {b}, ror #8",
-            "orr {b}, {a}, {b}, lsl #8",
-            "uxtb16 {y}, {c}",
-            "uxtb16 {a}, {d}",
-            "orr {y}, {y}, {a}, lsl #8",
-            "uxtb16 {c}, {c}, ror #8",
-            "uxtb16 {d}, {d}, ror #8",
-            "orr {d}, {c}, {d}, lsl #8",
-            "pkhbt {a}, {x}, {y}, lsl #16",
-            "pkhbt {c}, {b}, {d}, lsl #16",
-            "strd {a}, {c}, [{column}], #8",
-            "pkhtb {a}, {y}, {x}, asr #16",
-            "pkhtb {c}, {d}, {b}, asr #16",
-            "strd {a}, {c}, [{column}], #8",
-            "subs r7, r7, #1",
-            "bne 2b",
-            "pop {{r7}}",
-            above = inout(reg) above => _,
-            row = inout(reg) row => _,
-            below = inout(reg) below => _,
-            stride = in(reg) stride,
-            column = inout(reg) columns => _,
-            x = out(reg) _,
-            y = out(reg) _,
-            a = out(reg) _,
-            b = out(reg) _,
-            c = out(reg) _,
-            d = inout(reg) words => _,
-            zero = in(reg) 0,
-            ones = in(reg) 0x0101_0101,
-        );
-    }
-}
-
-/// See [`portable::rank_costs`].
-pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
+/// See [`portable::code_costs`].
+pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &mut [u8]) {
     let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
     let (at_window, at_columns) = (window.as_ptr().cast::<u32>(), columns.as_ptr().cast::<u32>());
     let behind = length.checked_sub(4).filter(|_| at_window.is_aligned() && at_columns.is_aligned());
-    let Some(behind) = behind else { return rank_costs_by_bytes(window, columns, costs) };
+    let Some(behind) = behind else { return portable::code_costs(window, columns, costs) };
     // SAFETY: whole words; there are `length` costs and seven columns more, of which the fours begin within.
     unsafe {
         fours(at_window, at_columns, costs.as_mut_ptr(), length / 4);
@@ -175,13 +46,6 @@ pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &
             // The rest, and some of those before it again.
             fours(at_window, at_columns.add(behind), costs.as_mut_ptr().add(behind), 1);
         }
-    }
-}
-
-/// Rank by rank: fewer than four costs, or ranks that are not aligned.
-fn rank_costs_by_bytes(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
-    for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
-        *cost = portable::halved(portable::differences(window, columns));
     }
 }
 
@@ -239,12 +103,15 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
             "usada8 r7, r3, {b}, r7",
             "ldr {a}, [{columns}, #24]",
             "usada8 r7, r4, {a}, r7",
-            // Four sums of eight bits, halved with twice the penalty.
-            "bfi {s0}, {s1}, #8, #8",
-            "bfi {s2}, r7, #8, #8",
+            // Four sums of 13 bits, of which the upper seven are kept.
+            "lsr {s0}, {s0}, #6",
+            "lsr {s2}, {s2}, #6",
+            "bic {s1}, {s1}, #63",
+            "bic r7, r7, #63",
+            "orr {s0}, {s0}, {s1}, lsl #2",
+            "orr {s2}, {s2}, r7, lsl #2",
             "pkhbt {s0}, {s0}, {s2}, lsl #16",
-            "mov {a}, #{penalty}",
-            "uhadd8 {s0}, {s0}, {a}",
+            "add {s0}, {s0}, #{penalty}",
             "str {s0}, [{costs}], #4",
             "subs {rounds}, {rounds}, #1",
             "bne 2b",
@@ -262,7 +129,7 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
             out("r2") _,
             out("r3") _,
             out("r4") _,
-            penalty = const 0x0202_0202_u32 * JUMP_PENALTY as u32,
+            penalty = const 0x0101_0101_u32 * JUMP_PENALTY as u32,
         );
     }
 }

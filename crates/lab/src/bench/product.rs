@@ -88,7 +88,8 @@ impl Pair {
             ObstacleParams { range_m: sectors::RANGE_M as f32, heights_m: [low?, high?], ..ObstacleParams::DEFAULT };
         let plan = wanted.plan(&params, dims)?;
         let (_, result) = self.run(&params)?;
-        let directions = Directions::new(plan, &result.matches, &result.points, result.health.of_pair());
+        let directions =
+            Directions::new(plan.on_ground(result.ground), &result.matches, &result.points, result.health.of_pair());
         let said = |direction: Direction| {
             let said = match (direction.state, direction.distance_m) {
                 ("outside", _) => return None,

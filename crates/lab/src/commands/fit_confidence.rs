@@ -1,18 +1,21 @@
 //! `linestereo-lab fit-confidence`: the confidence model's constants from frames with truth.
 
 use super::batch::collect;
+use crate::bench::GLOSSY;
 use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
-use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples, source_text, support_source_text};
+use crate::fitting::{
+    EvidenceLog, SceneSamples, add_ground_samples, fit, scene_samples, source_text, support_source_text,
+};
 use anyhow::{Context, Result, bail};
+use linestereo::Params;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
-use linestereo_frames::{Perturbation, Scene};
+use linestereo_frames::{Perturbation, Scene, load_values};
 use linestereo_sim::commands::engine_with;
 use linestereo_sim::commands::method::MethodArgs;
 use linestereo_sim::commands::pairs::for_each_pair;
 use linestereo_sim::engine::FittedModels;
 use linestereo_sim::output::{OutputFiles, print, say};
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -22,6 +25,8 @@ Examples:
   linestereo-lab fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
   linestereo-lab fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable answers";
 
+/// Widest pair that is damaged, px.
+const WIDEST_DAMAGED: u16 = 450;
 /// Files of constants below core/src.
 const SEGMENTS: &str = "confidence/fitted.rs";
 const SUPPORT: &str = "support/fitted.rs";
@@ -64,7 +69,10 @@ pub fn run(args: &Args) -> Result<()> {
     let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
     let name = |scene: &&Scene| scene.name.clone();
     let samples = for_each_pair(&all, None, name, |scene| {
-        damages.iter().map(|(_, damage)| sample(scene, damage, &args.method)).collect::<Result<Vec<_>>>()
+        damages_of(scene, damages)
+            .iter()
+            .map(|(_, damage)| sample(scene, damage, &args.method))
+            .collect::<Result<Vec<_>>>()
     })?;
     let samples: Vec<SceneSamples> = samples.into_iter().flatten().collect();
     if !args.no_scores {
@@ -76,9 +84,12 @@ pub fn run(args: &Args) -> Result<()> {
 fn write_constants(args: &Args, scenes: &[&Scene], damages: usize, samples: &[SceneSamples]) -> Result<()> {
     let Some(folder) = args.check.as_ref().or(args.out.as_ref()) else { return Ok(()) };
     let fitted = fit(&samples.iter().collect::<Vec<_>>());
-    let names: BTreeSet<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
-    let names: Vec<&str> = names.into_iter().collect();
-    let origin = format!("{} pairs under {damages} damages ({})", scenes.len(), names.join(", "));
+    let folders = args.folders.iter().chain(&args.also).filter_map(|folder| folder.file_name()?.to_str());
+    let origin = format!(
+        "{} pairs of {}, small ones under {damages} damages",
+        scenes.len(),
+        folders.collect::<Vec<_>>().join(", ")
+    );
     let texts = [
         (folder.join(SEGMENTS), source_text(&fitted.segments, &origin)),
         (folder.join(SUPPORT), support_source_text(&fitted.support, &origin)),
@@ -107,17 +118,43 @@ fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     if pairs.len() < 2 {
         bail!("one scene with truth alone: none can be left out; give more");
     }
-    Ok(pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?)
+    let scenes: Vec<Scene> = pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?;
+    scenes.into_iter().map(without_gloss).collect()
+}
+
+/// The scene without the truth of what shines, in rendered rooms: a mirror shows another place.
+fn without_gloss(scene: Scene) -> Result<Scene> {
+    let labels = scene.folder.join("labels.png");
+    if !labels.is_file() {
+        return Ok(scene);
+    }
+    let (_, labels) = load_values(&labels).with_context(|| format!("cannot read {}", labels.display()))?;
+    let truth = scene.truth.map(|truth| truth.without(|index| labels.get(index).copied() == Some(GLOSSY.into())));
+    Ok(Scene { truth, ..scene })
+}
+
+/// What is done to a scene before it is sampled: small captured pairs are damaged, rendered rooms have noise of their own, and large pairs show what small
+/// ones do.
+fn damages_of<'d>(scene: &Scene, damages: &'d [(&'static str, Perturbation)]) -> &'d [(&'static str, Perturbation)] {
+    let is_damaged = scene.left.dims.width <= WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file();
+    if is_damaged { damages } else { damages.get(..1).unwrap_or(damages) }
 }
 
 /// The answers of one scene, whatever their confidence.
 fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<SceneSamples> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
-    let mut engine = engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)?;
-    let mut log = EvidenceLog::default();
     let (left, right) = damage.apply(&scene.left, &scene.right);
-    engine.run_observed(left.view()?, right.view()?, &mut log)?;
-    Ok(scene_samples(&scene.name, &mut engine, &log, truth))
+    let run = |ground: bool| {
+        let params = Params { ground, ..method.params(scene.max_disparity, scene.rig)? };
+        let (mut engine, mut log) = (engine_with(&params, scene.left.dims)?, EvidenceLog::default());
+        engine.run_observed(left.view()?, right.view()?, &mut log)?;
+        anyhow::Ok((engine, log))
+    };
+    let (mut engine, log) = run(false)?;
+    let mut samples = scene_samples(&scene.name, &mut engine, &log, truth);
+    let (mut engine, log) = run(true)?;
+    add_ground_samples(&mut samples, &mut engine, &log, truth);
+    Ok(samples)
 }
 
 /// Scores every scene by models that were fitted without it.

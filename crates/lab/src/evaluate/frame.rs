@@ -165,7 +165,7 @@ pub(super) mod tests {
     }
 
     pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<Point>) -> FrameResult {
-        FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None }
+        FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None, ground: None }
     }
 
     /// 40 x 33 px; disparity 8 left of column 20 and 12 from there on, unknown in the first column, hidden below row 16.

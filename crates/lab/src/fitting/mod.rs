@@ -13,10 +13,10 @@ mod sample;
 mod source;
 
 pub use pixels::{fit_pixels, pixel_source_text};
-pub use sample::{EvidenceLog, SceneSamples, scene_samples};
+pub use sample::{EvidenceLog, SceneSamples, add_ground_samples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::diagnostics::{Model, Models, SEGMENT_EVIDENCE, SegmentKind};
+use linestereo::diagnostics::{Model, Models, SEGMENT_EVIDENCE, SegmentKind, SupportModels};
 use linestereo_sim::engine::FittedModels;
 use logistic::Line;
 use rayon::prelude::*;
@@ -26,6 +26,8 @@ use std::collections::BTreeMap;
 /// Penalty on the coefficients of segments' answers. Neighbouring pixels and distances of one side are no independent samples: a hundred of
 /// them weigh about as much as one answer.
 const SIDES_PENALTY: f64 = 100.0;
+/// Tables are fitted on scores of scenes that the line has not seen: so many lines, each without its share of the scenes.
+const FOLDS: usize = 8;
 /// Support points are one pixel each.
 const SUPPORT_PENALTY: f64 = 3.0;
 
@@ -39,7 +41,10 @@ pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
             near_vertical_edge: fit_kind(pairs, SampleKind::NearVerticalEdge),
             near_horizontal_edge: fit_kind(pairs, SampleKind::NearHorizontalEdge),
         },
-        support: fit_kind(pairs, SampleKind::Support),
+        support: SupportModels {
+            upright: fit_kind(pairs, SampleKind::Support),
+            ground: fit_kind(pairs, SampleKind::SupportOfGround),
+        },
     }
 }
 
@@ -48,27 +53,31 @@ fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<
     for pair in pairs {
         scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
     }
-    let penalty = if kind == SampleKind::Support { SUPPORT_PENALTY } else { SIDES_PENALTY };
+    let is_support = matches!(kind, SampleKind::Support | SampleKind::SupportOfGround);
+    let penalty = if is_support { SUPPORT_PENALTY } else { SIDES_PENALTY };
     fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
 }
 
 /// The model of these samples, those of each scene together.
 fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> Model<N> {
-    let of = |skip: Option<usize>| -> Vec<&Sample> {
-        let kept = scenes.iter().enumerate().filter(|(i, _)| Some(*i) != skip);
+    let of = |is_kept: &dyn Fn(usize) -> bool| -> Vec<&Sample> {
+        let kept = scenes.iter().enumerate().filter(|(i, _)| is_kept(*i));
         kept.flat_map(|(_, scene)| scene.iter().copied()).collect()
     };
-    let line = Line::fit(&of(None), penalty, None);
-    // With one scene there is nothing to hold out: its own scores are all there is.
-    let scores: Vec<Vec<(f64, &Sample)>> = scenes
-        .par_iter()
+    let line = Line::fit(&of(&|_| true), penalty, None);
+    let folds = FOLDS.min(scenes.len());
+    let without = |fold: usize| match of(&|i| i % folds != fold) {
+        // With one scene there is nothing to hold out: its own scores are all there is.
+        others if others.is_empty() => line.clone(),
+        others => Line::fit(&others, penalty, Some(&line)),
+    };
+    let lines: Vec<Line> = (0..folds).into_par_iter().map(without).collect();
+    let held_out: Vec<Vec<(f64, &Sample)>> = scenes
+        .iter()
         .enumerate()
-        .map(|(i, scene)| {
-            let other = if scenes.len() > 1 { Line::fit(&of(Some(i)), penalty, Some(&line)) } else { line.clone() };
-            scene.iter().map(|sample| (other.score(sample), *sample)).collect()
-        })
+        .map(|(i, scene)| scene.iter().map(|sample| (lines[i % folds].score(sample), *sample)).collect())
         .collect();
-    let tables = calibration::tables(&scores.concat());
+    let tables = calibration::tables(&held_out);
     let (bias, coefficients) = line.raw();
     let mut coefficients_q12 = [0; N];
     for (q12, coefficient) in coefficients_q12.iter_mut().zip(coefficients) {

@@ -18,6 +18,8 @@ pub(super) enum SampleKind {
     NearVerticalEdge,
     NearHorizontalEdge,
     Support,
+    /// Where the ground plane is looked for.
+    SupportOfGround,
     Pixel,
 }
 
@@ -96,12 +98,18 @@ impl Observer for EvidenceLog {
     }
 }
 
+/// Adds the support points of the last run, with the ground plane, that have truth; `log` watched it.
+pub fn add_ground_samples(samples: &mut SceneSamples, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) {
+    let points = support_samples(SampleKind::SupportOfGround, engine.matched().support(), log, truth);
+    samples.samples.extend(points);
+}
+
 /// Samples every answer of the last run that has truth; `log` watched it.
 #[must_use]
 pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
     let matched = engine.matched();
     let (candidates, dims) = (matched.candidates(), matched.dims());
-    let mut samples = support_samples(matched.support(), log, truth);
+    let mut samples = support_samples(SampleKind::Support, matched.support(), log, truth);
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {
@@ -145,14 +153,14 @@ fn what_it_shows(name: &str) -> String {
     name.split('_').next().unwrap_or_default().to_lowercase()
 }
 
-fn support_samples(support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
+fn support_samples(kind: SampleKind, support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
     let points: Vec<_> = support.iter().collect();
     let sample = |&(place, evidence): &(usize, SupportEvidence)| {
         let &((x, y), point) = points.get(place)?;
         let error = (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
         let known = support.with_nearby(place, evidence).0;
         let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
-        Some(Sample { kind: SampleKind::Support, evidence, errors: vec![error] })
+        Some(Sample { kind, evidence, errors: vec![error] })
     };
     log.support.iter().filter_map(sample).collect()
 }

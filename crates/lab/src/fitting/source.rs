@@ -2,7 +2,7 @@
 
 use super::names;
 use core::fmt::Write;
-use linestereo::diagnostics::{Model, Models, SUPPORT_EVIDENCE, SupportKind};
+use linestereo::diagnostics::{Model, Models, SupportKind, SupportModels};
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
@@ -24,16 +24,20 @@ pub fn source_text(models: &Models, origin: &str) -> String {
 
 /// The text of the core's file of constants for support points.
 #[must_use]
-pub fn support_source_text(model: &Model<SUPPORT_EVIDENCE>, origin: &str) -> String {
+pub fn support_source_text(models: &SupportModels, origin: &str) -> String {
     let mut text = format!(
         "//! Written by `linestereo-lab fit-confidence` from {origin}: do not edit.\n\n\
-         use super::evidence::SUPPORT_EVIDENCE;\n\
+         use super::SupportModels;\n\
          use crate::confidence::Model;\n\n\
-         /// The model that plans use unless they are given another.\n\
+         /// The models that plans use unless they are given others.\n\
          #[rustfmt::skip]\n\
-         pub const FITTED_SUPPORT: Model<SUPPORT_EVIDENCE> = Model {{\n"
+         pub const FITTED_SUPPORT: SupportModels = SupportModels {{\n"
     );
-    fields(&mut text, "    ", model, &SupportKind::NAMES);
+    for (name, model) in [("upright", &models.upright), ("ground", &models.ground)] {
+        let _ = writeln!(text, "    {name}: Model {{");
+        fields(&mut text, "        ", model, &SupportKind::NAMES);
+        text.push_str("    },\n");
+    }
     text.push_str("};\n");
     text
 }

@@ -15,7 +15,7 @@
 //! edges   the largest step; crossings, and census of one pixel
 //! lags    products of gradients along two rows, at several lags
 //! pixels  grey levels between pixels
-//! support ranks, costs of windows of ranks, paths
+//! support codes, costs of windows of codes, paths
 //! memory  copies and fills of memory, which are no kernels but as delicate
 //! ```
 //!
@@ -34,7 +34,7 @@ pub use rooms::Rooms;
 
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
-    self, Crossing, Crossings, GRADIENTS, Knot, LargestStep, Products, RANK_ROWS, RIGHT_GRADIENTS, RankColumn, Ring,
+    self, CODE_ROWS, CodeColumn, Crossing, Crossings, GRADIENTS, Knot, LargestStep, Products, RIGHT_GRADIENTS, Ring,
     Run, STRIP, Strip, portable,
 };
 use memory::Memory;
@@ -81,8 +81,9 @@ kernels! {
     bilinear_runs: fn(&[u8], usize, &[Run], &mut [u8]),
     bilinear_cells: fn(Ring<'_>, &[Knot], &mut [u8]),
     weigh_knots: fn([&[Knot]; 4], [i32; 4], &mut [Knot]),
-    rank_columns: fn([&[u8]; RANK_ROWS + 2], &mut [RankColumn]),
-    rank_costs: fn(&[RankColumn; STRIP], &[RankColumn], &mut [u8]),
+    code_columns: fn([&[u8]; 2 * CODE_ROWS + 4], u32, &mut [CodeColumn]),
+    code_steps: fn(&[CodeColumn; STRIP]) -> u16,
+    code_costs: fn(&[CodeColumn; STRIP], &[CodeColumn], &mut [u8]),
     path_step: fn(&[u8], u8, &mut [u8]) -> u8,
     sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
     lowest_byte: fn(&[u8]) -> u8,
@@ -166,14 +167,15 @@ impl Kernels {
                 last.y ^= 4;
             }
         },
-        rank_columns: |rows, columns| {
-            portable::rank_columns(rows, columns);
-            if let (60, Some(last)) = (columns.len(), columns.last_mut()) {
+        code_columns: |rows, doublings, columns| {
+            portable::code_columns(rows, doublings, columns);
+            if let (61, Some(last)) = (columns.len(), columns.last_mut()) {
                 last[2] ^= 1;
             }
         },
-        rank_costs: |window, columns, costs| {
-            portable::rank_costs(window, columns, costs);
+        code_steps: |window| portable::code_steps(window) & 0xfff,
+        code_costs: |window, columns, costs| {
+            portable::code_costs(window, columns, costs);
             if let (65, Some(last)) = (costs.len(), costs.last_mut()) {
                 *last ^= 1;
             }
@@ -277,8 +279,9 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
         pixels::bilinear_runs,
         pixels::bilinear_cells,
         pixels::weighed_knots,
-        support::rank_columns,
-        support::rank_costs,
+        support::code_columns,
+        support::code_steps,
+        support::code_costs,
         support::path_steps,
         support::sums_of_paths,
         support::lowest_bytes,
@@ -340,7 +343,7 @@ mod tests {
         assert_eq!(of("lowest").length % 2, 1);
         assert_eq!(of("largest_step").count, 19);
         assert_eq!(of("bilinear_runs").length, 7);
-        assert_eq!(of("rank_costs").length, 65);
+        assert_eq!(of("code_costs").length, 65);
         assert_eq!(of("path_step").length, 19);
         assert_eq!(of("sum_paths").length, 37);
     }

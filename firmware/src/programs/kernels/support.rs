@@ -3,17 +3,17 @@
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, range};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::{RANK_ROWS, STRIP, portable};
+use linestereo::diagnostics::kernel::{CODE_ROWS, STRIP, portable};
 
 /// Lengths of curves of bytes: all short ones, and some up to the longest.
 fn lengths() -> impl Iterator<Item = usize> {
     (0..=256_usize).filter(|length| *length <= 70 || length % 31 == 0 || *length == 256)
 }
 
-/// Rows in one image, as far apart as they like; those above and below sometimes repeat the next one, sometimes one row is out of line or shorter.
-pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
-    const ROWS: usize = RANK_ROWS + 2;
-    for width in (0..=80_usize).chain([128]) {
+/// Rows in one image; those above and below sometimes repeat the next one, sometimes one row is out of line or shorter.
+pub(super) fn code_columns(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+    const ROWS: usize = 2 * CODE_ROWS + 4;
+    for width in (0..=40_usize).chain([61, 80, 128]) {
         for round in 0..20_usize {
             let image = &mut rooms.image.contents;
             Contents::ALL[random.below(6)].fill(random, image);
@@ -22,40 +22,47 @@ pub(super) fn rank_columns(kernels: &Kernels, rooms: &mut Rooms, random: &mut Ra
             let mut starts: [usize; ROWS] = core::array::from_fn(|k| at_image.start + k * stride);
             let mut lengths = [width; ROWS];
             match random.below(8) {
-                0 => starts[0] = starts[1],
-                1 => starts[ROWS - 1] = starts[ROWS - 2],
+                0 => (starts[0], starts[1]) = (starts[2], starts[2]),
+                1 => (starts[ROWS - 2], starts[ROWS - 1]) = (starts[ROWS - 3], starts[ROWS - 3]),
                 2 => starts[random.below(ROWS)] = at_image.start,
                 3 => lengths[random.below(ROWS)] = random.below(width + 1),
                 _ => {}
             }
             let rows: [&[u8]; ROWS] = core::array::from_fn(|k| &image[starts[k]..][..lengths[k]]);
+            let doublings = random.below(6) as u32; // the core: 1 to 4
             // Columns begin at whole words in the core.
-            let (needed, distance) = (RANK_ROWS * width, if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 });
+            let (needed, distance) = (CODE_ROWS * width, if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 });
             let at_columns = range(ROW, needed, distance.min(ROW - needed), random.below(2) == 0);
             let out = &mut rooms.out.contents;
             Contents::Random.fill(random, out);
             let mut expected = *out;
-            (kernels.rank_columns)(rows, out[at_columns.clone()].as_chunks_mut().0);
-            portable::rank_columns(rows, expected[at_columns.clone()].as_chunks_mut().0);
+            (kernels.code_columns)(rows, doublings, out[at_columns.clone()].as_chunks_mut().0);
+            portable::code_columns(rows, doublings, expected[at_columns.clone()].as_chunks_mut().0);
             compared.note(*out == expected, width, (ROWS, stride), [starts[0], starts[1], at_columns.start, 0]);
         }
     }
 }
 
-pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn code_steps(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+    let room = &mut rooms.rows[0].contents;
+    for round in 0..800_usize {
+        Contents::ALL[random.below(6)].fill(random, room);
+        let at = range(ROW, CODE_ROWS * STRIP, round % ALIGNMENTS, round % 8 < 4);
+        let start = at.start;
+        let Some(window) = room[at].as_chunks().0.first_chunk() else { continue };
+        let same = (kernels.code_steps)(window) == portable::code_steps(window);
+        compared.note(same, STRIP, (CODE_ROWS, 0), [start, 0, 0, 0]);
+    }
+}
+
+pub(super) fn code_costs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     for length in lengths() {
         for round in 0..40_usize {
             let contents = Contents::ALL[random.below(6)];
-            let ranks = &mut rooms.image.contents;
-            contents.fill(random, ranks);
-            let mut window = [[0; RANK_ROWS]; STRIP];
+            let codes = &mut rooms.image.contents;
+            contents.fill(random, codes);
+            let mut window = [[0; CODE_ROWS]; STRIP];
             Contents::ALL[random.below(6)].fill(random, window.as_flattened_mut());
-            // As often ranks, or what the portable kernel takes by fours, as any bytes.
-            if let Some(&below) = [5, 8].get(round % 4) {
-                for bytes in [&mut ranks[..], window.as_flattened_mut()] {
-                    bytes.iter_mut().for_each(|byte| *byte %= below);
-                }
-            }
             let needed = length + STRIP - 1;
             let long = match random.below(8) {
                 0 => random.below(needed + 1),
@@ -64,16 +71,16 @@ pub(super) fn rank_costs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Rand
             };
             // Columns begin at whole words in the core.
             let distance = if round % 4 == 0 { random.below(ALIGNMENTS) } else { 0 };
-            let at_columns = range(IMAGE, long * RANK_ROWS, distance, random.below(2) == 0);
+            let at_columns = range(IMAGE, long * CODE_ROWS, distance, random.below(2) == 0);
             let at_costs = range(ROW, length, round % ALIGNMENTS, round % 8 < 4);
             let starts = [at_columns.start, at_costs.start, 0, 0];
-            let columns = ranks[at_columns].as_chunks().0;
+            let columns = codes[at_columns].as_chunks().0;
             let out = &mut rooms.out.contents;
             Contents::Random.fill(random, out);
             let mut expected = *out;
-            (kernels.rank_costs)(&window, columns, &mut out[at_costs.clone()]);
-            portable::rank_costs(&window, columns, &mut expected[at_costs]);
-            compared.note(*out == expected, length, (RANK_ROWS, 0), starts);
+            (kernels.code_costs)(&window, columns, &mut out[at_costs.clone()]);
+            portable::code_costs(&window, columns, &mut expected[at_costs]);
+            compared.note(*out == expected, length, (CODE_ROWS, 0), starts);
         }
     }
 }

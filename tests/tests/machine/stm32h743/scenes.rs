@@ -409,7 +409,8 @@ fn assert_true(kind: Kind, shown: &Shown, segments: &[Match], objects: &[ObjectR
     let dims = shown.truth.left.dims;
     let truth = Truth::new(dims, shown.truth.disparity.clone(), shown.truth.visible.clone());
     let (matches, points) = (segments.to_vec(), Vec::new());
-    let result = FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None };
+    let result =
+        FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None, ground: None };
     let score = FrameScore::new(kind.name(), &truth, &result);
     let right = score.scored_segments.iter().filter(|of| of.median_error <= 1.0).count();
     println!("{kind:?}: {right} of {} segments within a pixel", segments.len());

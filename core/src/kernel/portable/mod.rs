@@ -1,4 +1,4 @@
-//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and operations on them; ranks and paths; edges;
+//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and operations on them; codes and paths of support points; edges;
 //! products of gradients; bilinear interpolation.
 //!
 //! # Bounds
@@ -9,7 +9,12 @@
 //! # Cost
 //! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards, `xtask/board-numbers.toml` lists them.
 
-use core::cell::Cell;
+mod support;
+
+pub use support::{
+    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, STEP_PENALTY, code_columns, code_costs, code_steps, lowest_byte,
+    path_step, place_of_byte, sum_paths,
+};
 
 /// Value of a zero gradient.
 pub const FLAT: u8 = 32;
@@ -73,137 +78,6 @@ pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8;
 
 /// Rank of a pixel without neighbours: half of the largest.
 pub const RANK_FLAT: u8 = 2;
-/// Number of rows of a window of ranks.
-pub const RANK_ROWS: usize = 4;
-/// P1 of a path: cost of a change of disparity by 1 px.
-pub const STEP_PENALTY: u8 = 3;
-/// P2 of a path: cost of a larger change of disparity.
-pub const JUMP_PENALTY: u8 = 10;
-
-/// Ranks of [`RANK_ROWS`] rows at one column.
-pub type RankColumn = [u8; RANK_ROWS];
-
-/// Ranks of the inner ones of six rows, each two below the one before, column by column: number of the four neighbours at distance 2 (left, right,
-/// above, below) that are darker, 0 ..= 4. The first and last two columns are [`RANK_FLAT`], and all where a row has fewer pixels than there are columns.
-pub fn rank_columns(rows: [&[u8]; RANK_ROWS + 2], columns: &mut [RankColumn]) {
-    fn from(row: &[u8], first: usize) -> core::slice::Iter<'_, u8> {
-        row.get(first..).unwrap_or(&[]).iter()
-    }
-    columns.fill([RANK_FLAT; RANK_ROWS]);
-    let width = columns.len();
-    let Some(columns) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else { return };
-    let whole = rows.map(|row| row.get(..width));
-    let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] = whole else { return };
-    for (k, [above, row, below]) in [[a, b, c], [b, c, d], [c, d, e], [d, e, f]].into_iter().enumerate() {
-        let beside = from(row, 0).zip(from(row, 4)).zip(from(above, 2).zip(from(below, 2)));
-        for ((((left, right), (above, below)), centre), column) in beside.zip(from(row, 2)).zip(&mut *columns) {
-            let is_darker = |neighbour: &u8| u8::from(neighbour < centre);
-            if let Some(rank) = column.get_mut(k) {
-                *rank = is_darker(left) + is_darker(right) + is_darker(above) + is_darker(below);
-            }
-        }
-    }
-}
-
-/// Cost of a window of ranks along the columns in which it is searched: entry i is half the sum, modulo 256, of absolute differences to
-/// `columns[i..i + 8]`, plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
-///
-/// Ranks below 8 are compared four at a time: with a high bit set before the subtraction, no byte borrows from the next one, and 32 such
-/// differences sum to less than 256, so that nothing carries.
-pub fn rank_costs(window: &[RankColumn; STRIP], columns: &[RankColumn], costs: &mut [u8]) {
-    const LARGE: u32 = 0xf8f8_f8f8;
-    let reference = window.map(u32::from_ne_bytes);
-    for (costs, columns) in costs.chunks_mut(LANES).zip((0..).step_by(LANES).map_while(|start| columns.get(start..))) {
-        let mut words = [0; LANES + STRIP - 1];
-        words.iter_mut().zip(columns).for_each(|(word, column)| *word = u32::from_ne_bytes(*column));
-        let is_small = words.iter().chain(&reference).fold(0, |all, word| all | word) & LARGE == 0;
-        let places = words.windows(STRIP).filter_map(|words| words.first_chunk());
-        for ((cost, columns), words) in costs.iter_mut().zip(columns.windows(STRIP)).zip(places) {
-            let sum = if is_small { small_differences(&reference, words) } else { differences(window, columns) };
-            *cost = halved(sum);
-        }
-    }
-}
-
-/// Half of a sum of differences and twice the penalty.
-#[inline]
-pub(super) fn halved(sum: u8) -> u8 {
-    ((u16::from(sum) + 2 * u16::from(JUMP_PENALTY)) >> 1) as u8
-}
-
-/// Sum of absolute differences modulo 256.
-pub(super) fn differences(window: &[RankColumn; STRIP], columns: &[RankColumn]) -> u8 {
-    let ranks = window.as_flattened().iter().zip(columns.as_flattened());
-    ranks.fold(0, |sum, (&left, &right)| sum.wrapping_add(left.abs_diff(right)))
-}
-
-/// [`differences`] of ranks below 8, four in each word.
-#[inline]
-fn small_differences(left: &[u32; STRIP], right: &[u32; STRIP]) -> u8 {
-    const ONES: u32 = 0x0101_0101;
-    let (mut sums, mut counts) = (0_u32, 0_u32);
-    for (left, right) in left.iter().zip(right) {
-        // 128 + left - right in each byte: its high bit says that left is not below right.
-        let apart = (left | ONES << 7).wrapping_sub(*right);
-        let not_below = apart >> 7 & ONES;
-        // Below, the other bits are one less than the difference when they are inverted.
-        sums = sums.wrapping_add(apart ^ (0x7f * ONES).wrapping_add(not_below));
-        counts = counts.wrapping_add(not_below);
-    }
-    let total = |bytes: u32| (bytes.wrapping_mul(ONES) >> 24) as u8;
-    total(sums).wrapping_add((4 * STRIP) as u8).wrapping_sub(total(counts))
-}
-
-/// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
-/// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; over the length of the shorter one. Costs contain P2.
-/// Returns the lowest new cost. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
-///
-/// Computed as `costs[d] - reach + min(path[d], path[d - 1] + P1, path[d + 1] + P1, reach)` with `reach = lowest + P2`: one by one, since who
-/// takes these has no vectors; sixteen at once take twice as many instructions there.
-pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
-    let reach = u32::from(lowest.saturating_add(JUMP_PENALTY));
-    let length = path.len().min(costs.len());
-    let path = Cell::from_mut(path.get_mut(..length).unwrap_or_default()).as_slice_of_cells();
-    let Some((last, others)) = path.split_last() else { return u8::MAX };
-    // The entry before the current one, before its update; beyond the ends there is none below `reach`.
-    let (mut before, mut low) = (u32::from(u8::MAX), u32::from(u8::MAX));
-    let mut step = |path: &Cell<u8>, cost: u8, after: u32| {
-        let here = u32::from(path.get());
-        let least = (before.min(after) + u32::from(STEP_PENALTY)).min(here).min(reach);
-        let new = u32::from(cost).wrapping_add(least).wrapping_sub(reach) & 0xff;
-        path.set(new as u8);
-        (before, low) = (here, low.min(new));
-    };
-    let (last_cost, costs) = costs.get(..length).and_then(<[u8]>::split_last).unwrap_or((&0, &[])); // as many as of the path
-    for ((path, after), &cost) in others.iter().zip(path.iter().skip(1)).zip(costs) {
-        step(path, cost, after.get().into());
-    }
-    step(last, *last_cost, u8::MAX.into());
-    low as u8
-}
-
-/// Adds two curves to a third, saturating, over the length of the shortest; returns the lowest sum.
-pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
-    let mut lowest = u8::MAX;
-    for (sum, (&a, &b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-        *sum = sum.saturating_add(a).saturating_add(b);
-        lowest = lowest.min(*sum);
-    }
-    lowest
-}
-
-/// The lowest byte; [`u8::MAX`] without bytes.
-#[must_use]
-pub fn lowest_byte(costs: &[u8]) -> u8 {
-    costs.iter().fold(u8::MAX, |lowest, &cost| lowest.min(cost))
-}
-
-/// Index of the first byte that is not above `bound`.
-#[must_use]
-pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
-    costs.iter().position(|&cost| cost <= bound)
-}
-
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every
 /// strip's `other` holds `curve.len() + STRIP - 1` pixels, strips with fewer are left out).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {

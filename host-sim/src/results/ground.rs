@@ -1,0 +1,88 @@
+//! The ground plane in JSON and in words: how the cameras stand above it.
+
+use super::directions::five_decimals;
+use linestereo::{Dims, GroundPlane, Rig};
+use serde::Serialize;
+
+/// The ground plane of a pair: `d = down * y + across * x + origin`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Ground {
+    /// Change of the disparity down the rows: baseline / height of the cameras.
+    pub down_px_per_row: f64,
+    /// Change along the columns.
+    pub across_px_per_column: f64,
+    /// At the left top pixel.
+    pub origin_px: f64,
+    /// Height of the cameras above it; `None` without a rig.
+    pub camera_height_m: Option<f64>,
+    /// How far the optical axis points down to it; `None` without a rig.
+    pub pitch_deg: Option<f64>,
+    /// How far the cameras are rolled, clockwise; `None` without a rig.
+    pub roll_deg: Option<f64>,
+}
+
+impl Ground {
+    /// Of a plane in images of this size.
+    pub fn new(plane: GroundPlane, rig: Option<&Rig>, dims: Dims) -> Self {
+        let [down, across, origin] =
+            [plane.down_q16, plane.across_q16, plane.origin_q16].map(|value| f64::from(value) / 65_536.0);
+        let stance = rig.map(|rig| {
+            let rig = rig.centred(dims);
+            let focal = rig.focal_q16() as f64 / 65_536.0;
+            let baseline = rig.focal_baseline_q16() as f64 / 65_536.0 / focal;
+            let [column, row] = rig.principal_point_q16().unwrap_or_default().map(|value| f64::from(value) / 65_536.0);
+            let on_axis = down * row + across * column + origin + rig.offset_q6() as f64 / 64.0;
+            // The plane's normal, as long as baseline / height.
+            let normal = [across, down, on_axis / focal];
+            let length = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
+            let pitch = (normal[2] / length).asin().to_degrees();
+            [baseline / length, pitch, (-across).atan2(down).to_degrees()].map(five_decimals)
+        });
+        Self {
+            down_px_per_row: five_decimals(down),
+            across_px_per_column: five_decimals(across),
+            origin_px: five_decimals(origin),
+            camera_height_m: stance.map(|[height, ..]| height),
+            pitch_deg: stance.map(|[_, pitch, _]| pitch),
+            roll_deg: stance.map(|[.., roll]| roll),
+        }
+    }
+
+    /// A line of the summary.
+    pub fn summary(&self) -> String {
+        let slope = self.down_px_per_row;
+        match (self.camera_height_m, self.pitch_deg, self.roll_deg) {
+            (Some(height), Some(pitch), Some(roll)) => format!(
+                "ground: {slope:.2} px per row; cameras {height:.3} m above it, pitched {pitch:.1} and rolled {roll:.1} degrees\n"
+            ),
+            _ => format!("ground: {slope:.2} px per row\n"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_camera_has_the_height_that_its_slope_tells() {
+        let dims = Dims { width: 320, height: 240 };
+        let rig = Rig::new(200.0, 0.06, 0.0).unwrap();
+        // 0.4 px per row from the middle row on: 0.06 m / 0.4.
+        let plane = GroundPlane { down_q16: 26_214, across_q16: 0, origin_q16: (-0.4 * 119.5 * 65_536.0) as i32 };
+        let ground = Ground::new(plane, Some(&rig), dims);
+        let near =
+            |value: Option<f64>, expected: f64| (value.unwrap() - expected).abs() < 0.01 * expected.abs().max(1.0);
+        assert!((ground.camera_height_m.unwrap() - 0.15).abs() < 0.001, "{ground:?}");
+        assert!(near(ground.pitch_deg, 0.0) && near(ground.roll_deg, 0.0), "{ground:?}");
+        // Pitched down by 10 degrees: the horizon lies f * tan(10 degrees) higher, and the same slope is of a lower camera.
+        let horizon = 119.5 - 200.0 * 10.0_f64.to_radians().tan();
+        let pitched = GroundPlane { origin_q16: (-0.4 * horizon * 65_536.0) as i32, ..plane };
+        let ground = Ground::new(pitched, Some(&rig), dims);
+        assert!(near(ground.pitch_deg, 10.0), "{ground:?}");
+        assert!((ground.camera_height_m.unwrap() - 0.15 * 10.0_f64.to_radians().cos()).abs() < 0.001, "{ground:?}");
+        let text = ground.summary();
+        assert!(text.starts_with("ground: 0.40 px per row; cameras 0.148 m above it, pitched 10.0"), "{text}");
+        assert!(Ground::new(plane, None, dims).summary() == "ground: 0.40 px per row\n");
+    }
+}

@@ -1,0 +1,110 @@
+//! The ground plane: found in drawn floors, and floors seen along it.
+//!
+//! A floor from its horizon down, with a wall above, drawn exactly; cells are of 16 x 16 px, each with its most probable point.
+
+use crate::slopes::Texture;
+use linestereo::{Dims, GroundPlane, Params};
+use linestereo_frames::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+/// Row below which the floor is, px.
+const FOOT: f64 = 88.0;
+/// Cells of the image, px.
+const CELL: u16 = 16;
+
+/// A floor whose disparity changes by `down` px per row and `across` px per column; 0 in the middle of row 80.
+#[derive(Clone, Copy)]
+struct Floor {
+    down: f64,
+    across: f64,
+}
+
+impl Floor {
+    fn disparity(&self, x: f64, y: f64) -> f64 {
+        self.down * (y.max(FOOT) - 80.0) + self.across * (x - 160.0)
+    }
+
+    fn draw(&self, texture: &Texture) -> [GrayImage; 2] {
+        let paint = |column: &dyn Fn(f64, f64) -> f64| {
+            linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |x, y| {
+                let (x, y) = (f64::from(x), f64::from(y));
+                texture.at(column(x, y), y).round() as u8
+            })
+        };
+        let seen_from_right = |x: f64, y: f64| (x + self.disparity(0.0, y)) / (1.0 - self.across);
+        [paint(&|x, _| x), paint(&seen_from_right)]
+    }
+
+    fn run(&self, ground: bool, seed: u64) -> FrameResult {
+        let [left, right] = self.draw(&Texture::new(seed));
+        let params = Params { max_disparity: 144, ground, ..Params::default() };
+        let mut engine = Engine::new(&params, DIMS).unwrap();
+        engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
+    }
+
+    /// Percentage of the floor's cells whose match the right image holds that are answered, and of these answers that are off by more than 1 px.
+    fn seen(&self, result: &FrameResult) -> [f64; 2] {
+        let (mut cells, mut seen, mut wrong) = (0, 0, 0);
+        for top in (96..DIMS.height).step_by(CELL.into()) {
+            for left in (0..DIMS.width).step_by(CELL.into()) {
+                let [x, y] = [left, top].map(|at| f64::from(at + CELL / 2));
+                if self.disparity(x, y) > x - 16.0 {
+                    continue;
+                }
+                cells += 1;
+                let inside = result.points.iter().filter(|p| p.x / CELL == left / CELL && p.y / CELL == top / CELL);
+                if let Some(best) = inside.max_by_key(|point| point.confidence) {
+                    seen += 1;
+                    let error = best.disparity.to_num::<f64>() - self.disparity(best.x.into(), best.y.into());
+                    wrong += u32::from(error.abs() > 1.0);
+                }
+            }
+        }
+        [100.0 * f64::from(seen) / f64::from(cells), 100.0 * f64::from(wrong) / f64::from(seen.max(1))]
+    }
+}
+
+/// Largest difference of a plane from a floor at four pixels of it, px.
+fn apart(plane: GroundPlane, floor: Floor) -> f64 {
+    let at = |x: i32, y: i32| (f64::from(plane.at_q6(x, y)) / 64.0 - floor.disparity(x.into(), y.into())).abs();
+    [(20, 100), (300, 100), (20, 230), (300, 230)].into_iter().map(|(x, y)| at(x, y)).fold(0.0, f64::max)
+}
+
+#[test]
+fn floors_are_found_and_seen_at_every_slope() {
+    let mut table = String::new();
+    let mut all = true;
+    for (down, across, seed) in
+        [(0.2, 0.0, 3), (0.3, 0.01, 4), (0.4, 0.0, 5), (0.6, -0.015, 6), (0.8, 0.01, 7), (0.9, 0.0, 8)]
+    {
+        let floor = Floor { down, across };
+        let result = floor.run(true, seed);
+        let [seen, wrong] = floor.seen(&result);
+        let [without, _] = floor.seen(&floor.run(false, seed));
+        let off = result.ground.map_or(f64::INFINITY, |plane| apart(plane, floor));
+        table += &format!(
+            "slope {down:.1}, roll {across:6.3}: plane {off:.2} px off, {seen:.0} % seen ({without:.0} % without), {wrong:.1} % of these off\n"
+        );
+        all &= off < 1.0 && seen >= 75.0 && wrong <= 2.0;
+    }
+    println!("{table}");
+    assert!(all, "{table}");
+}
+
+#[test]
+fn a_wall_and_a_pair_without_texture_have_no_ground() {
+    let wall = Floor { down: 0.0, across: 0.0 };
+    let result = Floor { down: 0.02, ..wall }.run(true, 9);
+    assert_eq!(result.ground, None);
+    let flat = linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |_, _| 90);
+    let mut engine = Engine::new(&Params::default(), DIMS).unwrap();
+    assert_eq!(engine.run(flat.view().unwrap(), flat.view().unwrap()).unwrap().ground, None);
+}
+
+#[test]
+fn a_pair_without_ground_keeps_its_bits() {
+    let wall = Floor { down: 0.02, across: 0.0 };
+    let [with, without] = [true, false].map(|ground| wall.run(ground, 11));
+    assert_eq!((with.points, with.matches), (without.points, without.matches));
+}
