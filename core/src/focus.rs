@@ -17,7 +17,7 @@
 //! The chapter's first idea: other perception excludes the pixels whose depth is not needed.
 
 use crate::area::Area;
-use crate::ground::GroundPlane;
+use crate::ground::GroundSearch;
 use crate::image::Dims;
 use crate::lines::{SCAN_STEP, Segment};
 use crate::matching::band::WindowExtent;
@@ -38,13 +38,13 @@ pub struct Focus<'a> {
     /// ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to estimate it in the areas, where
     /// segments may be too few.
     pub row_offset_q5: Option<i16>,
-    /// The ground plane of the pair before ([`Summary::ground`](crate::Summary::ground)): it is looked for near that one first.
-    pub ground: Option<GroundPlane>,
+    /// Where the ground plane is looked for.
+    pub ground: GroundSearch,
 }
 
 impl Focus<'_> {
     /// The whole frame.
-    pub const WHOLE: Self = Self { areas: None, row_offset_q5: None, ground: None };
+    pub const WHOLE: Self = Self { areas: None, row_offset_q5: None, ground: GroundSearch::Everywhere };
     /// Largest number of separate areas.
     pub const MAX_AREAS: usize = 16;
 }

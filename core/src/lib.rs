@@ -81,7 +81,7 @@ mod units;
 
 pub use area::Area;
 pub use focus::Focus;
-pub use ground::GroundPlane;
+pub use ground::{GroundPlane, GroundSearch};
 pub use health::{HealthFlags, HealthLimits, PairHealth};
 pub use image::{Dims, Gray, Span};
 pub use kernel::KERNELS;

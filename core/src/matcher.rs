@@ -4,13 +4,14 @@
 //!
 //! ```text
 //! check the images; a pair that is refused is not matched: it has no matches, and objects and pixels have no depth
-//! match the whole frame, or parts of it with the row offset of the last whole pair
+//! match the whole frame, or parts of it with the row offset of the last whole pair; look for the ground
+//! near that of the pair before, or, while there is none, in every fourth pair
 //! check the matches
 //! ```
 
 use crate::area::Area;
 use crate::focus::Focus;
-use crate::ground::GroundPlane;
+use crate::ground::{GroundPlane, GroundSearch};
 use crate::health::{HealthLimits, HealthMonitor};
 use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
@@ -30,6 +31,9 @@ pub struct Pair<'a> {
     pub times_us: Option<[u64; 2]>,
 }
 
+/// Pairs from one search of the ground to the next, while none is found.
+const SEARCH_PERIOD: u8 = 4;
+
 /// A plan, the health monitor, the row offset of the last whole pair and the ground plane of the last pair.
 #[derive(Clone, Debug)]
 pub struct Matcher {
@@ -41,6 +45,8 @@ pub struct Matcher {
     row_offset_q5: Option<i16>,
     /// Ground plane of the last pair.
     ground: Option<GroundPlane>,
+    /// Pairs until the ground is searched again, while none is known.
+    unsearched: u8,
 }
 
 impl Params {
@@ -55,7 +61,7 @@ impl Matcher {
     #[must_use]
     pub const fn new(plan: Plan) -> Self {
         let limits = HealthLimits::DEFAULT.of_rig(plan.rig().as_ref());
-        Self { limits, plan, monitor: HealthMonitor::new(), row_offset_q5: None, ground: None }
+        Self { limits, plan, monitor: HealthMonitor::new(), row_offset_q5: None, ground: None, unsearched: 0 }
     }
 
     /// Plan of the matching.
@@ -112,12 +118,21 @@ impl Matcher {
             });
         }
         let row_offset_q5 = self.row_offset_q5.filter(|_| areas.is_some());
-        let focus = Focus { areas, row_offset_q5, ground: self.ground };
+        let ground = match (self.ground, self.unsearched) {
+            (Some(plane), _) => GroundSearch::Near(plane),
+            (None, 0) => GroundSearch::Everywhere,
+            (None, _) => GroundSearch::Off,
+        };
+        let focus = Focus { areas, row_offset_q5, ground };
         let mut matched = self.plan.run_stages([left, right], &focus, scratch, observer);
         if areas.is_none() {
             self.row_offset_q5 = Some(matched.summary.row_offset_q5);
         }
         self.ground = matched.summary.plane;
+        self.unsearched = match ground {
+            GroundSearch::Off => self.unsearched.saturating_sub(1),
+            _ => SEARCH_PERIOD - 1,
+        };
         self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
         observer.on_event(StageEvent::Health(&health));
         matched.summary.health = health;
@@ -127,6 +142,6 @@ impl Matcher {
     /// Resets the state of health, and forgets the ground plane; the row offset stays.
     pub fn forget_health(&mut self) {
         self.monitor = HealthMonitor::new();
-        self.ground = None;
+        (self.ground, self.unsearched) = (None, 0);
     }
 }

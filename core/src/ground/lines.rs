@@ -1,15 +1,18 @@
 //! The line of disparity over row that explains most strips, then with roll.
 //!
 //! ```text
+//! of every second row of strips
+//! gain     255 at a strip's lowest cost, 0 from half way to the mean on
 //! image    of each row, at each disparity: the strips' largest gain within 2 px, less their mean, summed
 //! lines    disparity at the lowest row every 4 px, horizon (where it is 0) -0.75 to 0.7 heights every
 //!          4 rows, slope 0.08 to 2: sum of the image along each
-//! again    the best of each of six bands of slope, +-2 px, +-2 rows, with roll of -2 to 2 px per 100:
-//!          sum of the strips' own gains within 1 px, less their means
+//! again    the best of each of six bands of slope, +-2 px, +-2 rows, then with roll of -2 to 2 px per
+//!          100: sum of the strips' own gains within 1 px, less their means
 //! ```
 
 use super::GroundPlane;
-use super::strips::{MOST_ROWS, MOST_STRIPS, STEP, Strips, WIDTH};
+use super::strips::{STEP, Strips, Summary, WIDTH};
+use crate::curve::MAX_DISPARITIES;
 use crate::units::quotient;
 
 /// Slopes at which bands begin, Q16: 0.08, 0.15, 0.25, 0.4, 0.65, 1; the last ends at 2.
@@ -17,15 +20,17 @@ const BANDS_Q16: [i32; 7] = [5243, 9830, 16_384, 26_214, 42_598, 65_536, 131_072
 /// Number of bands.
 const BANDS: usize = BANDS_Q16.len() - 1;
 /// Least disparity at which strips are looked at, px.
-const LEAST: i32 = 2;
+const LEAST: usize = 2;
 /// Disparities and rows from one line to the next.
 const PITCH: usize = 4;
+/// Rows of strips from one to the next that are looked at.
+const SKIP: usize = 2;
 /// Largest disparity at the lowest row beyond the range, px.
 const BEYOND: usize = 64;
 /// Roll from one line to the next, px per px, Q16: 0.01.
 const ROLL_Q16: i32 = 655;
-/// What each 0.01 of roll costs, in gains of 255: 0.05.
-const ROLL_COST: i32 = 13;
+/// What each 0.01 of roll costs, in halves of gains of 255: 0.05.
+const ROLL_COST: i32 = 6;
 
 /// A line of disparity over row, with roll about the middle of the image.
 #[derive(Clone, Copy)]
@@ -42,22 +47,35 @@ pub(super) struct Line {
 type Candidate = (i32, i32, i32);
 
 /// The best line; `None` without strips or memory.
-pub(super) fn best(strips: &mut Strips<'_>) -> Option<Line> {
-    let (most, rows) = (strips.most, strips.rows);
-    let image = core::mem::take(&mut strips.rest).get_mut(..most * rows)?;
-    let own_means = sum_gains(strips, image);
-    let candidates = search(strips, image);
+pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
+    let (most, rows) = (strips.most, strips.rows.div_ceil(SKIP));
+    let (gains, memory) = memory.split_at_mut_checked(rows * strips.strips * most)?;
+    let image = memory.get_mut(..rows * most)?;
+    sum_gains(strips, gains, image);
     let mut best: Option<(i32, Line)> = None;
-    for (_, at_bottom, horizon) in candidates.into_iter().flatten() {
-        for (d, h) in [-2, 0, 2].into_iter().flat_map(|d| [-2, 0, 2].map(|h| (d, h))) {
-            let Some(down_q16) = slope_q16(strips, at_bottom + d, horizon + h) else { continue };
-            for roll in -2..=2 {
-                let line = Line { down_q16, across_q16: roll * ROLL_Q16, horizon: horizon + h };
-                let score = score(strips, &own_means, line) - ROLL_COST * roll.abs();
-                if best.is_none_or(|(most, _)| score > most) {
-                    best = Some((score, line));
-                }
+    for (_, at_bottom, horizon) in search(strips, image).into_iter().flatten() {
+        let mut of_band: Option<(i32, Line)> = None;
+        let mut compare = |line: Line| {
+            let score = score(strips, gains, line) - ROLL_COST * (quotient(line.across_q16, ROLL_Q16)).abs();
+            if of_band.is_none_or(|(most, _)| score > most) {
+                of_band = Some((score, line));
             }
+            of_band
+        };
+        let mut level = None;
+        for (d, h) in [-2, 0, 2].into_iter().flat_map(|d| [-2, 0, 2].map(|h| (d, h))) {
+            if let Some(down_q16) = slope_q16(strips, at_bottom + d, horizon + h) {
+                level = compare(Line { down_q16, across_q16: 0, horizon: horizon + h });
+            }
+        }
+        let Some((_, level)) = level else { continue };
+        for roll in [-2, -1, 1, 2] {
+            compare(Line { across_q16: roll * ROLL_Q16, ..level });
+        }
+        if let Some((score, line)) = of_band
+            && best.is_none_or(|(most, _)| score > most)
+        {
+            best = Some((score, line));
         }
     }
     best.map(|(_, line)| line)
@@ -69,57 +87,69 @@ fn slope_q16(strips: &Strips<'_>, at_bottom: i32, horizon: i32) -> Option<i32> {
     (rows > 0).then(|| quotient(at_bottom << 16, rows))
 }
 
-/// Largest of the entries within `reach`, of each.
-fn widest(gains: &[u8], at: usize, reach: usize) -> u8 {
-    let near = gains.get(at.saturating_sub(reach)..gains.len().min(at + reach + 1)).unwrap_or(&[]);
-    near.iter().copied().max().unwrap_or(0)
+/// Sets the gains of a strip, 255 at its lowest cost and 0 from half way to the mean on.
+fn set_gains(gains: &mut [u8], summary: Summary, costs: &[u8]) {
+    let depth = i32::from(summary.mean) - i32::from(summary.lowest);
+    let scale_q8 = quotient(255 << 8, depth.max(1));
+    let zero = 2 * i32::from(summary.mean) - depth;
+    for (gain, &cost) in gains.iter_mut().zip(costs) {
+        *gain = (((zero - 2 * i32::from(cost)).max(0) * scale_q8) >> 8).min(255) as u8;
+    }
 }
 
-/// Fills the image with the gains of all strips of a row, less their means, in steps of 16 around 128.
-/// Returns the mean of each strip's gains within 1 px.
-fn sum_gains(strips: &Strips<'_>, image: &mut [u8]) -> [[u8; MOST_STRIPS]; MOST_ROWS] {
-    let mut means = [[0; MOST_STRIPS]; MOST_ROWS];
-    for ((row, means), sums) in (0..).zip(&mut means).zip(image.chunks_exact_mut(strips.most.max(1))) {
-        let mut total = [0_i32; crate::curve::MAX_DISPARITIES];
-        for (index, mean) in means.iter_mut().enumerate().take(strips.strips) {
-            let Some((summary, costs)) = strips.strip(row, index) else { continue };
-            let mut gains = [0; crate::curve::MAX_DISPARITIES];
-            gains.iter_mut().zip(costs).for_each(|(gain, &cost)| *gain = summary.gain(cost));
-            let Some(gains) = gains.get(..costs.len()) else { continue };
-            let mean_within = |reach: usize| {
-                let sum: i32 = (0..gains.len()).map(|at| i32::from(widest(gains, at, reach))).sum();
-                quotient(sum, gains.len() as i32)
-            };
-            *mean = mean_within(1) as u8;
-            let mean = mean_within(2);
-            for (at, total) in total.iter_mut().enumerate().take(gains.len()) {
-                *total += i32::from(widest(gains, at, 2)) - mean;
+/// The largest of three neighbouring gains in place of each. Returns their mean.
+fn widen(gains: &mut [u8]) -> u8 {
+    let (mut before, mut sum) = (0, 0_u32);
+    let mut here = gains.first().copied().unwrap_or(0);
+    for at in 0..gains.len() {
+        let after = gains.get(at + 1).copied().unwrap_or(0);
+        let largest = here.max(before).max(after);
+        sum += u32::from(largest);
+        if let Some(gain) = gains.get_mut(at) {
+            *gain = largest;
+        }
+        (before, here) = (here, after);
+    }
+    sum.checked_div(gains.len() as u32).unwrap_or(0) as u8
+}
+
+/// Fills `all` with half of the strips' gains within 1 px, and the image with the sums over each row of the gains within 2 px, in steps of 16; both
+/// less their means, signed; of every second row of strips.
+fn sum_gains(strips: &Strips<'_>, all: &mut [u8], image: &mut [u8]) {
+    all.fill(0);
+    let most = strips.most.max(1);
+    let of_rows = all.chunks_exact_mut((strips.strips * most).max(1)).zip(image.chunks_exact_mut(most));
+    for (row, (of_row, sums)) in of_rows.enumerate() {
+        let mut total = [0_i16; MAX_DISPARITIES];
+        for (index, own) in of_row.chunks_exact_mut(most).enumerate() {
+            let Some((summary, costs)) = strips.strip(row * SKIP, index) else { continue };
+            let mut gains = [0; MAX_DISPARITIES];
+            let Some(gains) = gains.get_mut(..costs.len()) else { continue };
+            set_gains(gains, summary, costs);
+            let mean = i16::from(widen(gains));
+            for (own, &gain) in own.iter_mut().zip(&*gains) {
+                *own = ((i16::from(gain) - mean) >> 1) as u8;
+            }
+            let mean = i16::from(widen(gains));
+            for (total, &gain) in total.iter_mut().zip(&*gains) {
+                *total += i16::from(gain) - mean;
             }
         }
-        sums.iter_mut().zip(total).for_each(|(sum, total)| *sum = ((total >> 4).clamp(-128, 127) + 128) as u8);
+        for (at, (sum, total)) in sums.iter_mut().zip(total).enumerate() {
+            *sum = if at < LEAST { 0 } else { (total >> 4).clamp(-128, 127) as u8 };
+        }
     }
-    means
 }
 
 /// The best line of each band of slopes.
 fn search(strips: &Strips<'_>, image: &[u8]) -> [Option<Candidate>; BANDS] {
     let mut best: [Option<Candidate>; BANDS] = [None; BANDS];
     let height = i32::from(strips.dims.height);
-    let first = strips.ys().next().unwrap_or(0);
     for at_bottom in (8..(strips.most + BEYOND) as i32).step_by(PITCH) {
         for horizon in (-quotient(3 * height, 4)..quotient(7 * height, 10)).step_by(PITCH) {
             let Some(down_q16) = slope_q16(strips, at_bottom, horizon) else { continue };
             let Some(band) = BANDS_Q16.iter().rposition(|&from_q16| from_q16 <= down_q16) else { continue };
-            let (mut d_q16, mut score) = (down_q16 * (first - horizon) + (1 << 15), 0);
-            for sums in image.chunks_exact(strips.most.max(1)) {
-                let d = d_q16 >> 16;
-                if d >= LEAST
-                    && let Some(&sum) = sums.get(d as usize)
-                {
-                    score += i32::from(sum) - 128;
-                }
-                d_q16 += STEP * down_q16;
-            }
+            let score = sum_along(strips, image, (down_q16, horizon));
             if let Some(best) = best.get_mut(band)
                 && best.is_none_or(|(most, ..)| score > most)
             {
@@ -130,17 +160,37 @@ fn search(strips: &Strips<'_>, image: &[u8]) -> [Option<Candidate>; BANDS] {
     best
 }
 
-/// Sum of the strips' own gains within 1 px of a line, less their means.
-fn score(strips: &Strips<'_>, means: &[[u8; MOST_STRIPS]; MOST_ROWS], line: Line) -> i32 {
+/// Sum of the image along a line of this slope, above 0, and horizon.
+fn sum_along(strips: &Strips<'_>, image: &[u8], (down_q16, horizon): (i32, i32)) -> i32 {
+    let most = strips.most as i32;
+    let rows = quotient(image.len() as i32, most);
+    let step_q16 = SKIP as i32 * STEP * down_q16;
+    let first = strips.ys().next().unwrap_or(0);
+    let d_q16 = down_q16 * (first - horizon) + (1 << 15);
+    // Rows at which the line is between 0 and the largest disparity.
+    let start = quotient(step_q16 - 1 - d_q16, step_q16).max(0);
+    let end = quotient((most << 16) - d_q16 + step_q16 - 1, step_q16).min(rows);
+    let mut at_q16 = d_q16 + start * (step_q16 + (most << 16));
     let mut score = 0;
-    for ((row, y), means) in (0..).zip(strips.ys()).zip(means) {
-        for (index, &mean) in means.iter().enumerate().take(strips.strips) {
-            let d = line.at(strips, index, y);
-            let Some((summary, costs)) = strips.strip(row, index) else { continue };
-            if d >= LEAST && (d as usize) < costs.len().min(index * WIDTH + 1) {
-                let lowest = (d - 1..=d + 1).filter_map(|d| costs.get(d as usize)).min().copied();
-                score += lowest.map_or(0, |cost| i32::from(summary.gain(cost))) - i32::from(mean);
+    for _ in start..end {
+        score += i32::from(image.get((at_q16 >> 16) as usize).copied().unwrap_or(0) as i8);
+        at_q16 += step_q16 + (most << 16);
+    }
+    score
+}
+
+/// Sum of the strips' own gains within 1 px of a line, less their means, in halves.
+fn score(strips: &Strips<'_>, gains: &[u8], line: Line) -> i32 {
+    let most = strips.most.max(1);
+    let mut score = 0;
+    for (y, gains) in strips.ys().step_by(SKIP).zip(gains.chunks_exact((strips.strips * most).max(1))) {
+        let mut d_q16 = line.at_q16(strips, y);
+        for gains in gains.chunks_exact(most) {
+            let d = (d_q16 >> 16) as usize;
+            if d >= LEAST {
+                score += i32::from(gains.get(d).copied().unwrap_or(0) as i8);
             }
+            d_q16 += line.across_q16 * WIDTH as i32;
         }
     }
     score
@@ -157,9 +207,9 @@ impl Line {
         }
     }
 
-    /// Disparity at a row of the middle of a strip, rounded, px.
-    fn at(&self, strips: &Strips<'_>, index: usize, y: i32) -> i32 {
-        let from_middle = Strips::middle(index) - i32::from(strips.dims.width / 2);
-        (self.down_q16 * (y - self.horizon) + self.across_q16 * from_middle + (1 << 15)) >> 16
+    /// Disparity at a row of the middle of the first strip, and a half, Q16.
+    fn at_q16(&self, strips: &Strips<'_>, y: i32) -> i32 {
+        let from_middle = Strips::middle(0) - i32::from(strips.dims.width / 2);
+        self.down_q16 * (y - self.horizon) + self.across_q16 * from_middle + (1 << 15)
     }
 }

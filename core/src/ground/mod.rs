@@ -14,7 +14,7 @@
 //! Images wider than 450 px are searched at half of their size.
 //!
 //! # Cost
-//! Some 1.5 M instructions for 320x240 and 64 disparities, half of it where the plane is near that of the pair before.
+//! Some 1.8 M instructions for 320x240 and 64 disparities, 1.1 M where the plane is near that of the pair before (Armv7E-M).
 //!
 //! # Source
 //! Labayrade, Aubert, Tarel 2002 (v-disparity), by strips of single rows instead of a dense map.
@@ -77,24 +77,38 @@ impl GroundPlane {
     }
 }
 
+/// Where the ground plane of a pair is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroundSearch {
+    /// Among all planes.
+    Everywhere,
+    /// Near the plane of the pair before ([`Summary::ground`](crate::Summary::ground)), then among all.
+    Near(GroundPlane),
+    /// Nowhere.
+    Off,
+}
+
 /// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities below
-/// `most`: near that of the pair before, if there is one, then everywhere. `None` where none is seen, or
-/// `memory` is too small.
+/// `most`. `None` where none is seen, or `memory` is too small.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn find(
     images: [Gray<'_>; 2],
     (row_offset, most): (i32, u16),
-    before: Option<GroundPlane>,
+    search: GroundSearch,
     memory: &mut [u8],
 ) -> Option<GroundPlane> {
     let [left, _] = images;
     let half = left.dims().width > WIDEST;
     let most = if half { most / 2 } else { most };
-    let mut strips = Strips::measure(images, row_offset, (half, most.into()), memory)?;
-    let near = before.map(|plane| if half { plane.halved() } else { plane });
+    let near = match search {
+        GroundSearch::Near(plane) => Some(if half { plane.halved() } else { plane }),
+        GroundSearch::Everywhere => None,
+        GroundSearch::Off => return None,
+    };
+    let (strips, memory) = Strips::measure(images, row_offset, (half, most.into()), memory)?;
     let plane = near
         .and_then(|plane| fit::fit(&strips, plane))
-        .or_else(|| lines::best(&mut strips).and_then(|line| fit::fit(&strips, line.plane(&strips))))?;
+        .or_else(|| lines::best(&strips, memory).and_then(|line| fit::fit(&strips, line.plane(&strips))))?;
     Some(if half { plane.doubled() } else { plane })
 }
 
@@ -126,7 +140,8 @@ mod tests {
 
     fn found(images: &[[u8; PIXELS]; 2], before: Option<GroundPlane>) -> Option<GroundPlane> {
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
-        find(images, (0, 64), before, &mut [0; 16_384])
+        let search = before.map_or(GroundSearch::Everywhere, GroundSearch::Near);
+        find(images, (0, 64), search, &mut [0; 16_384])
     }
 
     #[test]
@@ -150,7 +165,7 @@ mod tests {
         assert_eq!(found(&floor(8), None), None);
         let images = floor(102);
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
-        assert_eq!(find(images, (0, 64), None, &mut [0; 64]), None);
+        assert_eq!(find(images, (0, 64), GroundSearch::Everywhere, &mut [0; 64]), None);
     }
 
     #[test]

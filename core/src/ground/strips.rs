@@ -5,13 +5,14 @@
 //! cost     1/32 of the sum over 64 columns of |step - step|, at each disparity with the strip in view
 //! a strip counts with 12 disparities in view, its lowest cost below 3/4 of their mean, and a mean of 2
 //! levels a pixel
-//! gain     255 at its lowest cost, 0 from half way to the mean on
 //! ```
 //!
 //! # Bounds
 //! A cost is at most 64 * 126 / 32 = 252.
 
-use crate::image::{Dims, Gray};
+use crate::curve::MAX_DISPARITIES;
+use crate::image::{Dims, Gray, MAX_WIDTH};
+use crate::kernel::{LANES, STRIP, Strip, sad_curve};
 use crate::units::quotient;
 
 /// Width of a strip, px.
@@ -19,19 +20,19 @@ pub(super) const WIDTH: usize = 64;
 /// Rows from one with strips to the next.
 pub(super) const STEP: i32 = 4;
 /// Most rows with strips.
-pub(super) const MOST_ROWS: usize = 80;
+const MOST_ROWS: usize = 80;
 /// Most strips of a row.
-pub(super) const MOST_STRIPS: usize = 10;
+pub(super) const MOST_STRIPS: usize = MAX_WIDTH as usize / 2 / WIDTH;
 /// Distance of the pixels that a step compares from its own, px.
 const REACH: usize = 3;
 /// Largest step, grey levels.
 const MOST_STEP: i16 = 63;
+/// A step of 0, as steps are stored.
+const LEVEL: u8 = 64;
 /// Least number of disparities in view.
 const FEWEST: usize = 12;
 /// Least mean cost: 2 levels a pixel.
 const LEAST_MEAN: u32 = 2 * WIDTH as u32 / 32;
-/// Cost of a disparity that is not in view.
-const UNSEEN: u8 = u8::MAX;
 
 /// Lowest cost and mean of a strip; a mean of 0 where it does not count.
 #[derive(Clone, Copy, Default)]
@@ -40,70 +41,56 @@ pub(super) struct Summary {
     pub(super) mean: u8,
 }
 
-impl Summary {
-    pub(super) fn counts(self) -> bool {
-        self.mean > 0
-    }
-
-    /// Gain of a cost, 0 ..= 255.
-    pub(super) fn gain(self, cost: u8) -> u8 {
-        let (cost, lowest, mean) = (i32::from(cost), i32::from(self.lowest), i32::from(self.mean));
-        quotient((2 * (mean - cost) - (mean - lowest)).max(0) * 255, (mean - lowest).max(1)).min(255) as u8
-    }
-}
-
 /// Costs of all strips of a pair, and of each the lowest and the mean.
 pub(super) struct Strips<'m> {
     pub(super) dims: Dims,
+    /// Disparities of a strip.
     pub(super) most: usize,
     pub(super) rows: usize,
     pub(super) strips: usize,
     summaries: [[Summary; MOST_STRIPS]; MOST_ROWS],
     costs: &'m [u8],
-    /// Memory that is left.
-    pub(super) rest: &'m mut [u8],
 }
 
 impl<'m> Strips<'m> {
-    /// Compares the strips of a pair, or of the pair at half of its size, at disparities below `most`.
+    /// Compares the strips of a pair, or of the pair at half of its size, at disparities below `most`, or at as many as `memory` holds with the
+    /// search of lines. Returns them with the memory that is left.
     pub(super) fn measure(
         images: [Gray<'_>; 2],
         row_offset: i32,
         (half, most): (bool, usize),
         memory: &'m mut [u8],
-    ) -> Option<Self> {
-        let [left, _] = images;
+    ) -> Option<(Self, &'m mut [u8])> {
+        let [left, right] = images;
         let full = left.dims();
         let dims = if half { Dims { width: full.width / 2, height: full.height / 2 } } else { full };
+        let width = usize::from(dims.width);
         let first = Self::first_row(dims);
         let rows = quotient(i32::from(dims.height) - first + STEP - 1, STEP).max(0) as usize;
-        let strips = usize::from(dims.width) / WIDTH;
+        let strips = width / WIDTH;
         if rows > MOST_ROWS || strips > MOST_STRIPS || strips == 0 {
             return None;
         }
+        let (left_steps, memory) = memory.split_at_mut_checked(width)?;
+        let (right_steps, memory) = memory.split_at_mut_checked(width)?;
+        let most = most.min(memory.len().checked_div(rows * (2 * strips + 1))?).min(MAX_DISPARITIES);
         let (costs, rest) = memory.split_at_mut_checked(rows * strips * most)?;
-        costs.fill(UNSEEN);
         let mut summaries = [[Summary::default(); MOST_STRIPS]; MOST_ROWS];
         let of_rows = costs.chunks_exact_mut((strips * most).max(1));
         for ((row, summaries), costs) in (0..).zip(&mut summaries).zip(of_rows) {
             let y = first + row * STEP;
-            let [Some(left), Some(right)] = [(0, 0), (1, row_offset)].map(|(which, offset)| {
-                let image = *images.get(which)?;
-                steps(image, (y, offset), half)
-            }) else {
+            if !steps(left, (y, 0), half, left_steps) || !steps(right, (y, row_offset), half, right_steps) {
                 continue;
-            };
+            }
             let of_strips = costs.chunks_exact_mut(most.max(1));
             for ((start, summary), costs) in (0..).step_by(WIDTH).zip(summaries).zip(of_strips) {
-                let Some(own) = left.get(start..).and_then(<[i8]>::first_chunk::<WIDTH>) else { break };
-                for (cost, d) in costs.iter_mut().zip(0..=start) {
-                    let other = right.get(start - d..).and_then(<[i8]>::first_chunk::<WIDTH>);
-                    *cost = other.map_or(UNSEEN, |other| difference(own, other));
+                if let Some(costs) = costs.get_mut(..most.min(start)) {
+                    compare(left_steps, right_steps, start, costs);
+                    *summary = summarize(costs);
                 }
-                *summary = summarize(costs.get(..(start + 1).min(most)).unwrap_or(&[]));
             }
         }
-        Some(Self { dims, most, rows, strips, summaries, costs, rest })
+        Some((Self { dims, most, rows, strips, summaries, costs }, rest))
     }
 
     /// First row with strips.
@@ -123,43 +110,60 @@ impl<'m> Strips<'m> {
         (strip * WIDTH + WIDTH / 2) as i32
     }
 
-    /// A strip, with its costs at the disparities in view.
+    /// A strip, with its costs at the disparities in view; `None` if it does not count.
     pub(super) fn strip(&self, row: usize, strip: usize) -> Option<(Summary, &[u8])> {
         let summary = *self.summaries.get(row)?.get(strip)?;
         let start = (row * self.strips + strip) * self.most;
-        let costs = self.costs.get(start..start + self.most.min(strip * WIDTH + 1))?;
-        summary.counts().then_some((summary, costs))
+        let costs = self.costs.get(start..start + self.most.min(strip * WIDTH))?;
+        (summary.mean > 0).then_some((summary, costs))
     }
 }
 
-/// Steps of a row of an image, or of its half; `None` outside of it.
-fn steps(image: Gray<'_>, (y, offset): (i32, i32), half: bool) -> Option<[i8; 640]> {
-    let mut levels = [0_i16; 640];
-    if half {
-        let rows = [2 * y + offset, 2 * y + 1 + offset];
-        let [Some(upper), Some(lower)] = rows.map(|y| image.row(usize::try_from(y).ok()?)) else { return None };
-        let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
-        for (level, ([a, b], [c, d])) in levels.iter_mut().zip(pairs) {
-            *level = (i16::from(*a) + i16::from(*b) + i16::from(*c) + i16::from(*d) + 2) >> 2;
-        }
-    } else {
-        let row = image.row(usize::try_from(y + offset).ok()?)?;
-        levels.iter_mut().zip(row).for_each(|(level, &pixel)| *level = pixel.into());
+/// Sets the steps of a row of an image, or of its half; false outside of it.
+fn steps(image: Gray<'_>, (y, offset): (i32, i32), half: bool, steps: &mut [u8]) -> bool {
+    let row = |y: i32| usize::try_from(y + offset).ok().and_then(|y| image.row(y));
+    if !half {
+        return row(y).is_some_and(|row| differences(row, steps));
     }
-    let width = usize::from(image.dims().width) >> u32::from(half);
-    let levels = levels.get(..width)?;
-    let mut steps = [0; 640];
-    let inside = steps.get_mut(REACH..width.checked_sub(REACH)?)?;
-    for (step, (before, after)) in inside.iter_mut().zip(levels.iter().zip(levels.get(2 * REACH..)?)) {
-        *step = (after - before).clamp(-MOST_STEP, MOST_STEP) as i8;
+    let [Some(upper), Some(lower)] = [2 * y, 2 * y + 1].map(row) else { return false };
+    let mut levels = [0; MAX_WIDTH as usize / 2];
+    let Some(levels) = levels.get_mut(..steps.len()) else { return false };
+    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+    for (level, ([a, b], [c, d])) in levels.iter_mut().zip(pairs) {
+        *level = ((u16::from(*a) + u16::from(*b) + u16::from(*c) + u16::from(*d) + 2) >> 2) as u8;
     }
-    Some(steps)
+    differences(levels, steps)
 }
 
-/// 1/32 of the sum of the differences of two strips.
-fn difference(own: &[i8; WIDTH], other: &[i8; WIDTH]) -> u8 {
-    let sum: u16 = own.iter().zip(other).map(|(own, other)| u16::from(own.abs_diff(*other))).sum();
-    (sum >> 5) as u8
+/// Sets the steps of a row of pixels.
+fn differences(row: &[u8], steps: &mut [u8]) -> bool {
+    steps.fill(LEVEL);
+    let inside = row.len().checked_sub(REACH).and_then(|end| steps.get_mut(REACH..end));
+    let (Some(inside), Some(after)) = (inside, row.get(2 * REACH..)) else { return false };
+    for (step, (&before, &after)) in inside.iter_mut().zip(row.iter().zip(after)) {
+        let change = (i16::from(after) - i16::from(before)).clamp(-MOST_STEP, MOST_STEP);
+        *step = (change + i16::from(LEVEL)) as u8;
+    }
+    true
+}
+
+/// Sets the costs of the strip that begins at this column, disparities rising from 0.
+fn compare(left: &[u8], right: &[u8], start: usize, costs: &mut [u8]) {
+    // Whole blocks, in which disparities fall; they are in view, as strips begin at multiples of blocks.
+    let length = costs.len().next_multiple_of(LANES);
+    let first = start.saturating_sub(length) + 1;
+    let mut curve = [0; MAX_DISPARITIES];
+    let Some(curve) = curve.get_mut(..length) else { return };
+    let own = left.get(start..).unwrap_or(&[]).as_chunks::<STRIP>().0;
+    let mut pieces = [Strip { reference: [0; STRIP], other: &[] }; WIDTH / STRIP];
+    for ((piece, own), k) in pieces.iter_mut().zip(own).zip((0..).step_by(STRIP)) {
+        let other = right.get(first + k..first + k + length + STRIP - 1).unwrap_or(&[]);
+        *piece = Strip { reference: *own, other };
+    }
+    sad_curve(&pieces, curve);
+    for (cost, sum) in costs.iter_mut().zip(curve.iter().rev()) {
+        *cost = (sum >> 5) as u8;
+    }
 }
 
 fn summarize(costs: &[u8]) -> Summary {

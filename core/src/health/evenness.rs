@@ -21,7 +21,7 @@
 //! A gradient is limited to 32 levels: a cost is at most 64 * 32 = 2048.
 //!
 //! # Cost
-//! At most [`MOST`] points, some 1500 instructions each.
+//! Some 1500 instructions a sample, of which there are at most [`MOST`], and 600 for each of other points without detail.
 
 use crate::image::Gray;
 use crate::sort::sort_by_key;
@@ -31,6 +31,8 @@ use heapless::Vec;
 
 /// Most samples.
 const MOST: usize = 96;
+/// Most points that are looked at for them.
+const TRIES: usize = 3 * MOST;
 /// Least number of samples of a pair.
 const FEWEST: usize = 20;
 /// Least number of samples in a part of the image.
@@ -80,11 +82,10 @@ type Sample = (u8, i16);
 #[inline(never)] // its variables are on the stack only while it runs
 pub(super) fn measure(images: [Gray<'_>; 2], support: Support<'_>, row_offset: i32) -> Option<Evenness> {
     let mut samples: Vec<Sample, MOST> = Vec::new();
-    for ((x, y), point) in (0..STEP).flat_map(|first| support.every(first, STEP)) {
-        // Beside the ground plane rows of a window have disparities of their own.
-        if !point.is_matched() || point.is_beside_ground() || point.confidence() < CREDIBLE {
-            continue;
-        }
+    // Beside the ground plane rows of a window have disparities of their own.
+    let fits = |point: &SupportPoint| point.is_matched() && !point.is_beside_ground() && point.confidence() >= CREDIBLE;
+    let points = (0..STEP).flat_map(|first| support.every(first, STEP)).filter(|(_, point)| fits(point));
+    for ((x, y), point) in points.take(TRIES) {
         if let Some(offset_q8) = offset_q8(images, (x.into(), y.into()), point, row_offset)
             && samples.push((part(images, x, y), offset_q8)).is_err()
         {
