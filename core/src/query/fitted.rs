@@ -6,27 +6,27 @@ use crate::confidence::Model;
 /// The model that plans use unless they are given another.
 #[rustfmt::skip]
 pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {
-    bias_q12: 17363,
+    bias_q12: 17602,
     coefficients_q12: [
-        -2639, // census: cost at the disparity / best cost elsewhere
-        -6770, // windows and census together: cost at the disparity / best cost elsewhere
-        -5769, // the same, elsewhere being what features nearby allow
-        -1296, // |searched back - answer|, px
-        -1709, // log2(1 + mean gradient around the pixel)
-        317, // log2(1 + features nearby that agree)
-        -2923, // log2(1 + surfaces that end at an edge before the pixel and agree)
-        -1808, // outside of what features nearby span, px
-        3060, // log2(1 + support points nearby that agree)
-        -4027, // share of support points nearby that contradict
+        -3085, // census: cost at the disparity / best cost elsewhere
+        -5791, // windows and census together: cost at the disparity / best cost elsewhere
+        -6501, // the same, elsewhere being what features nearby allow
+        -1159, // |searched back - answer|, px
+        -1634, // log2(1 + mean gradient around the pixel)
+        728, // log2(1 + features nearby that agree)
+        -2801, // log2(1 + surfaces that end at an edge before the pixel and agree)
+        -2373, // outside of what features nearby span, px
+        2371, // log2(1 + support points nearby that agree)
+        -5228, // share of support points nearby that contradict
     ],
     probability_q16: [
-        29, 48, 77, 125, 202, 326, 526, 848, 1362, 2177, 3454,
-        5417, 8346, 12527, 18139, 25076, 32828, 40573, 47493, 53083, 55793, 57998,
-        61713, 63657, 64853, 65291, 65496, 65524, 65526, 65527, 65529, 65531, 65533,
+        2, 4, 6, 8, 10, 12, 14, 154, 454, 1218, 2998,
+        4459, 7379, 11882, 17893, 24537, 31174, 39497, 46399, 51202, 54847, 58305,
+        61360, 63353, 64617, 65223, 65481, 65524, 65526, 65527, 65529, 65531, 65533,
     ],
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 512, 512, 447, 285, 161, 82, 50, 38, 30, 24,
-        20, 16, 14, 13, 12, 11, 11, 11, 11, 11, 11,
+        512, 512, 512, 448, 288, 165, 90, 53, 39, 30, 23,
+        19, 15, 14, 12, 12, 11, 11, 11, 11, 11, 11,
     ],
 };

@@ -25,6 +25,7 @@ mod local;
 mod patch;
 mod prior;
 
+use crate::area::Area;
 use crate::confidence::Model;
 use crate::evidence::log2_mean_q8;
 use crate::image::{Dims, Gray};
@@ -40,6 +41,8 @@ pub use fitted::FITTED_PIXEL;
 use patch::{COLUMNS_REACH, Patch};
 use prior::DisparityPrior;
 
+/// Distance up to which support points show a pattern, px.
+const PATTERN_REACH: i32 = 12;
 /// Twice the mean gradient around a pixel (half a grey level per px) below which there is nothing to match.
 const BLANK: u32 = 1;
 /// Texture below which a low confidence is reported as [`PixelRejection::NoTexture`], log2(1 + mean gradient) in Q8.
@@ -196,6 +199,9 @@ impl Query<'_> {
         if len.min(whole) < MIN_RANGE {
             return Err(PixelRejection::NearBorder);
         }
+        if self.repeats((x, y), region) {
+            return Err(PixelRejection::NotUnique);
+        }
         let rows = (self.rows, row_bytes(self.dims.width));
         let mut patch =
             Patch::new([left, right], (middle, y), self.row_offset, rows).ok_or(PixelRejection::OtherSize)?;
@@ -209,6 +215,21 @@ impl Query<'_> {
             local::match_pixel(&mut patch, (first, len), range_back, &prior, &mut self.work.curves);
         evidence.set(PixelKind::Texture, log2_mean_q8(sum, count));
         Ok((d_q6, evidence))
+    }
+
+    /// True when more of the support points around a pixel have windows that repeat than a disparity: it is on a pattern, of which nobody knows
+    /// which repetition is meant.
+    fn repeats(&self, (x, y): (i32, i32), region: Option<&Region<'_>>) -> bool {
+        let pixel = |at: i32| u16::try_from(at).unwrap_or(0);
+        let area = Area {
+            left: pixel(x - PATTERN_REACH),
+            top: pixel(y - PATTERN_REACH),
+            right: pixel(x + PATTERN_REACH),
+            bottom: pixel(y + PATTERN_REACH),
+        };
+        let contains = |x: i32, y: i32| region.is_none_or(|region| region.contains(x, y));
+        let matched = self.support.within(area).filter(|&(x, y, _)| contains(x, y)).count();
+        self.support.repeating(area, contains) as usize > matched
     }
 }
 
