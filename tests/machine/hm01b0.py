@@ -9,9 +9,17 @@ BYTE_US = 22.5  # nine bits at 400 kHz
 AFTER_RESET = {0x0000: 0x01, 0x0001: 0xB0, 0x0100: 0, 0x0202: 1, 0x0203: 8, 0x0340: 2, 0x0341: 0x32, 0x0342: 1, 0x0343: 0x72, 0x3059: 0, 0x3060: 0x20}
 
 
+def mixed(number):
+    """A hash: neighbouring numbers have nothing in common, since a staircase of levels looks like itself some blocks on."""
+    number &= 0xFFFFFFFF
+    number = (number ^ number >> 15) * 0x2C1B3C6D & 0xFFFFFFFF
+    number = (number ^ number >> 12) * 0x297A2D39 & 0xFFFFFFFF
+    return number ^ number >> 15
+
+
 @functools.lru_cache(maxsize=256)
 def blocks(row, picture):
-    grey = lambda column: 40 + ((column * 73 + row * 151 + picture * 29) * 2654435761 >> 13) % 180
+    grey = lambda column: 40 + mixed(column * 73 + row * 151 + picture * 29) % 180
     return b"".join(bytes([grey(column)]) * 8 for column in range(-1, WIDTH // 8 + 3))
 
 

@@ -42,9 +42,17 @@ LIGHTER = [bytes(min(level + more, 255) for level in range(256)) for more in ran
 bit = lambda value, at: value >> at & 1
 
 
+def mixed(number):
+    """A hash: neighbouring numbers have nothing in common, since a staircase of levels looks like itself some blocks on."""
+    number &= 0xFFFFFFFF
+    number = (number ^ number >> 15) * 0x2C1B3C6D & 0xFFFFFFFF
+    number = (number ^ number >> 12) * 0x297A2D39 & 0xFFFFFFFF
+    return number ^ number >> 15
+
+
 @functools.lru_cache(maxsize=256)
 def blocks(row, picture):
-    grey = lambda column: 40 + ((column * 73 + row * 151 + picture * 29) * 2654435761 >> 13) % 180
+    grey = lambda column: 40 + mixed(column * 73 + row * 151 + picture * 29) % 180
     return b"".join(bytes([grey(column)]) * 8 for column in range(WIDTH // 8 + 2))
 
 

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! # Bounds
-//! Weights below 64, rows and columns from their means below 512, disparities below 2^15 in 1/64 px, 512
-//! strips: sums below 2^6 * 2^9 * 2^9 * 2^9 = 2^33, products of two below 2^63 with disparities in 1/16 px.
+//! Weights below 2^6, rows from their mean below 2^8 and columns below 2^9, disparities below 2^14 in 1/64 px,
+//! 2^10 strips: sums below 2^34 (x x) and 2^39 (x d), products of two below 2^63 with 4 and 6 bits less.
 
 use super::GroundPlane;
 use super::strips::Strips;

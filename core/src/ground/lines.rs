@@ -47,6 +47,7 @@ pub(super) struct Line {
 type Candidate = (i32, i32, i32);
 
 /// The best line; `None` without strips or memory.
+#[inline(never)] // its variables are on the stack only while it runs
 pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
     let (most, rows) = (strips.most, strips.rows.div_ceil(SKIP));
     let (gains, memory) = memory.split_at_mut_checked(rows * strips.strips * most)?;

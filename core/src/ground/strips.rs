@@ -19,8 +19,6 @@ use crate::units::quotient;
 pub(super) const WIDTH: usize = 64;
 /// Rows from one with strips to the next.
 pub(super) const STEP: i32 = 4;
-/// Most rows with strips.
-const MOST_ROWS: usize = 80;
 /// Most strips of a row.
 pub(super) const MOST_STRIPS: usize = MAX_WIDTH as usize / 2 / WIDTH;
 /// Distance of the pixels that a step compares from its own, px.
@@ -34,8 +32,11 @@ const FEWEST: usize = 12;
 /// Least mean cost: 2 levels a pixel.
 const LEAST_MEAN: u32 = 2 * WIDTH as u32 / 32;
 
+/// Bytes of a strip before its costs: the lowest and the mean.
+const HEAD: usize = 2;
+
 /// Lowest cost and mean of a strip; a mean of 0 where it does not count.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 pub(super) struct Summary {
     pub(super) lowest: u8,
     pub(super) mean: u8,
@@ -48,13 +49,14 @@ pub(super) struct Strips<'m> {
     pub(super) most: usize,
     pub(super) rows: usize,
     pub(super) strips: usize,
-    summaries: [[Summary; MOST_STRIPS]; MOST_ROWS],
+    /// Lowest, mean and costs of each.
     costs: &'m [u8],
 }
 
 impl<'m> Strips<'m> {
     /// Compares the strips of a pair, or of the pair at half of its size, at disparities below `most`, or at as many as `memory` holds with the
     /// search of lines. Returns them with the memory that is left.
+    #[inline(never)] // its variables are on the stack only while it runs
     pub(super) fn measure(
         images: [Gray<'_>; 2],
         row_offset: i32,
@@ -68,29 +70,32 @@ impl<'m> Strips<'m> {
         let first = Self::first_row(dims);
         let rows = quotient(i32::from(dims.height) - first + STEP - 1, STEP).max(0) as usize;
         let strips = width / WIDTH;
-        if rows > MOST_ROWS || strips > MOST_STRIPS || strips == 0 {
+        if strips > MOST_STRIPS || strips == 0 {
             return None;
         }
         let (left_steps, memory) = memory.split_at_mut_checked(width)?;
         let (right_steps, memory) = memory.split_at_mut_checked(width)?;
-        let most = most.min(memory.len().checked_div(rows * (2 * strips + 1))?).min(MAX_DISPARITIES);
-        let (costs, rest) = memory.split_at_mut_checked(rows * strips * most)?;
-        let mut summaries = [[Summary::default(); MOST_STRIPS]; MOST_ROWS];
-        let of_rows = costs.chunks_exact_mut((strips * most).max(1));
-        for ((row, summaries), costs) in (0..).zip(&mut summaries).zip(of_rows) {
-            let y = first + row * STEP;
-            if !steps(left, (y, 0), half, left_steps) || !steps(right, (y, row_offset), half, right_steps) {
+        let (levels, memory) = memory.split_at_mut_checked(width)?;
+        let of_row = memory.len().checked_div(rows)?.checked_sub(HEAD * strips)?;
+        let most = most.min(of_row.checked_div(2 * strips + 1)?).min(MAX_DISPARITIES);
+        let (costs, rest) = memory.split_at_mut_checked(rows * strips * (HEAD + most))?;
+        costs.fill(0);
+        for (y, costs) in (first..).step_by(STEP as usize).zip(costs.chunks_exact_mut(strips * (HEAD + most))) {
+            if !steps(left, (y, 0), half.then_some(&mut *levels), left_steps)
+                || !steps(right, (y, row_offset), half.then_some(&mut *levels), right_steps)
+            {
                 continue;
             }
-            let of_strips = costs.chunks_exact_mut(most.max(1));
-            for ((start, summary), costs) in (0..).step_by(WIDTH).zip(summaries).zip(of_strips) {
+            for (start, strip) in (0..).step_by(WIDTH).zip(costs.chunks_exact_mut(HEAD + most)) {
+                let Some(([lowest, mean], costs)) = strip.split_first_chunk_mut::<HEAD>() else { break };
                 if let Some(costs) = costs.get_mut(..most.min(start)) {
                     compare(left_steps, right_steps, start, costs);
-                    *summary = summarize(costs);
+                    let summary = summarize(costs);
+                    (*lowest, *mean) = (summary.lowest, summary.mean);
                 }
             }
         }
-        Some((Self { dims, most, rows, strips, summaries, costs }, rest))
+        Some((Self { dims, most, rows, strips, costs }, rest))
     }
 
     /// First row with strips.
@@ -112,22 +117,18 @@ impl<'m> Strips<'m> {
 
     /// A strip, with its costs at the disparities in view; `None` if it does not count.
     pub(super) fn strip(&self, row: usize, strip: usize) -> Option<(Summary, &[u8])> {
-        let summary = *self.summaries.get(row)?.get(strip)?;
-        let start = (row * self.strips + strip) * self.most;
-        let costs = self.costs.get(start..start + self.most.min(strip * WIDTH))?;
-        (summary.mean > 0).then_some((summary, costs))
+        let (&[lowest, mean], costs) =
+            self.costs.get((row * self.strips + strip) * (HEAD + self.most)..)?.split_first_chunk::<HEAD>()?;
+        let costs = costs.get(..self.most.min(strip * WIDTH))?;
+        (mean > 0).then_some((Summary { lowest, mean }, costs))
     }
 }
 
-/// Sets the steps of a row of an image, or of its half; false outside of it.
-fn steps(image: Gray<'_>, (y, offset): (i32, i32), half: bool, steps: &mut [u8]) -> bool {
+/// Sets the steps of a row of an image, or, with memory for its levels, of its half; false outside of it.
+fn steps(image: Gray<'_>, (y, offset): (i32, i32), levels: Option<&mut [u8]>, steps: &mut [u8]) -> bool {
     let row = |y: i32| usize::try_from(y + offset).ok().and_then(|y| image.row(y));
-    if !half {
-        return row(y).is_some_and(|row| differences(row, steps));
-    }
+    let Some(levels) = levels else { return row(y).is_some_and(|row| differences(row, steps)) };
     let [Some(upper), Some(lower)] = [2 * y, 2 * y + 1].map(row) else { return false };
-    let mut levels = [0; MAX_WIDTH as usize / 2];
-    let Some(levels) = levels.get_mut(..steps.len()) else { return false };
     let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
     for (level, ([a, b], [c, d])) in levels.iter_mut().zip(pairs) {
         *level = ((u16::from(*a) + u16::from(*b) + u16::from(*c) + u16::from(*d) + 2) >> 2) as u8;

@@ -305,5 +305,8 @@ fn rig() -> RigImage {
 /// Grey level of a pixel of a sensor's frame: see `blocks` of the models.
 fn sensor_pixel(is_right: bool, frame: u64, x: u64, y: u64) -> u8 {
     let x = if is_right { x + 10 } else { x };
-    (40 + (((x / 8 * 73 + y / 8 * 151 + frame / 2 * 29) * 2_654_435_761) >> 13) % 180) as u8
+    let mut number = (x / 8 * 73 + y / 8 * 151 + frame / 2 * 29) as u32;
+    number = (number ^ number >> 15).wrapping_mul(0x2C1B_3C6D);
+    number = (number ^ number >> 12).wrapping_mul(0x297A_2D39);
+    (40 + (number ^ number >> 15) % 180) as u8
 }
