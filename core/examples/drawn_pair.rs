@@ -10,8 +10,10 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
     let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
 
-    // A wall with bars of many widths, as seen by two cameras.
-    let grey = |x: usize, y: usize| if (x * x / 400 + y / 30).is_multiple_of(2) { 60 } else { 190 } + (x * 7 + y * 13) as u8 % 9;
+    // A wall with bars of many widths and a grain, as seen by two cameras.
+    let grain = |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) >> 20 & 15;
+    let bar = |x: usize, y: usize| if (x * x / 1200 + y / 30).is_multiple_of(2) { 60 } else { 190 };
+    let grey = |x: usize, y: usize| (bar(x, y) + grain(x, y)) as u8;
     let image = |disparity: usize| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
     let (left, right) = (image(0), image(12));
     let pair = Pair { left: Gray::new(&left, DIMS, 160)?, right: Gray::new(&right, DIMS, 160)?, times_us: None };

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// Largest page, bytes.
-pub const MOST_BYTES: usize = 200 << 10;
+/// Largest page, bytes: 213 KiB when points by codes, beside the ground and at two sizes were in.
+pub const MOST_BYTES: usize = 224 << 10;
 
 /// The page and its modules in a folder.
 #[derive(Clone, Debug)]
