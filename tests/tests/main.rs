@@ -18,6 +18,7 @@ mod ground;
 mod hardware;
 mod health;
 mod kernels;
+mod large;
 mod laws;
 mod layers;
 mod lines;
