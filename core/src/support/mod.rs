@@ -256,7 +256,7 @@ impl Matching<'_> {
         memory: &mut [u8],
         points: &mut [SupportPoint],
         (detail, nearer): (&mut Detail, &mut NearerSearch),
-        watch: &mut impl FnMut(usize, Seen<'_>),
+        watch: &mut dyn FnMut(usize, Seen<'_>), // compiled once, for both sizes
     ) {
         let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
         let mut labels =
