@@ -1,7 +1,7 @@
 //! Images that are matched at half of their size first: their points are true at full size.
 
 use crate::slopes::Texture;
-use linestereo::{Dims, Params};
+use linestereo::{Dims, Params, Source};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_tests::drawn::painted;
 
@@ -34,7 +34,8 @@ fn points_of_a_wall_and_of_a_floor_are_true() {
         let result = run(seed);
         assert!(result.ground.is_some());
         let of = |is_floor: bool| {
-            let points = result.points.iter().filter(|point| (f64::from(point.y) > WALL + 8.0) == is_floor);
+            let points = result.points.iter().filter(|point| point.source == Source::Support);
+            let points = points.filter(|point| (f64::from(point.y) > WALL + 8.0) == is_floor);
             let errors = points.map(|point| (point.disparity.to_num::<f64>() - disparity(point.y.into())).abs());
             let mut errors: Vec<f64> = errors.collect();
             errors.sort_by(f64::total_cmp);

@@ -223,21 +223,16 @@ impl Matching<'_> {
         }
         let whole = [Area::of(self.images[0].dims())];
         let areas = areas.unwrap_or(&whole);
+        let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.half.unwrap_or(self.grid)));
         let Some(half) = self.half else {
-            let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.grid));
             for &area in areas {
                 self.match_area(self.grid.within(area), memory, points, (&mut detail, &mut nearer), &mut watch);
             }
             return (detail.mean_q8(), nearer.check);
         };
-        let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(half));
         let plane = self.plane.map(GroundPlane::halved);
-        let halves = Matching {
-            grid: if plane.is_some() { half.with_plane(memory.len()) } else { half },
-            half: None,
-            plane,
-            ..*self
-        };
+        let grid = if plane.is_some() { half.with_plane(memory.len()) } else { half };
+        let halves = Matching { grid, half: None, plane, ..*self };
         for &area in areas {
             halves.match_area(half.within(area.halved()), memory, points, (&mut detail, &mut nearer), &mut |_, _| ());
         }
