@@ -18,10 +18,6 @@ use crate::side_pixels::ValidPixels;
 use crate::support::{RangeCheck, Support};
 use heapless::vec::VecView;
 
-/// Least row offset by which rows are moved, 1/32 px: that by edges is known within some 0.2 px, and most pairs are rectified to less than
-/// half a pixel.
-const LEAST_OFFSET_Q5: i32 = 22;
-
 /// Counts, row offset and health of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Summary {
@@ -62,8 +58,7 @@ impl Summary {
 
     /// Row of the right image that matches row 0 of the left one, px.
     pub(crate) fn row_offset(&self) -> i32 {
-        let offset_q5 = i32::from(self.row_offset_q5);
-        offset_q5.signum() * ((offset_q5.abs() + 32 - LEAST_OFFSET_Q5) >> 5)
+        (i32::from(self.row_offset_q5) + 16) >> 5
     }
 
     /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as given by

@@ -84,7 +84,7 @@ impl Plan {
             m.support,
             Grid::new(&self.params, self.dims),
             (summary.detail_q8, summary.plane),
-            self.support_models.of_size(Grid::new(&self.params, self.dims).is_fine(), summary.plane.is_some()),
+            self.support_models.of(summary.plane.is_some()),
         );
         observer.on_event(StageEvent::Consistency(m.candidates, m.support));
 
@@ -193,9 +193,9 @@ impl Plan {
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
         let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
-        let (half, noise) = (Grid::of_halves(&self.params, self.dims), support::Noise::of(images));
-        let models = self.support_models;
-        let matching = support::Matching { images, grid, half, row_offset, noise, plane, models };
+        let noise = support::Noise::of(images);
+        let model = self.support_models.of(plane.is_some());
+        let matching = support::Matching { images, grid, row_offset, noise, plane, model };
         let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
             support::Seen::Curves(curves) => observer.support_curves(index, &curves),
             support::Seen::Evidence(evidence) => observer.support_point(index, evidence),

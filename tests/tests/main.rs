@@ -18,7 +18,6 @@ mod ground;
 mod hardware;
 mod health;
 mod kernels;
-mod large;
 mod laws;
 mod layers;
 mod lines;

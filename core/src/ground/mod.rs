@@ -71,7 +71,7 @@ impl GroundPlane {
     }
 
     /// The same plane in images of half the size.
-    pub(crate) const fn halved(self) -> Self {
+    const fn halved(self) -> Self {
         let half = (self.down_q16 + self.across_q16) / 2;
         Self { origin_q16: (self.origin_q16 + half) / 2, ..self }
     }

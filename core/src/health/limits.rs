@@ -33,8 +33,7 @@ pub struct HealthLimits {
     pub row_limit_q8: u16,
     /// Largest change of the smoothed difference of rows against its long mean, 1/256 px. Default 38 (0.15 px).
     pub row_drift_q8: u16,
-    /// Largest spread of the difference of rows over one image, 1/256 px; in proportion in images wider than 320 px; more is uneven, and its
-    /// median is not used. Default 32 (0.125 px):
+    /// Largest spread of the difference of rows over one image, 1/256 px; more is uneven, and its median is not used. Default 32 (0.125 px):
     /// captured pairs, at several sizes, and those of a robot's camera as it was delivered stay below 0.1 px.
     /// Where too few support points say whether rows are even.
     pub row_spread_q8: u16,

@@ -230,7 +230,7 @@ impl HealthMonitor {
         // Edges are few and each of them may be wrong: points have to be in doubt as well.
         let are_even = by_points.is_some_and(|even| even.spread_q8 <= limits.row_region_q8 / 2);
         if let Some(rows) = rows::measure(left, right, found.matches)
-            && let Some(by_edges) = are_uneven(&rows, limits, left.dims().width)
+            && let Some(by_edges) = are_uneven(&rows, limits)
         {
             is_uneven = Some(is_uneven == Some(true) || by_edges && !are_even);
             let offset_q8 = by_points.filter(|_| by_edges && are_even).map_or(rows.offset_q8, |even| {
@@ -349,20 +349,16 @@ fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool
     compared >= MIN_COMPARED && u32::from(counts.matched) * 1000 < u32::from(compared) * u32::from(least)
 }
 
-/// Width of the images that limits of rows are said for, px.
-const QVGA_WIDTH: u16 = 320;
 /// Least number of matches whose differences of rows can be uneven.
 const LEAST_SAMPLES: u8 = 4;
 
 /// True when the rows of a pair are uneven, false when they are even; `None` where too few matches tell neither.
-fn are_uneven(rows: &Rows, limits: &HealthLimits, width: u16) -> Option<bool> {
-    // The same cameras have twice the spread in images of twice the size.
-    let most = quotient(i32::from(limits.row_spread_q8) * i32::from(width.max(QVGA_WIDTH)), QVGA_WIDTH.into());
+fn are_uneven(rows: &Rows, limits: &HealthLimits) -> Option<bool> {
     if rows.samples >= limits.min_row_samples {
-        return Some(i32::from(rows.spread_q8) > most);
+        return Some(rows.spread_q8 > limits.row_spread_q8);
     }
     // The spread of few is known less well: it takes twice as much, and an even one is no measurement.
-    (rows.samples >= LEAST_SAMPLES && i32::from(rows.spread_q8 / 2) > most).then_some(true)
+    (rows.samples >= LEAST_SAMPLES && rows.spread_q8 / 2 > limits.row_spread_q8).then_some(true)
 }
 
 /// True when enough windows match beyond the range.
@@ -395,13 +391,11 @@ mod tests {
     #[test]
     fn few_matches_tell_rows_that_are_very_uneven_alone() {
         let limits = HealthLimits::DEFAULT;
-        let told = |samples, spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples }, &limits, 320);
+        let told = |samples, spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples }, &limits);
         let HealthLimits { row_spread_q8: most, min_row_samples: enough, .. } = limits;
         assert_eq!([most, most + 1].map(|spread| told(enough, spread)), [Some(false), Some(true)]);
         assert_eq!([2 * most + 1, 2 * most + 2].map(|spread| told(enough - 1, spread)), [None, Some(true)]);
         assert_eq!(told(LEAST_SAMPLES - 1, u16::MAX), None);
-        let large = |spread_q8| are_uneven(&Rows { offset_q8: 0, spread_q8, samples: enough }, &limits, 640);
-        assert_eq!([2 * most, 2 * most + 1].map(large), [Some(false), Some(true)]);
     }
 
     #[test]

@@ -38,7 +38,7 @@ mod sse2;
 
 pub use portable::{
     CELL, CODE_FLAT, CODE_ROWS, CodeColumn, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES,
-    LargestStep, Products, RIGHT_GRADIENTS, Ring, Run, STEP_PENALTY, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    LargestStep, Products, RIGHT_GRADIENTS, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
 };
 
 #[cfg(dsp)]

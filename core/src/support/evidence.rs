@@ -33,7 +33,7 @@ const LEAST_INCREASE: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
 /// Largest distance from the ground plane of a point that may be of it, 1/64 px.
-pub(super) const NEAR_PLANE_Q6: i32 = 96;
+const NEAR_PLANE_Q6: i32 = 96;
 
 define_evidence! {
     /// Kinds of evidence of a support point, in the order of the model's coefficients.
@@ -51,8 +51,6 @@ define_evidence! {
     OnPlane: "label beside the ground plane",
     NearPlane: "at most 1.5 px off the ground plane",
     BelowPlane: "farther than the ground plane by more",
-    HalfSize: "log-odds of the answer at half of the size",
-    Moved: "|answer - that at half of the size|, px",
     Agreeing: "log2(1 + neighbours that agree)",
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
@@ -146,7 +144,7 @@ impl Detail {
 }
 
 /// log2(1 + value), Q8.
-pub(super) fn log2_q8(value: u8) -> i32 {
+fn log2_q8(value: u8) -> i32 {
     log2_mean_q8(value.into(), 1)
 }
 

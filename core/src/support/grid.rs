@@ -23,16 +23,11 @@ pub(crate) struct Grid {
     pub(crate) disparities: usize,
     /// Pixels from one column of points to the next.
     pitch: u16,
-    pub(super) width: u16,
-    pub(super) min_disparity: i16,
+    width: u16,
+    min_disparity: i16,
     /// Labels beside the ground plane as well.
     pub(super) has_plane: bool,
-    /// Of the halves of the images.
-    pub(super) is_half: bool,
 }
-
-/// Widest image whose points are matched at its own size alone, px.
-const WIDEST: u16 = 450;
 
 impl Grid {
     /// The grid of images of this size. Where the disparities of a row of points do not fit the memory of the band of rows (width 320: beyond
@@ -48,38 +43,10 @@ impl Grid {
             width: dims.width,
             min_disparity,
             has_plane: false,
-            is_half: false,
         };
         let close = of_pitch(SUPPORT_PITCH);
-        if dims.width > WIDEST {
-            return close; // matched around what is known from the grid of the halves
-        }
         let there = row_bytes(dims.width) * BAND_ROWS * PLANES;
         if close.bytes() <= there { close } else { of_pitch(2 * SUPPORT_PITCH) }
-    }
-
-    /// The grid of the halves of images of this size, where they are matched first.
-    pub(crate) fn of_halves(params: &Params, dims: Dims) -> Option<Self> {
-        if dims.width <= WIDEST {
-            return None;
-        }
-        let (min_disparity, end) = (params.min_disparity.div_euclid(2), params.max_disparity.div_ceil(2));
-        let disparities = usize::try_from(i32::from(end) - i32::from(min_disparity)).unwrap_or(0);
-        Some(Self {
-            columns: (dims.width / 2 / SUPPORT_PITCH).into(),
-            rows: (dims.height / 2 / SUPPORT_PITCH).into(),
-            disparities,
-            pitch: SUPPORT_PITCH,
-            width: dims.width / 2,
-            min_disparity,
-            has_plane: false,
-            is_half: true,
-        })
-    }
-
-    /// Points are matched around those of the halves.
-    pub(crate) const fn is_fine(&self) -> bool {
-        !self.is_half && self.width > WIDEST
     }
 
     /// The same with labels beside the ground plane, where these fit the memory.
@@ -97,17 +64,12 @@ impl Grid {
     pub(crate) fn bytes(&self) -> usize {
         let planes =
             if self.has_plane { CODE_ROWS * usize::from(self.width) + paths::PLANE_LABELS * self.columns } else { 0 };
-        self.bytes_of_codes() + paths::bytes(self.labels(), self.columns) + planes
-    }
-
-    /// Bytes of the codes, and of the rows that they are of, if these are no image's.
-    const fn bytes_of_codes(&self) -> usize {
-        codes::bytes(self.width) + if self.is_half { codes::bytes_of_half(self.width) } else { 0 }
+        codes::bytes(self.width) + paths::bytes(self.labels(), self.columns) + planes
     }
 
     /// The memory of the codes, that of the paths, and that of labels beside the plane.
     pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<[&'m mut [u8]; 3]> {
-        let (codes, memory) = memory.split_at_mut_checked(self.bytes_of_codes())?;
+        let (codes, memory) = memory.split_at_mut_checked(codes::bytes(self.width))?;
         let (paths, memory) = memory.split_at_mut_checked(paths::bytes(self.labels(), self.columns))?;
         Some([codes, paths, memory])
     }

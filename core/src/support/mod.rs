@@ -10,7 +10,6 @@
 //! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
 //! result:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
 //! place:   the middle of the window's texture, which is what was matched                                         (place)
-//! fine:    images wider than 450 px are matched at half of their size, then around what is known from it         (fine)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
 //! ```
 //!
@@ -25,7 +24,6 @@
 
 mod codes;
 pub(crate) mod evidence;
-mod fine;
 mod fitted;
 mod grid;
 mod nearer;
@@ -173,19 +171,11 @@ pub struct SupportModels {
     pub upright: Model<SUPPORT_EVIDENCE>,
     /// In pairs with one.
     pub ground: Model<SUPPORT_EVIDENCE>,
-    /// At the size of images that are matched at half of it first.
-    pub fine: Model<SUPPORT_EVIDENCE>,
 }
 
 impl SupportModels {
-    /// Of points at the only size, or at half of it.
     pub(crate) const fn of(&self, has_plane: bool) -> &Model<SUPPORT_EVIDENCE> {
         if has_plane { &self.ground } else { &self.upright }
-    }
-
-    /// Of the points of a grid.
-    pub(crate) const fn of_size(&self, is_large: bool, has_plane: bool) -> &Model<SUPPORT_EVIDENCE> {
-        if is_large { &self.fine } else { self.of(has_plane) }
     }
 }
 
@@ -193,13 +183,11 @@ impl SupportModels {
 pub(crate) struct Matching<'a> {
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) grid: Grid,
-    /// Grid of the halves of the images, where these are matched first.
-    pub(crate) half: Option<Grid>,
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
     pub(crate) noise: Noise,
     pub(crate) plane: Option<GroundPlane>,
-    pub(crate) models: &'a SupportModels,
+    pub(crate) model: &'a Model<SUPPORT_EVIDENCE>,
 }
 
 impl Matching<'_> {
@@ -222,26 +210,11 @@ impl Matching<'_> {
             let _ = points.push(SupportPoint::none()); // they fit
         }
         let whole = [Area::of(self.images[0].dims())];
-        let areas = areas.unwrap_or(&whole);
-        let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.half.unwrap_or(self.grid)));
-        let Some(half) = self.half else {
-            for &area in areas {
-                self.match_area(self.grid.within(area), memory, points, (&mut detail, &mut nearer), &mut watch);
-            }
-            return (detail.mean_q8(), nearer.check);
-        };
-        let plane = self.plane.map(GroundPlane::halved);
-        let grid = if plane.is_some() { half.with_plane(memory.len()) } else { half };
-        let halves = Matching { grid, half: None, plane, ..*self };
-        for &area in areas {
-            halves.match_area(half.within(area.halved()), memory, points, (&mut detail, &mut nearer), &mut |_, _| ());
+        let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.grid));
+        for &area in areas.unwrap_or(&whole) {
+            self.match_area(self.grid.within(area), memory, points, (&mut detail, &mut nearer), &mut watch);
         }
-        let detail_q8 = detail.mean_q8();
-        if let Some(points) = points.get_mut(..half.columns * half.rows) {
-            add_nearby(points, half, (detail_q8, plane), self.models.of(plane.is_some()));
-        }
-        fine::Fine { matching: self, half }.run(areas, memory, points, watch);
-        (detail_q8, nearer.check.doubled())
+        (detail.mean_q8(), nearer.check)
     }
 
     /// Matches the points in these columns and rows of the grid.
@@ -251,19 +224,15 @@ impl Matching<'_> {
         memory: &mut [u8],
         points: &mut [SupportPoint],
         (detail, nearer): (&mut Detail, &mut NearerSearch),
-        watch: &mut dyn FnMut(usize, Seen<'_>), // compiled once, for both sizes
+        watch: &mut impl FnMut(usize, Seen<'_>),
     ) {
+        let [left, right] = self.images;
         let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
-        let mut labels =
-            self.plane.filter(|_| self.grid.has_plane).and_then(|plane| PlaneLabels::new(plane, self.grid, labels));
-        let (images, row_offset) = (self.images, self.row_offset);
-        let [of_half, _] = self.noise.doublings_of_two();
-        let codes = if self.grid.is_half {
-            CodeRows::of_halves(images, row_offset, of_half, codes)
-        } else {
-            CodeRows::new(images, row_offset, self.noise.doublings(), codes)
-        };
-        let Some(mut codes) = codes else { return };
+        let mut labels = self
+            .plane
+            .filter(|_| self.grid.has_plane)
+            .and_then(|plane| PlaneLabels::new(plane, self.grid, left.dims().width, labels));
+        let Some(mut codes) = CodeRows::new([left, right], self.row_offset, self.noise, codes) else { return };
         let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else { return };
         paths.restart();
         let columns = usize::from(area.left)..usize::from(area.right);
@@ -274,7 +243,7 @@ impl Matching<'_> {
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
             codes.code(y);
-            let valid = codes.valid(y);
+            let valid = [left.valid_columns(y), right.valid_columns(y + self.row_offset)];
             if valid_before.replace(valid) != Some(valid) {
                 for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
                     *range = self.range(column, valid).unwrap_or_default();
@@ -346,7 +315,7 @@ impl Matching<'_> {
         };
         SupportPoint {
             disparity_q6: narrow(found.disparity_q6 + moved_q6),
-            score_q8: narrow(self.models.of(self.plane.is_some()).score_q8(&found.evidence.0).max(1 - (1 << 15))),
+            score_q8: narrow(self.model.score_q8(&found.evidence.0).max(1 - (1 << 15))),
             probability_q16: 0,
             uniqueness_q8: found.uniqueness_q8,
             place,
@@ -374,24 +343,6 @@ impl Matching<'_> {
 #[inline]
 fn indices(range: Option<&Span>) -> Range<usize> {
     range.map_or(0..0, |range| range.start.into()..range.end.into())
-}
-
-/// Adds the evidence by neighbours to the log-odds of every point.
-fn add_nearby(
-    points: &mut [SupportPoint],
-    grid: Grid,
-    pair: (i16, Option<GroundPlane>),
-    model: &Model<SUPPORT_EVIDENCE>,
-) {
-    for index in 0..points.len() {
-        let nearby = nearby(points, grid, pair, index);
-        if let Some(point) = points.get_mut(index)
-            && point.is_matched()
-        {
-            let score_q8 = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
-            point.score_q8 = narrow(score_q8.max(1 - (1 << 15)));
-        }
-    }
 }
 
 /// Sets the probability of every point by its own evidence and that by its neighbours.
@@ -430,12 +381,6 @@ impl<'a> Support<'a> {
     /// The same of a pair with a ground plane, if there is one.
     pub(crate) fn with_plane(self, plane: Option<GroundPlane>) -> Self {
         Self { plane, ..self }
-    }
-
-    /// True when points were matched at half of the size first.
-    #[must_use]
-    pub fn is_fine(&self) -> bool {
-        self.grid.is_fine()
     }
 
     /// The ground plane of the pair, if one was found.

@@ -47,11 +47,6 @@ pub struct RangeCheck {
 }
 
 impl RangeCheck {
-    /// The same of images of twice the size.
-    pub(super) const fn doubled(self) -> Self {
-        Self { disparity: 2 * self.disparity, largest: 2 * self.largest, ..self }
-    }
-
     fn add_match(&mut self, disparity: u16) {
         self.beyond += 1;
         self.disparity = self.disparity.max(self.largest.min(disparity));

@@ -52,12 +52,6 @@ impl Noise {
     pub(super) fn doublings(self) -> u32 {
         1 + [144, 72, 36].into_iter().map(|most| u32::from(self.sum < most)).sum::<u32>()
     }
-
-    /// The same of the images' halves, and of the images around what is known from these.
-    pub(super) fn doublings_of_two(self) -> [u32; 2] {
-        let doublings = self.doublings();
-        [doublings.max(2), (doublings - 1).max(1)]
-    }
 }
 
 /// Noise of an image by pixels `apart` px from each other.

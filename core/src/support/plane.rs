@@ -12,7 +12,7 @@
 //! Codes of one more row, and 15 labels a point, where the plane is seen.
 
 use super::Grid;
-use super::codes::{BORDER, CodeRows, ROWS, WINDOW_COLUMNS};
+use super::codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use super::paths::{MAX_COLUMNS, PLANE_LABELS as LABELS};
 use crate::ground::GroundPlane;
 use crate::image::Span;
@@ -20,6 +20,8 @@ use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, code_columns, code_costs};
 
 /// The nearest of them, px before the plane: labels fall, as disparities do.
 const NEAREST: i32 = LABELS as i32 / 2;
+/// Rows that codes read.
+const ROWS: usize = 2 * CODE_ROWS + 4;
 /// How often each of them is read by the codes of a window: see [`code_columns`].
 const READ: [i32; ROWS] = [1, 1, 2, 2, 4, 4, 4, 4, 3, 3, 2, 2];
 /// Cost of a label that does not exist.
@@ -32,8 +34,6 @@ pub(super) struct PlaneLabels<'m> {
     costs: &'m mut [[u8; LABELS]],
     /// Whole disparity of the row of points.
     row: i32,
-    /// Largest whole disparity of the rows around: column 0 is there.
-    nearest: i32,
     /// Whether its labels exist.
     is_seen: bool,
     /// What rounding took from the rows of a window, 1/64 px.
@@ -54,25 +54,30 @@ pub(super) struct PlaneLabel {
 }
 
 impl<'m> PlaneLabels<'m> {
-    pub(super) fn new(plane: GroundPlane, grid: Grid, memory: &'m mut [u8]) -> Option<Self> {
-        let (columns, costs) = memory.split_at_mut_checked(CODE_ROWS * usize::from(grid.width))?;
+    pub(super) fn new(plane: GroundPlane, grid: Grid, width: u16, memory: &'m mut [u8]) -> Option<Self> {
+        let (columns, costs) = memory.split_at_mut_checked(CODE_ROWS * usize::from(width))?;
         let costs = costs.as_chunks_mut().0.get_mut(..grid.columns)?;
         let columns = columns.as_chunks_mut().0;
-        Some(Self { plane, columns, costs, row: 0, nearest: 0, is_seen: false, rest_q6: 0, first: [0; MAX_COLUMNS] })
+        Some(Self { plane, columns, costs, row: 0, is_seen: false, rest_q6: 0, first: [0; MAX_COLUMNS] })
     }
 
     /// Computes the costs of the points around row `y`.
     pub(super) fn measure(&mut self, y: i32, grid: Grid, codes: &CodeRows<'_>, valid: Span) {
+        self.row = self.plane.of_row(y);
+        self.is_seen = self.row >= 0;
         self.costs.fill([NONE; LABELS]);
         self.first.fill(LABELS as u8);
-        if !self.shift(y, codes) {
+        if !self.is_seen {
             return;
         }
-        let (plane, nearest) = (self.plane, self.nearest);
+        let Some(nearest) = self.code(y, codes) else {
+            self.is_seen = false;
+            return;
+        };
         for (column, (costs, first)) in self.costs.iter_mut().zip(&mut self.first).enumerate() {
             let x = grid.window(column);
             // Columns of the moved rows begin at the largest disparity of these.
-            let start = x - plane.of_column(grid.x(column)) - NEAREST - nearest;
+            let start = x - self.plane.of_column(grid.x(column)) - NEAREST - nearest;
             let missing = (i32::from(valid.start).max(BORDER) - start).clamp(0, LABELS as i32);
             let Some(window) = codes.window(x) else { continue };
             *first = missing as u8;
@@ -89,42 +94,22 @@ impl<'m> PlaneLabels<'m> {
         }
     }
 
-    /// Codes the right rows around row `y`, each moved by its own whole disparity; false where the plane is not seen.
-    pub(super) fn shift(&mut self, y: i32, codes: &CodeRows<'_>) -> bool {
-        self.row = self.plane.of_row(y);
-        self.is_seen = self.row >= 0 && self.code(y, codes).is_some();
-        self.is_seen
-    }
-
-    /// Column of the moved rows that matches column `x` of the left image at this label of the point at column `x_point`.
-    pub(super) fn column(&self, x: i32, x_point: i32, label: i32) -> i32 {
-        x - self.plane.of_column(x_point) - label - self.nearest
-    }
-
-    /// Codes of the moved rows.
-    pub(super) fn columns(&self) -> &[CodeColumn] {
-        self.columns
-    }
-
-    /// Disparity of the label of the plane itself at a pixel of the row, 1/64 px.
-    pub(super) fn at_zero_q6(&self, x: i32, y: i32) -> i32 {
-        let across_rest_q6 = (self.plane.across_q16 * x - (self.plane.of_column(x) << 16)) >> 10;
-        self.plane.at_q6(x, y) - self.rest_q6 - across_rest_q6
-    }
-
-    fn code(&mut self, y: i32, codes: &CodeRows<'_>) -> Option<()> {
-        let (right, doublings) = codes.right(y);
+    /// Codes the right rows around row `y`, each moved by its own whole disparity. Returns the largest of these: column 0 is there.
+    fn code(&mut self, y: i32, codes: &CodeRows<'_>) -> Option<i32> {
+        let (right, y_right, doublings) = codes.right(y);
+        let last = i32::from(right.dims().height) - 1;
         let rows: [i32; ROWS] = core::array::from_fn(|row| y - 6 + row as i32);
         let moves = rows.map(|row| self.plane.of_row(row));
         let (nearest, farthest) =
             moves.iter().fold((i32::MIN, i32::MAX), |(most, least), &d| (most.max(d), least.min(d)));
         let span = usize::try_from(nearest - farthest).ok()?;
         // Whole words, as kernels take them.
-        let width = right.first()?.len().checked_sub(span)? & !3;
+        let width = usize::from(right.dims().width).checked_sub(span)? & !3;
         let mut slices: [&[u8]; ROWS] = [&[]; ROWS];
-        for ((slice, row), d) in slices.iter_mut().zip(right).zip(moves) {
+        for ((slice, row), d) in slices.iter_mut().zip(rows).zip(moves) {
+            let row = (row - y + y_right).max(0).min(last);
             let from = usize::try_from(nearest - d).ok()?;
-            *slice = row.get(from..from + width)?;
+            *slice = right.row(row as usize)?.get(from..from + width)?;
         }
         let columns = self.columns.get_mut(..width)?;
         code_columns(slices, doublings, columns);
@@ -133,8 +118,7 @@ impl<'m> PlaneLabels<'m> {
         let sum: i64 =
             rows.into_iter().zip(moves).zip(READ).map(|(row, read)| i64::from(rest_q16(row)) * i64::from(read)).sum();
         self.rest_q6 = (sum >> (5 + 10)) as i32;
-        self.nearest = nearest;
-        Some(())
+        Some(nearest)
     }
 
     /// Sets the costs of a point's labels: the mean of its own and those beside it.
@@ -166,9 +150,10 @@ impl<'m> PlaneLabels<'m> {
         let x = grid.x(column);
         let own = self.plane.of_column(x);
         let first = usize::from(*self.first.get(column)?);
+        let across_rest_q6 = (self.plane.across_q16 * x - (own << 16)) >> 10;
         self.is_seen.then(|| {
             let plane_q6 = self.plane.at_q6(x, y);
-            let at_zero_q6 = self.at_zero_q6(x, y) + (NEAREST << 6);
+            let at_zero_q6 = plane_q6 - self.rest_q6 - across_rest_q6 + (NEAREST << 6);
             let label = PlaneLabel { disparity: self.row + own + NEAREST, at_zero_q6, plane_q6 };
             (label, first)
         })

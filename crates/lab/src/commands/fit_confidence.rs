@@ -66,7 +66,6 @@ pub fn run(args: &Args) -> Result<()> {
     let scenes = load(&args.folders)?;
     let also = if args.also.is_empty() { Vec::new() } else { load(&args.also)? };
     let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };
-    let halves = halves_of(&args.folders)?.into_iter().chain(halves_of(&args.also)?).collect::<Vec<_>>();
     let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
     let name = |scene: &&Scene| scene.name.clone();
     let samples = for_each_pair(&all, None, name, |scene| {
@@ -75,13 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
             .map(|(_, damage)| sample(scene, damage, &args.method))
             .collect::<Result<Vec<_>>>()
     })?;
-    let of_halves = for_each_pair(
-        &halves,
-        None,
-        |scene| scene.name.clone(),
-        |scene| sample(scene, &Perturbation::DAMAGES[0].1, &args.method),
-    )?;
-    let samples: Vec<SceneSamples> = samples.into_iter().flatten().chain(of_halves).collect();
+    let samples: Vec<SceneSamples> = samples.into_iter().flatten().collect();
     if !args.no_scores {
         leave_one_out(&scenes, damages, &samples, &args.method)?;
     }
@@ -127,19 +120,6 @@ fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     }
     let scenes: Vec<Scene> = pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?;
     scenes.into_iter().map(without_gloss).collect()
-}
-
-/// Large captured pairs at half of their size, at which they are matched first.
-fn halves_of(folders: &[PathBuf]) -> Result<Vec<Scene>> {
-    let mut halves = Vec::new();
-    for pair in collect(folders, true)?.pairs {
-        let scene = pair.load(None, &rectify_raw)?;
-        let width = scene.left.dims.width;
-        if width > WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file() {
-            halves.push(pair.load(Some(width / 2), &rectify_raw)?);
-        }
-    }
-    Ok(halves)
 }
 
 /// The scene without the truth of what shines, in rendered rooms: a mirror shows another place.

@@ -44,7 +44,6 @@ pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
         support: SupportModels {
             upright: fit_kind(pairs, SampleKind::Support),
             ground: fit_kind(pairs, SampleKind::SupportOfGround),
-            fine: fit_kind(pairs, SampleKind::FineSupport),
         },
     }
 }
@@ -54,7 +53,7 @@ fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<
     for pair in pairs {
         scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
     }
-    let is_support = matches!(kind, SampleKind::Support | SampleKind::SupportOfGround | SampleKind::FineSupport);
+    let is_support = matches!(kind, SampleKind::Support | SampleKind::SupportOfGround);
     let penalty = if is_support { SUPPORT_PENALTY } else { SIDES_PENALTY };
     fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
 }

@@ -20,8 +20,6 @@ pub(super) enum SampleKind {
     Support,
     /// Where the ground plane is looked for.
     SupportOfGround,
-    /// Of images that are matched at half of their size first.
-    FineSupport,
     Pixel,
 }
 
@@ -102,10 +100,7 @@ impl Observer for EvidenceLog {
 
 /// Adds the support points of the last run, with the ground plane, that have truth; `log` watched it.
 pub fn add_ground_samples(samples: &mut SceneSamples, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) {
-    let matched = engine.matched();
-    let support = matched.support();
-    let kind = if support.is_fine() { SampleKind::FineSupport } else { SampleKind::SupportOfGround };
-    let points = support_samples(kind, support, log, truth);
+    let points = support_samples(SampleKind::SupportOfGround, engine.matched().support(), log, truth);
     samples.samples.extend(points);
 }
 
@@ -114,9 +109,7 @@ pub fn add_ground_samples(samples: &mut SceneSamples, engine: &mut Engine, log: 
 pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
     let matched = engine.matched();
     let (candidates, dims) = (matched.candidates(), matched.dims());
-    let support = matched.support();
-    let mut samples =
-        if support.is_fine() { Vec::new() } else { support_samples(SampleKind::Support, support, log, truth) };
+    let mut samples = support_samples(SampleKind::Support, matched.support(), log, truth);
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {

@@ -33,7 +33,7 @@ pub fn support_source_text(models: &SupportModels, origin: &str) -> String {
          #[rustfmt::skip]\n\
          pub const FITTED_SUPPORT: SupportModels = SupportModels {{\n"
     );
-    for (name, model) in [("upright", &models.upright), ("ground", &models.ground), ("fine", &models.fine)] {
+    for (name, model) in [("upright", &models.upright), ("ground", &models.ground)] {
         let _ = writeln!(text, "    {name}: Model {{");
         fields(&mut text, "        ", model, &SupportKind::NAMES);
         text.push_str("    },\n");
