@@ -291,7 +291,8 @@ fn said(images: &[GrayImage; 2], area: Area) -> String {
     let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()], fit).remove(0);
     let disparity = match found.disparity {
         Err(reason) => return format!("no depth: {reason}"),
-        Ok(disparity) => disparity.to_num::<f64>(),
+        // A browser rounds halves up, such as 22.125; Rust to the even digit.
+        Ok(disparity) => disparity.to_num::<f64>() + 1e-9,
     };
     let [depth, sigma, nearest] = [found.depth, found.depth_sigma, found.nearest].map(|z| z.unwrap().to_num::<f64>());
     let (px, sure) = (found.sigma.to_num::<f64>(), 100.0 * found.confidence.to_num::<f64>());
