@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! check the images; a pair that is refused is not matched: it has no matches, and objects and pixels have no depth
-//! match the whole frame, or parts of it with the row offset of the last whole pair; look for the ground
-//! near that of the pair before, or, while there is none, in every fourth pair
+//! match the whole frame, or parts of it with the row offset of the last whole pair; look for the
+//! ground near that of the pair before, or, while there is none, in every fourth pair
 //! check the matches
 //! ```
 
@@ -34,7 +34,8 @@ pub struct Pair<'a> {
 /// Pairs from one search of the ground to the next, while none is found.
 const SEARCH_PERIOD: u8 = 4;
 
-/// A plan, the health monitor, the row offset of the last whole pair and the ground plane of the last pair.
+/// A plan, the health monitor, the row offset of the last whole pair and the ground plane of the
+/// last pair.
 #[derive(Clone, Debug)]
 pub struct Matcher {
     /// Limits of health, in the units of each field.

@@ -108,7 +108,8 @@ fn objects_alone_have_the_depths_of_the_whole_frame() {
     let (whole_objects, alone_objects) = (objects(&whole[1]), objects(&alone[1]));
     assert_eq!((whole_objects.len(), alone_objects.len()), (2, 2));
     for (whole, alone) in whole_objects.iter().zip(&alone_objects) {
-        // Paths begin at the border of what is matched: where texture is weak a point more or less is matched.
+        // Paths begin at the border of what is matched: where texture is weak a point more or less
+        // is matched.
         let number = |object: &Value, key: &str| object[key].as_f64().unwrap();
         let apart = (number(whole, "disparity_px") - number(alone, "disparity_px")).abs();
         assert!(apart <= 0.2 * number(whole, "sigma_px"), "{whole} {alone}");

@@ -10,7 +10,7 @@ AFTER_RESET = {0x0000: 0x01, 0x0001: 0xB0, 0x0100: 0, 0x0202: 1, 0x0203: 8, 0x03
 
 
 def mixed(number):
-    """A hash: neighbouring numbers have nothing in common, since a staircase of levels looks like itself some blocks on."""
+    """A hash: a staircase of levels would look like itself some blocks on."""
     number &= 0xFFFFFFFF
     number = (number ^ number >> 15) * 0x2C1B3C6D & 0xFFFFFFFF
     number = (number ^ number >> 12) * 0x297A2D39 & 0xFFFFFFFF

@@ -43,7 +43,7 @@ bit = lambda value, at: value >> at & 1
 
 
 def mixed(number):
-    """A hash: neighbouring numbers have nothing in common, since a staircase of levels looks like itself some blocks on."""
+    """A hash: a staircase of levels would look like itself some blocks on."""
     number &= 0xFFFFFFFF
     number = (number ^ number >> 15) * 0x2C1B3C6D & 0xFFFFFFFF
     number = (number ^ number >> 12) * 0x297A2D39 & 0xFFFFFFFF

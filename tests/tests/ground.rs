@@ -1,6 +1,7 @@
 //! The ground plane: found in drawn floors, and floors seen along it.
 //!
-//! A floor from its horizon down, with a wall above, drawn exactly; cells are of 16 x 16 px, each with its most probable point.
+//! A floor from its horizon down, with a wall above, drawn exactly; cells are of 16 x 16 px, each
+//! with its most probable point.
 
 use crate::slopes::Texture;
 use linestereo::{Dims, GroundPlane, Params};
@@ -13,7 +14,8 @@ const FOOT: f64 = 88.0;
 /// Cells of the image, px.
 const CELL: u16 = 16;
 
-/// A floor whose disparity changes by `down` px per row and `across` px per column; 0 in the middle of row 80.
+/// A floor whose disparity changes by `down` px per row and `across` px per column; 0 in the middle
+/// of row 80.
 #[derive(Clone, Copy)]
 struct Floor {
     down: f64,
@@ -43,7 +45,8 @@ impl Floor {
         engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
     }
 
-    /// Percentage of the floor's cells whose match the right image holds that are answered, and of these answers that are off by more than 1 px.
+    /// Percentage of the floor's cells whose match the right image holds that are answered, and of
+    /// these answers that are off by more than 1 px.
     fn seen(&self, result: &FrameResult) -> [f64; 2] {
         let (mut cells, mut seen, mut wrong) = (0, 0, 0);
         for top in (96..DIMS.height).step_by(CELL.into()) {

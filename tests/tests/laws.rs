@@ -118,7 +118,8 @@ fn a_shift_moves_what_is_found() {
             let Agreement { kept, off } = Agreement::of(&points, &found, |point| {
                 (i32::from(point.x) - i32::from(dx), i32::from(point.y) - i32::from(dy))
             });
-            // Where the grid falls on other pixels, its points stand in the middle of other windows' texture.
+            // Where the grid falls on other pixels, its points stand in the middle of other
+            // windows' texture.
             let least = if dx % 8 == 0 && dy % 8 == 0 { 500 } else { 450 };
             assert!(off <= 20 && kept >= least, "by {dx}, {dy} px: {kept} kept, {off} off");
         }
@@ -135,7 +136,8 @@ fn a_mirror_swaps_the_cameras() {
         let Agreement { kept, off } = Agreement::of(&points, &found, |point| {
             (last - i32::from(point.x) + point.disparity.round().to_num::<i32>(), point.y.into())
         });
-        // Where the border cuts disparities off, a window that repeats further right in the left image is no point, and left and right are exchanged.
+        // Where the border cuts disparities off, a window that repeats further right in the left
+        // image is no point, and left and right are exchanged.
         assert!(off <= 20 && kept >= 480, "{kept} kept, {off} off");
     }
 }

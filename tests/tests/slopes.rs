@@ -1,7 +1,7 @@
 //! Surfaces that are not parallel to the images: a disparity belongs to the place where it is told.
 //!
-//! A plane with a smooth random texture is drawn into both images exactly; the bias is the median of told minus true disparities, at the pixels
-//! that the points stand on.
+//! A plane with a smooth random texture is drawn into both images exactly; the bias is the median
+//! of told minus true disparities, at the pixels that the points stand on.
 
 use linestereo::{Dims, Params, Parts, Source};
 use linestereo_frames::GrayImage;
@@ -81,8 +81,9 @@ fn bias(plane: &Plane, texture: &Texture, parts: Parts, is_counted: fn(Source) -
     (errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN), errors.len())
 }
 
-/// The bias for every slope, down the rows and along the columns; the largest one, in units of the largest allowed: [`LARGEST`], or twice as much where
-/// the eight columns of a window span more than two disparities.
+/// The bias for every slope, down the rows and along the columns; the largest one, in units of the
+/// largest allowed: [`LARGEST`], or twice as much where the eight columns of a window span more
+/// than two disparities.
 fn table(texture: &Texture, parts: Parts, is_counted: fn(Source) -> bool) -> (f64, String) {
     let (mut worst, mut table) = (0.0_f64, String::new());
     for slope in SLOPES {
@@ -106,7 +107,8 @@ fn support_points_on_slopes_have_no_bias() {
     assert!(worst < 1.0, "{table}");
 }
 
-/// A side's pixels have one disparity across the edge, which its window took some columns beside it: that is what is left here.
+/// A side's pixels have one disparity across the edge, which its window took some columns beside
+/// it: that is what is left here.
 #[test]
 fn pixels_of_segments_on_slopes_have_a_bias_of_one_slope_at_most() {
     let (worst, table) = table(&Texture::new(2), Parts::Both, |source| source != Source::Support);

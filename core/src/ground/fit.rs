@@ -3,12 +3,14 @@
 //! ```text
 //! four times, with strips within 4, 4, 3, 3 px and then 3.5, 2.5, 1.5, 1.2 px of the plane so far:
 //!     d(strip) = b y + c x + a, weighted by 1 - cost / mean, sub-pixel, roll shrunk towards 0
-//! taken with b of 0.14 to 2.2, 18 strips on it, and a tenth of all that see it with their lowest cost
+//! taken with b of 0.14 to 2.2, 18 strips on it, and a tenth of all that see it with their lowest
+//! cost
 //! ```
 //!
 //! # Bounds
-//! Weights below 2^6, rows from their mean below 2^8 and columns below 2^9, disparities below 2^14 in 1/64 px,
-//! 2^10 strips: sums below 2^34 (x x) and 2^39 (x d), products of two below 2^63 with 4 and 6 bits less.
+//! Weights below 2^6, rows from their mean below 2^8 and columns below 2^9, disparities below 2^14
+//! in 1/64 px, 2^10 strips: sums below 2^34 (x x) and 2^39 (x d), products of two below 2^63 with 4
+//! and 6 bits less.
 
 use super::GroundPlane;
 use super::strips::Strips;
@@ -125,7 +127,8 @@ impl Sums {
         let xx = about(self.xx, self.x, self.x)? + SHRINK;
         let (xy, yy) = (about(self.xy, self.x, self.y)?, about(self.yy, self.y, self.y)?);
         let (xd, yd) = (about(self.xd, self.x, self.d)?, about(self.yd, self.y, self.d)?);
-        // Products of sums need 63 bits: a quarter of each side of the equations, with 4 bits less of d.
+        // Products of sums need 63 bits: a quarter of each side of the equations, with 4 bits less
+        // of d.
         let [xx, xy, yy] = [xx, xy, yy].map(|sum| sum >> 4);
         let [xd, yd] = [xd, yd].map(|sum| sum >> 6);
         let determinant = xx * yy - xy * xy;

@@ -3,11 +3,12 @@
 //! ```text
 //! of every second row of strips
 //! gain     255 at a strip's lowest cost, 0 from half way to the mean on
-//! image    of each row, at each disparity: the strips' largest gain within 2 px, less their mean, summed
-//! lines    disparity at the lowest row every 4 px, horizon (where it is 0) -0.75 to 0.7 heights every
-//!          4 rows, slope 0.08 to 2: sum of the image along each
-//! again    the best of each of six bands of slope, +-2 px, +-2 rows, then with roll of -2 to 2 px per
-//!          100: sum of the strips' own gains within 1 px, less their means
+//! image    of each row, at each disparity: the strips' largest gain within 2 px, less their mean,
+//!          summed
+//! lines    disparity at the lowest row every 4 px, horizon (where it is 0) -0.75 to 0.7 heights
+//!          every 4 rows, slope 0.08 to 2: sum of the image along each
+//! again    the best of each of six bands of slope, +-2 px, +-2 rows, then with roll of -2 to 2 px
+//!          per 100: sum of the strips' own gains within 1 px, less their means
 //! ```
 
 use super::GroundPlane;
@@ -29,7 +30,7 @@ const SKIP: usize = 2;
 const BEYOND: usize = 64;
 /// Roll from one line to the next, px per px, Q16: 0.01.
 const ROLL_Q16: i32 = 655;
-/// What each 0.01 of roll costs, in halves of gains of 255: 0.05.
+/// Cost of each 0.01 of roll, in halves of gains of 255: 0.05.
 const ROLL_COST: i32 = 6;
 
 /// A line of disparity over row, with roll about the middle of the image.
@@ -114,8 +115,9 @@ fn widen(gains: &mut [u8]) -> u8 {
     sum.checked_div(gains.len() as u32).unwrap_or(0) as u8
 }
 
-/// Fills `all` with half of the strips' gains within 1 px, and the image with the sums over each row of the gains within 2 px, in steps of 16; both
-/// less their means, signed; of every second row of strips.
+/// Fills `all` with half of the strips' gains within 1 px, and the image with the sums over each
+/// row of the gains within 2 px, in steps of 16; both less their means, signed; of every second row
+/// of strips.
 fn sum_gains(strips: &Strips<'_>, all: &mut [u8], image: &mut [u8]) {
     all.fill(0);
     let most = strips.most.max(1);

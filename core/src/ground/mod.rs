@@ -1,20 +1,22 @@
-//! The ground plane of a pair: the disparity of the floor that a robot drives on is a plane over the
-//! image, steeper down the rows than any window stands.
+//! The ground plane of a pair: the disparity of the floor that a robot drives on is a plane over
+//! the image, steeper down the rows than any window stands.
 //!
-//! In: both images, before anything is matched, and the plane of the pair before. Out: the plane, if one is seen.
+//! In: both images, before anything is matched, and the plane of the pair before. Out: the plane,
+//! if one is seen.
 //!
 //! ```text
 //! d = b y + c x + a        b: baseline / camera height, px per row; c: roll; a: pitch and height
 //!
-//! strips   pieces of 64 px of every fourth row of the lower 60 %, each searched alone: a single row
-//!          knows no slope                                                              (strips)
+//! strips   pieces of 64 px of every fourth row of the lower 60 %, each searched alone: a single
+//!          row knows no slope  (strips)
 //! lines    the line of disparity over row on which most strips have their lowest cost   (lines)
 //! fit      with roll, then by least squares over the strips near it                     (fit)
 //! ```
 //! Images wider than 450 px are searched at half of their size.
 //!
 //! # Cost
-//! Some 1.8 M instructions for 320x240 and 64 disparities, 1.1 M where the plane is near that of the pair before (Armv7E-M).
+//! Some 1.8 M instructions for 320x240 and 64 disparities, 1.1 M where the plane is near that of
+//! the pair before (Armv7E-M).
 //!
 //! # Source
 //! Labayrade, Aubert, Tarel 2002 (v-disparity), by strips of single rows instead of a dense map.
@@ -82,14 +84,15 @@ impl GroundPlane {
 pub enum GroundSearch {
     /// Among all planes.
     Everywhere,
-    /// Near the plane of the pair before ([`Summary::ground`](crate::Summary::ground)), then among all.
+    /// Near the plane of the pair before ([`Summary::ground`](crate::Summary::ground)), then among
+    /// all.
     Near(GroundPlane),
     /// Nowhere.
     Off,
 }
 
-/// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities below
-/// `most`. `None` where none is seen, or `memory` is too small.
+/// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities
+/// below `most`. `None` where none is seen, or `memory` is too small.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn find(
     images: [Gray<'_>; 2],

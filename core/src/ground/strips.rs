@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! step     I(x + 3) - I(x - 3), limited to +-63 levels
-//! cost     1/32 of the sum over 64 columns of |step - step|, at each disparity with the strip in view
-//! a strip counts with 12 disparities in view, its lowest cost below 3/4 of their mean, and a mean of 2
-//! levels a pixel
+//! cost     1/32 of the sum over 64 columns of |step - step|, at each disparity with the strip in
+//!          view
+//! a strip counts with 12 disparities in view, its lowest cost below 3/4 of their mean, and a mean
+//! of 2 levels a pixel
 //! ```
 //!
 //! # Bounds
@@ -54,8 +55,9 @@ pub(super) struct Strips<'m> {
 }
 
 impl<'m> Strips<'m> {
-    /// Compares the strips of a pair, or of the pair at half of its size, at disparities below `most`, or at as many as `memory` holds with the
-    /// search of lines. Returns them with the memory that is left.
+    /// Compares the strips of a pair, or of the pair at half of its size, at disparities below
+    /// `most`, or at as many as `memory` holds with the search of lines. Returns them with the
+    /// memory that is left.
     #[inline(never)] // its variables are on the stack only while it runs
     pub(super) fn measure(
         images: [Gray<'_>; 2],
@@ -124,7 +126,8 @@ impl<'m> Strips<'m> {
     }
 }
 
-/// Sets the steps of a row of an image, or, with memory for its levels, of its half; false outside of it.
+/// Sets the steps of a row of an image, or, with memory for its levels, of its half; false outside
+/// of it.
 fn steps(image: Gray<'_>, (y, offset): (i32, i32), levels: Option<&mut [u8]>, steps: &mut [u8]) -> bool {
     let row = |y: i32| usize::try_from(y + offset).ok().and_then(|y| image.row(y));
     let Some(levels) = levels else { return row(y).is_some_and(|row| differences(row, steps)) };
@@ -150,7 +153,8 @@ fn differences(row: &[u8], steps: &mut [u8]) -> bool {
 
 /// Sets the costs of the strip that begins at this column, disparities rising from 0.
 fn compare(left: &[u8], right: &[u8], start: usize, costs: &mut [u8]) {
-    // Whole blocks, in which disparities fall; they are in view, as strips begin at multiples of blocks.
+    // Whole blocks, in which disparities fall; they are in view, as strips begin at multiples of
+    // blocks.
     let length = costs.len().next_multiple_of(LANES);
     let first = start.saturating_sub(length) + 1;
     let mut curve = [0; MAX_DISPARITIES];

@@ -1,27 +1,29 @@
-//! Whether the rows of both images fit each other everywhere, at support points.
+//! Difference of rows between the images, region by region, at support points, px.
 //!
-//! In: the pair and its support points. Out: by how many rows the right image is lower, and how much
-//! this differs between parts of the image.
+//! In: the pair and its support points. Out: by how many rows the right image is lower, and how
+//! much this differs between parts of the image.
 //!
 //! ```text
-//! sample   a credible point with detail down the rows: 8 x 4 gradients down the rows, left and right,
-//!          compared with the right ones moved by -2 ..= 2 rows; sub-pixel minimum
+//! sample   a credible point with detail down the rows: 8 x 4 gradients down the rows, left and
+//!          right, compared with the right ones moved by -2 ..= 2 rows; sub-pixel minimum
 //! offset   median of all samples
 //! spread   largest less smallest median of the samples in each of 3 x 3 parts of the image
 //! ```
-//! A point is matched by texture that the rows need not fit to the pixel, and its depth is still right.
-//! Where rows are apart by more, what is matched are look-alikes: the samples of these are anywhere.
-//! Median edges of single matches ([`Rows`](super::Rows)) are more exact, but plain scenes have few.
+//! A point is matched by texture that the rows need not fit to the pixel, and its depth is still
+//! right. Where rows are apart by more, what is matched are look-alikes: the samples of these are
+//! anywhere. Median edges of single matches ([`Rows`](super::Rows)) are more exact, but plain
+//! scenes have few.
 //!
 //! Of 14 captured scenes, 24 roads, 12 homes and 288 rendered frames that are even, noisy or
-//! compressed, the largest spread is 0.96 px, of three dark rooms 1.3; rolled by 1 degree, magnified
-//! by 2 %: 1.0 or more, or an offset beyond 1.5 px.
+//! compressed, the largest spread is 0.96 px, of three dark rooms 1.3; rolled by 1 degree,
+//! magnified by 2 %: 1.0 or more, or an offset beyond 1.5 px.
 //!
 //! # Bounds
 //! A gradient is limited to 32 levels: a cost is at most 64 * 32 = 2048.
 //!
 //! # Cost
-//! Some 1500 instructions a sample, of which there are at most [`MOST`], and 600 for each of other points without detail.
+//! Some 1500 instructions a sample, of which there are at most [`MOST`], and 600 for each of other
+//! points without detail.
 
 use crate::image::Gray;
 use crate::sort::sort_by_key;
@@ -77,8 +79,8 @@ pub(super) struct Evenness {
 /// A sample: part of the image, difference of rows in 1/256 px.
 type Sample = (u8, i16);
 
-/// Measures the rows of a pair that was matched with rows moved by `row_offset`; `None` with too few
-/// samples.
+/// Measures the rows of a pair that was matched with rows moved by `row_offset`; `None` with too
+/// few samples.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(super) fn measure(images: [Gray<'_>; 2], support: Support<'_>, row_offset: i32) -> Option<Evenness> {
     let mut samples: Vec<Sample, MOST> = Vec::new();

@@ -37,8 +37,8 @@ pub struct HealthLimits {
     /// captured pairs, at several sizes, and those of a robot's camera as it was delivered stay below 0.1 px.
     /// Where too few support points say whether rows are even.
     pub row_spread_q8: u16,
-    /// Largest difference of rows between two parts of an image, at support points, 1/256 px; more is
-    /// uneven. Default 256 (1 px).
+    /// Largest difference of rows between two parts of an image, at support points, 1/256 px; more
+    /// is uneven. Default 256 (1 px).
     pub row_region_q8: u16,
     /// Least number of matches for a difference of rows to be used. Default 6.
     pub min_row_samples: u8,

@@ -28,8 +28,9 @@
 //! beyond the limits.
 //!
 //! # Cost
-//! 1.1 M instructions of the 13.2 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU): images 0.07 M, rows by edges 0.14 M and by points
-//! 0.7 M, likeness at the same pixel 0.10 M, tears 0.12 M. A monitor has less than 100 bytes.
+//! 1.1 M instructions of the 13.2 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU):
+//! images 0.07 M, rows by edges 0.14 M and by points 0.7 M, likeness at the same pixel 0.10 M,
+//! tears 0.12 M. A monitor has less than 100 bytes.
 
 mod camera;
 mod evenness;
@@ -206,7 +207,8 @@ impl HealthMonitor {
         if let Some(still) = health.still {
             tested |= HealthFlags::NO_PARALLAX | HealthFlags::SAME_PIXEL;
             now |= HealthFlags::NO_PARALLAX.when(still.still_permille > limits.still_permille);
-            // Text and dirt that windows match are no parallax there, and what is alike elsewhere is less.
+            // Text and dirt that windows match are no parallax there, and what is alike elsewhere
+            // is less.
             let most = limits.pattern_permille >> if still.still_permille > SOME_STILL_PERMILLE { 2 } else { 0 };
             now |= HealthFlags::SAME_PIXEL.when(still.pattern_permille > most);
         }
@@ -335,8 +337,8 @@ impl Default for HealthMonitor {
     }
 }
 
-/// Share of points without parallax, per thousand, with which a quarter of [`HealthLimits::pattern_permille`] is enough. Of 181 undamaged pairs the
-/// largest is 15.
+/// Share of points without parallax, per thousand, with which a quarter of
+/// [`HealthLimits::pattern_permille`] is enough. Of 181 undamaged pairs the largest is 15.
 const SOME_STILL_PERMILLE: u16 = 150;
 
 /// Flags that are tested before matching, without [`HealthFlags::SKEW`].
@@ -555,7 +557,7 @@ mod tests {
             least_disparity_q6: -64,
             unwitnessed_permille: 30,
             beyond_range_permille: 51,
-            // What is called a match is none: both images are one.
+            // Both images are one: no match is one.
             row_region_q8: u16::MAX,
             row_limit_q8: u16::MAX,
             ..HealthLimits::DEFAULT

@@ -6,8 +6,8 @@
 //! ```text
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
 //! thumbv8m.main (Cortex-M33 and above)    dsp       with the feature `dsp`, or compiled for such a processor
-//! x86_64                                  sse2      sad_curve, code_costs, path_step; the others are portable
-//! wasm32 with simd128                     simd128   sad_curve, code_costs, path_step; the others are portable
+//! x86_64                                  sse2      sad_curve, code_costs, path_step
+//! wasm32 with simd128                     simd128   sad_curve, code_costs, path_step
 //! any other, such as RISC-V               portable
 //! ```
 //!

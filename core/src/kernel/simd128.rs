@@ -61,7 +61,8 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
     }
 }
 
-/// 1/64 of the sums, for the windows that start at the first four columns; of columns that are missing anything.
+/// 1/64 of the sums, for the windows that start at the first four columns; of columns that are
+/// missing anything.
 #[inline]
 fn four_sums(reference: &[v128; STRIP], columns: &[CodeColumn]) -> v128 {
     const REACH: usize = COLUMNS + STRIP - 1;

@@ -8,8 +8,9 @@
 //! farther   = sum of those that are farther / (sum of all + 0.2), nearer likewise: a hypothesis before a surface may be of a thin object, one
 //!             behind it is not
 //! ```
-//! A point agrees when its disparity, continued along the ground plane if it lies beside it, differs from the side's line, continued to its row, by
-//! at most 1 px plus 0.06 px per px of distance.
+//! A point agrees when its disparity, continued along the ground plane if it lies beside it,
+//! differs from the side's line, continued to its row, by at most 1 px plus 0.06 px per px of
+//! distance.
 //!
 //! # Bounds
 //! Uniqueness is at most 255, nearness 14 * 14: a point's weight is below 2^14; at most 3 * 9 points count.

@@ -8,12 +8,14 @@
 //! support points, by p, within 1.5 px of the plane (on it) or more than 3 px off (nearer, farther); all matched ones, not credible ones alone:
 //!     contradicted   nearer + farther > 1.5 on, in the region; in a box, which holds background, 3 on
 //!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of that: the surface is what stands beside the region
-//!     beside         a third of what surrounds the region is on the plane, and in it less than 0.2 a point: paths carry the disparity of what is
-//!                    beside a blank face over its border
-//!     blank          thrice as much on the plane around the region as in it, and in it less than 1/6 a point of the grid, matched or not
+//!     beside         a third of what surrounds the region is on the plane, and in it less than
+//!                    0.2 a point: paths carry the disparity beside a blank face over its border
+//!     blank          thrice as much on the plane around the region as in it, and in it less than
+//!                    1/6 a point of the grid, matched or not
 //!     pattern        the windows of twice as many points in the region repeat
-//!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.2 a point is on the plane: periodic texture and damaged
-//!                    pairs give such surfaces, and what is seen in a gap is seldom so poorly matched
+//!     hole           0.7 of what surrounds the region is nearer, and in it less than 0.2 a point
+//!                    is on the plane: periodic texture and damaged pairs give such surfaces, and a
+//!                    surface seen in a gap is seldom so poorly matched
 //!     none of them for a mask of at most 4 px a row: points in it show what is behind
 //! parallax:    at least 0.75 px
 //! ```

@@ -18,9 +18,10 @@
 //! # Terms
 //! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the depth along the optical axis), for a horizontal
 //!   optical axis. Sectors tilt with the camera.
-//! - **Height band**: above and below the camera. With the ground plane of the pair ([`ObstaclePlan::on_ground`]) it is parallel to the ground, whatever
-//!   pitch and roll are; what lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it is neither free nor one.
-//!   Without the plane the band tilts with the camera.
+//! - **Height band**: above and below the camera. With the ground plane of the pair
+//!   ([`ObstaclePlan::on_ground`]) it is parallel to the ground, whatever pitch and roll are; what
+//!   lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it
+//!   is neither free nor one. Without the plane the band tilts with the camera.
 //! - **Free**: credible segments or support points lie *behind* the range in this sector, none within it, and the whole sector is seen by both
 //!   cameras from the near limit on. Obstacles are possible all the same: a wall without texture, a wire along the rows and anything nearer than
 //!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is unknown, not free.
@@ -247,7 +248,7 @@ struct Seen {
     level_q5: i32,
     /// Its disparity plus offset, 1/64 px.
     d_q6: i32,
-    /// How much nearer it is than the ground at its pixel, 1/64 px, where that is known.
+    /// Its disparity less that of the ground at its pixel, 1/64 px, where that is known.
     above_q6: Option<i32>,
 }
 
@@ -303,7 +304,8 @@ impl Hypotheses {
             }
         }
         let is_free = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
-        // On the ground all rows in which something within the range would stand have to be seen behind it.
+        // On the ground all rows in which something within the range would stand have to be seen
+        // behind it.
         let is_covered = match plan.ground {
             Some(ground) => self.clear_parts & ground.parts == ground.parts,
             None => self.clear_parts.count_ones() >= CLEAR_PARTS,
@@ -360,7 +362,8 @@ impl ObstaclePlan {
         (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), ends))
     }
 
-    /// A point (column and row in 1/32 px, disparity plus offset in 1/64 px) as a level camera sees it.
+    /// A point (column and row in 1/32 px, disparity plus offset in 1/64 px) as a level camera sees
+    /// it.
     fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Seen {
         let Some(Ground { plane, per_row_q16, .. }) = self.ground else {
             return Seen { row_q5: y_q5, level_q5: y_q5, d_q6, above_q6: None };
@@ -376,7 +379,8 @@ impl ObstaclePlan {
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
         let rows = points.map(|point| point.row_q5);
         if points.iter().all(|point| point.above_q6.is_some_and(|above_q6| above_q6 <= GROUND_Q6)) {
-            // The ground, or a hole in it: no obstacle, and nothing stands before ground that is seen.
+            // The ground, or a hole in it: no obstacle, and nothing stands before ground that is
+            // seen.
             let is_hole = points.iter().any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
             return (!is_hole).then(|| Ray::Passes(self.parts(rows)));
         }

@@ -223,7 +223,8 @@ pub struct ObstaclePlan {
 pub(super) struct Ground {
     /// Its disparity, without the rig's offset.
     pub(super) plane: GroundPlane,
-    /// Change of the disparity per row that a level camera at this height sees: baseline / height, Q16.
+    /// Change of the disparity per row that a level camera at this height sees: baseline / height,
+    /// Q16.
     pub(super) per_row_q16: i32,
     /// Parts of the rows in which the ground within the range lies, a bit each.
     pub(super) parts: u8,
@@ -236,11 +237,13 @@ impl ObstaclePlan {
         self.sectors
     }
 
-    /// The same plan for a pair with this ground plane, if it has one: heights are then measured from it, and it is no obstacle.
+    /// The same plan for a pair with this ground plane, if it has one: heights are then measured
+    /// from it, and it is no obstacle.
     #[must_use]
     pub fn on_ground(self, plane: Option<GroundPlane>) -> Self {
         let ground = plane.and_then(|plane| {
-            // The plane's normal, in units of baseline / height: b and c per px, and the disparity on the axis per focal length.
+            // The plane's normal, in units of baseline / height: b and c per px, and the disparity
+            // on the axis per focal length.
             let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
             let along =
                 (i64::from(axis_q6) << 10).checked_mul(self.baseline_q16)?.checked_div(self.focal_baseline_q16)?;

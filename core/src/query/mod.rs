@@ -217,8 +217,8 @@ impl Query<'_> {
         Ok((d_q6, evidence))
     }
 
-    /// True when more of the support points around a pixel have windows that repeat than a disparity: it is on a pattern, of which nobody knows
-    /// which repetition is meant.
+    /// True when more of the support points around a pixel have windows that repeat than a
+    /// disparity: it is on a pattern, of which nobody knows which repetition is meant.
     fn repeats(&self, (x, y): (i32, i32), region: Option<&Region<'_>>) -> bool {
         let pixel = |at: i32| u16::try_from(at).unwrap_or(0);
         let area = Area {

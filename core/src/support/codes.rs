@@ -1,13 +1,15 @@
 //! Codes of the rows that the windows of a row of support points cover.
 //!
-//! In: both images. Out: the window of a point in the left image, and the columns of the right one from any column on; a column is four codes, of
-//! two rows each.
+//! In: both images. Out: the window of a point in the left image, and the columns of the right one
+//! from any column on; a column is four codes, of two rows each.
 //!
-//! A code says how the grey level changes to the right and downward, in units that the noise allows ([`Noise`]): a difference that
-//! is limited at some three deviations of its own noise tells more than its sign, and is not led by one pixel.
+//! A code says how the grey level changes to the right and downward, in units that the noise allows
+//! ([`Noise`]): a difference that is limited at some three deviations of its own noise tells more
+//! than its sign, and is not led by one pixel.
 //!
 //! # Bounds
-//! Windows of two rows of points share no row of codes: four, of rows -4 to 3 of a point; they read 12 rows, whose middle is the point's row.
+//! Windows of two rows of points share no row of codes: four, of rows -4 to 3 of a point; they read
+//! 12 rows, whose middle is the point's row.
 //!
 //! # Cost
 //! Some 45 instructions a column of four codes (Armv7E-M), whatever the picture.
@@ -61,14 +63,16 @@ impl<'a> CodeRows<'a> {
         (right, y + self.row_offset, self.doublings)
     }
 
-    /// The window that begins at column `x` of the left image, and the columns of the right one from `first` on.
+    /// The window that begins at column `x` of the left image, and the columns of the right one
+    /// from `first` on.
     pub(super) fn windows(&self, x: i32, first: i32) -> Option<(&[CodeColumn; WINDOW_COLUMNS], &[CodeColumn])> {
         let [left, right] = &self.columns;
         let window = left.get(usize::try_from(x).ok()?..)?.first_chunk()?;
         Some((window, right.get(usize::try_from(first).ok()?..)?))
     }
 
-    /// Costs of the window that begins at column `x` of the left image in the same image, from `away` px to the right on; their number.
+    /// Costs of the window that begins at column `x` of the left image in the same image, from
+    /// `away` px to the right on; their number.
     pub(super) fn costs_in_left(&self, x: i32, away: usize, costs: &mut [u8]) -> usize {
         let end = self.columns[0].len().saturating_sub(BORDER as usize);
         let own = || self.columns[0].get(usize::try_from(x).ok()?..end);
@@ -82,13 +86,15 @@ impl<'a> CodeRows<'a> {
         length
     }
 
-    /// The window that begins at column `x` of the left image, with the column before and the one behind it.
+    /// The window that begins at column `x` of the left image, with the column before and the one
+    /// behind it.
     pub(super) fn around_window(&self, x: i32) -> Option<&[CodeColumn; WINDOW_COLUMNS + 2]> {
         self.columns[0].get(usize::try_from(x - 1).ok()?..)?.first_chunk()
     }
 }
 
-/// Codes of the rows around row `y`; rows outside the image repeat the nearest one. Pixels that are not valid get the code of flat ones.
+/// Codes of the rows around row `y`; rows outside the image repeat the nearest one. Pixels that are
+/// not valid get the code of flat ones.
 fn code(image: Gray<'_>, y: i32, doublings: u32, columns: &mut [CodeColumn]) {
     let last = i32::from(image.dims().height) - 1;
     let rows = core::array::from_fn(|row| (y - 6 + row as i32).max(0).min(last) as usize);

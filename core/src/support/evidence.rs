@@ -152,11 +152,12 @@ fn log2_q8(value: u8) -> i32 {
 pub(super) enum Unmatched {
     /// The paths' minimum lies at the end of the range, or is not unique.
     Unclear,
-    /// The window matches elsewhere as well: paths would propagate one of the disparities of a pattern.
+    /// The window matches elsewhere as well: paths would propagate one of the disparities of a
+    /// pattern.
     Repeats,
 }
 
-/// How much more a window costs beside its best disparity.
+/// Costs of a window at its best disparity, and above that beside it.
 struct Increase {
     /// The cost there.
     here: u8,
@@ -175,7 +176,8 @@ impl Increase {
         Self { here, one: smaller(before, after), two: smaller(before.max(two_before), after.max(two_after)) }
     }
 
-    /// The largest cost elsewhere with which the window's pattern repeats; `None` on a blank wall, which is alike everywhere.
+    /// The largest cost elsewhere with which the window's pattern repeats; `None` on a blank wall,
+    /// which is alike everywhere.
     fn most_of_repetition(&self) -> Option<u8> {
         let of_one = if self.one >= LEAST_INCREASE { self.one / 2 } else { 0 };
         let of_two = if self.two >= 2 * LEAST_INCREASE { self.two / 8 } else { 0 };
@@ -186,8 +188,9 @@ impl Increase {
 impl Found {
     /// The best of the costs in this range of indices, where the window lies on valid pixels.
     ///
-    /// Where the border of the right image cuts the range off, the pattern may repeat at larger disparities. `costs_in_left` gives the window's costs
-    /// in its own image from so many pixels to the right on, and their number.
+    /// Where the border of the right image cuts the range off, the pattern may repeat at larger
+    /// disparities. `costs_in_left` gives the window's costs in its own image from so many pixels
+    /// to the right on, and their number.
     pub(super) fn new(
         costs: PointCosts<'_>,
         labels: &Labels,
@@ -209,7 +212,8 @@ impl Found {
         let (beside_label, first) = labels.beside.unzip();
         let first = labels.disparities + 1 + first.unwrap_or(0);
         let is_on_plane = best > labels.disparities;
-        // Costs of the kind of the best label, where windows lie on valid pixels, and of the other kind.
+        // Costs of the kind of the best label, where windows lie on valid pixels, and of the other
+        // kind.
         let (cut_off, in_range) = disparities.split_at_mut_checked(labels.range.start).ok_or(Unmatched::Unclear)?;
         let in_range = in_range.get_mut(..labels.range.len()).ok_or(Unmatched::Unclear)?;
         let end = (labels.disparities + 1 + LABELS).min(labels.disparities + beside.len());
@@ -242,7 +246,8 @@ impl Found {
         }
         let second = second_best(costs, at).min(lowest_byte(others)).saturating_sub(JUMP_PENALTY);
         if let Some(most) = increase.most_of_repetition() {
-            // Where nothing repeats in the range, the left image itself tells whether something does where it is cut off.
+            // Where nothing repeats in the range, the left image itself tells whether something
+            // does where it is cut off.
             let length = if second <= most || is_on_plane { 0 } else { costs_in_left(at + 1, cut_off) };
             let in_left = cut_off.get(..length).filter(|costs| !costs.is_empty()).map(lowest_byte);
             if second <= most || in_left.is_some_and(|cost| cost.saturating_sub(JUMP_PENALTY) <= most) {

@@ -55,7 +55,8 @@ impl Grid {
         if with.bytes() <= memory { with } else { self }
     }
 
-    /// Number of labels of a point: disparities, and beside the plane one that never matches between both kinds.
+    /// Number of labels of a point: disparities, and beside the plane one that never matches
+    /// between both kinds.
     pub(super) fn labels(&self) -> usize {
         self.disparities + if self.has_plane { 1 + paths::PLANE_LABELS } else { 0 }
     }
@@ -84,7 +85,8 @@ impl Grid {
         i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
     }
 
-    /// First pixel column of the window of a column of points: around it, but not on the two pixels at each border, which have no codes.
+    /// First pixel column of the window of a column of points: around it, but not on the two pixels
+    /// at each border, which have no codes.
     pub(super) fn window(&self, column: usize) -> i32 {
         let last = i32::from(self.width) - codes::BORDER - codes::WINDOW_COLUMNS as i32;
         (self.x(column) - codes::WINDOW_COLUMNS as i32 / 2).min(last).max(codes::BORDER)

@@ -4,23 +4,26 @@
 //! within 1 px.
 //!
 //! ```text
-//! noise:   its deviation, by the flattest runs of pixels of both images: what a difference of grey levels is worth  (noise)
-//! codes:   of each two rows, how the grey level changes to the right and downward, in units of the noise             (codes)
-//! costs:   1/64 of the sum of |code - code| over 8 columns of four rows of codes, at each disparity
+//! noise:   its deviation, by the flattest runs of pixels of both images  (noise)
+//! codes:   of each two rows, the changes to the right and downward, in units of the noise  (codes)
+//! costs:   1/64 of the sum of |code - code| over 8 columns of four rows of codes, at each
+//!          disparity
 //! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
-//! result:  the lowest sum of the three; sub-pixel by the window's own cost; evidence                            (evidence)
-//! place:   the middle of the window's texture, which is what was matched                                         (place)
+//! result:  the lowest sum of the three; sub-pixel by the window's own cost; evidence  (evidence)
+//! place:   the middle of the window's texture, which was matched  (place)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
 //! ```
 //!
 //! # Bounds
-//! Codes are bytes: a cost is at most 32 * 255 / 64 = 127, a path 127 + P2 = 147: bytes; the sum of three saturates at 255.
+//! Codes are bytes: a cost is at most 32 * 255 / 64 = 127, a path 127 + P2 = 147: bytes; the sum of
+//! three saturates at 255.
 //!
 //! # Cost
 //! Linear in the points and in the disparities. Of the cost volume one row of points is held, three planes.
 //!
 //! # Source
-//! Hirschmueller 2008 (semi-global matching); codes are differences as of Sobel 1968, limited as in Birchfield, Tomasi 1998.
+//! Hirschmueller 2008 (semi-global matching); codes are differences as of Sobel 1968, limited as in
+//! Birchfield, Tomasi 1998.
 
 mod codes;
 pub(crate) mod evidence;
@@ -58,7 +61,8 @@ use plane::PlaneLabels;
 
 /// Distance from one support point to the next, across and down, px.
 pub const SUPPORT_PITCH: u16 = 8;
-/// Cost where the window leaves the valid part of the right image: a quarter of the largest, and P2 as all costs.
+/// Cost where the window leaves the valid part of the right image: a quarter of the largest, and P2
+/// as all costs.
 const OUTSIDE: u8 = 32 + JUMP_PENALTY;
 /// Least [`SupportPoint::uniqueness_q8`] of a point that guides the search of segments, log2 in Q8.
 const UNIQUE_Q8: u8 = 32;
@@ -112,7 +116,8 @@ impl SupportPoint {
         self.score_q8 > i16::MIN
     }
 
-    /// True when its disparity was found beside the ground plane, along which its window was moved row by row.
+    /// True when its disparity was found beside the ground plane, along which its window was moved
+    /// row by row.
     #[must_use]
     pub fn is_beside_ground(&self) -> bool {
         self.is_matched() && self.place.is_on_plane()

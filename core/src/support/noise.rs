@@ -3,18 +3,21 @@
 //! In: both images. Out: its standard deviation in grey levels, and how often codes are doubled.
 //!
 //! ```text
-//! sample   24 rows x 8 runs of 8 pixels, spread over the image; runs with pixels near black or white are left out
-//! L        sum over a run of |second difference across of the second difference down|, of pixels 1 and 2 px apart
+//! sample   24 rows x 8 runs of 8 pixels, spread over the image; runs with pixels near black or
+//!          white are left out
+//! L        sum over a run of |second difference across of the second difference down|, of pixels
+//!          1 and 2 px apart
 //! noise    L of the run at 20 % / 30.6; the larger of the two distances and of the two images
 //! ```
-//! The second differences of a plane are zero: what is left on flat and evenly shaded surfaces is noise. Pixels 2 px apart also show the noise
-//! of a camera that smooths it.
+//! The second differences of a plane are zero: what is left on flat and evenly shaded surfaces is
+//! noise. Pixels 2 px apart also show the noise of a camera that smooths it.
 //!
 //! # Cost
 //! 384 runs an image.
 //!
 //! # Source
-//! Immerkaer 1996 (fast noise variance estimation: the mask), by a quantile of runs instead of the mean of all pixels.
+//! Immerkaer 1996 (fast noise variance estimation: the mask), by a quantile of runs instead of the
+//! mean of all pixels.
 
 use crate::image::Gray;
 use crate::units::quotient;
@@ -94,7 +97,8 @@ fn of_image(image: Gray<'_>, apart: usize) -> Noise {
     Noise { sum: STEPS as u16 * STEP as u16 }
 }
 
-/// Sum over a run of the second differences across of those down; `None` where a pixel is near black or white.
+/// Sum over a run of the second differences across of those down; `None` where a pixel is near
+/// black or white.
 fn second_differences([above, here, below]: [[u8; LENGTH + 4]; 3], apart: usize) -> Option<u32> {
     let run = here.get(apart..apart + LENGTH)?;
     if !run.iter().all(|level| LEVELS.contains(level)) {

@@ -1,6 +1,8 @@
-//! Where a support point stands: in the middle of its window's texture, since that is what is matched, and not the middle of the window.
+//! Where a support point stands: in the middle of its window's texture, since that is what is
+//! matched, and not the middle of the window.
 //!
-//! In: the codes of a window and of a column on each side. Out: a pixel in the point's square of the grid.
+//! In: the codes of a window and of a column on each side. Out: a pixel in the point's square of
+//! the grid.
 //!
 //! # Cost
 //! Some 170 instructions a point that is matched.
@@ -25,7 +27,8 @@ impl Place {
     /// No offset.
     pub(crate) const MIDDLE: Self = Self(0x44);
 
-    /// The centroid of a window's squared changes of codes along the row; the window begins `start` px from the place in the grid.
+    /// The centroid of a window's squared changes of codes along the row; the window begins `start`
+    /// px from the place in the grid.
     pub(super) fn of(columns: &[CodeColumn; WINDOW_COLUMNS + 2], start: i32) -> Self {
         let (mut all, mut across, mut down) = (0_u32, 0_u32, 0_u32);
         for (x, three) in (0..).zip(columns.windows(3)) {
@@ -39,7 +42,8 @@ impl Place {
         if all == 0 {
             return Self::MIDDLE;
         }
-        // Rounded to nearest. Changes along the row are of four rows of pixels each, whose middles are at -2.5, -0.5, 1.5 and 3.5 px.
+        // Rounded to nearest. Changes along the row are of four rows of pixels each, whose middles
+        // are at -2.5, -0.5, 1.5 and 3.5 px.
         let nearest = |doubled: u32| (doubled + all).checked_div(2 * all).unwrap_or(0) as i32;
         Self::new(start + nearest(2 * across), nearest(4 * down + all) - 3)
     }

@@ -1,11 +1,16 @@
-//! Labels of support points beside the ground plane: there the disparity changes by up to a pixel per row, and a window spans several.
+//! Labels of support points beside the ground plane: there the disparity changes by up to a pixel
+//! per row, and a window spans several.
 //!
-//! In: the plane, the codes of the left rows, the right image. Out: the costs of 15 labels a point, 7 px beyond the plane to 7 px before it.
+//! In: the plane, the codes of the left rows, the right image. Out: the costs of 15 labels a point,
+//! 7 px beyond the plane to 7 px before it.
 //!
 //! ```text
-//! each of the 12 rows that codes read is moved by the plane's own whole disparity D(y) = floor(b y + a + 1/2); then codes and costs as elsewhere
-//! label r of a point is the disparity D + round(c x) + r; its cost is the mean of the point's and of those beside it in the row
-//! d = plane(x, y) + r + sub-pixel - rest;  rest: the mean over the rows of plane - D, which rounding took
+//! each of the 12 rows that codes read is moved by the plane's own whole disparity
+//! D(y) = floor(b y + a + 1/2); then codes and costs as elsewhere
+//! label r of a point is the disparity D + round(c x) + r; its cost is the mean of the point's and
+//! of those beside it in the row
+//! d = plane(x, y) + r + sub-pixel - rest
+//! rest: the mean over the rows of plane - D
 //! ```
 //!
 //! # Cost
@@ -34,9 +39,9 @@ pub(super) struct PlaneLabels<'m> {
     costs: &'m mut [[u8; LABELS]],
     /// Whole disparity of the row of points.
     row: i32,
-    /// Whether its labels exist.
+    /// True when its labels exist.
     is_seen: bool,
-    /// What rounding took from the rows of a window, 1/64 px.
+    /// Mean over the rows of a window of the plane less its whole disparities, 1/64 px.
     rest_q6: i32,
     /// First label of each point whose window lies on valid pixels.
     first: [u8; MAX_COLUMNS],
@@ -94,7 +99,8 @@ impl<'m> PlaneLabels<'m> {
         }
     }
 
-    /// Codes the right rows around row `y`, each moved by its own whole disparity. Returns the largest of these: column 0 is there.
+    /// Codes the right rows around row `y`, each moved by its own whole disparity. Returns the
+    /// largest of these: column 0 is there.
     fn code(&mut self, y: i32, codes: &CodeRows<'_>) -> Option<i32> {
         let (right, y_right, doublings) = codes.right(y);
         let last = i32::from(right.dims().height) - 1;
@@ -145,7 +151,8 @@ impl<'m> PlaneLabels<'m> {
         }
     }
 
-    /// The label of a point's index among those beside the plane, and the first whose window lies on valid pixels.
+    /// The label of a point's index among those beside the plane, and the first whose window lies
+    /// on valid pixels.
     pub(super) fn label(&self, column: usize, grid: Grid, y: i32) -> Option<(PlaneLabel, usize)> {
         let x = grid.x(column);
         let own = self.plane.of_column(x);

@@ -13,10 +13,10 @@
 //!   "note": "..." }                                                 where infinite is unknown and 0 is not
 //! ```
 //!
-//! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale` in
-//! `ground_truth`. A key that is a known one in the wrong place or written wrongly is refused, others
-//! are notes; a file without any of these keys is no scene. Images of another size than `size` are
-//! refused.
+//! Nothing is needed but both of `focal_px` and `baseline_m` in `rectified`, and `disparity_scale`
+//! in `ground_truth`. A key that is a known one in the wrong place or written wrongly is refused,
+//! others are notes; a file without any of these keys is no scene. Images of another size than
+//! `size` are refused.
 
 use super::error::FrameError;
 use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};

@@ -75,7 +75,8 @@ mod tests {
             |value: Option<f64>, expected: f64| (value.unwrap() - expected).abs() < 0.01 * expected.abs().max(1.0);
         assert!((ground.camera_height_m.unwrap() - 0.15).abs() < 0.001, "{ground:?}");
         assert!(near(ground.pitch_deg, 0.0) && near(ground.roll_deg, 0.0), "{ground:?}");
-        // Pitched down by 10 degrees: the horizon lies f * tan(10 degrees) higher, and the same slope is of a lower camera.
+        // Pitched down by 10 degrees: the horizon lies f * tan(10 degrees) higher, and the same
+        // slope is of a lower camera.
         let horizon = 119.5 - 200.0 * 10.0_f64.to_radians().tan();
         let pitched = GroundPlane { origin_q16: (-0.4 * horizon * 65_536.0) as i32, ..plane };
         let ground = Ground::new(pitched, Some(&rig), dims);

@@ -3,8 +3,9 @@
 //! In: rows of pixels. Out: columns of four codes; sums of their changes.
 //!
 //! ```text
-//! a round, right to left    for each two rows: differences to the left and upward, summed over four rows
-//!                           sums with those of the next column, doubled as often as the processor's flags say, halved and added
+//! a round, right to left    for each two rows: differences to the left and upward, summed over
+//!                           four rows; sums with those of the next column, doubled as often as
+//!                           the processor's flags say, halved and added
 //!                           four words, a row each, become four columns
 //! ```
 //! All sums saturate, four bytes an instruction.
@@ -20,7 +21,7 @@ use super::super::portable::{self, CODE_FLAT, CODE_ROWS, CodeColumn, STRIP};
 /// Rows that codes are made of.
 const ROWS: usize = 2 * CODE_ROWS + 4;
 
-/// What does not fit the registers, at the offsets that the instructions below name.
+/// Words that do not fit the registers, at the offsets that the instructions below name.
 #[repr(C)]
 struct State {
     /// H and V of each row of codes, at the four columns to the right.
@@ -42,8 +43,9 @@ pub fn code_columns(rows: [&[u8]; ROWS], doublings: u32, columns: &mut [CodeColu
     let flag = |least: u32, bit: u32| u32::from(doublings >= least) << bit;
     let flags = flag(2, 29) | flag(3, 31) | flag(4, 28);
     let mut state = State { sums: [[0; 2]; CODE_ROWS], codes: [0; CODE_ROWS], flags, rows: rows.map(<[u8]>::as_ptr) };
-    // SAFETY: rows and columns have `width` entries, 8 at least and a multiple of 4. The first call reads and writes columns width - 4 to width - 1, and
-    // two pixels before; the second one columns 2 to width - 3.
+    // SAFETY: rows and columns have `width` entries, 8 at least and a multiple of 4. The first call
+    // reads and writes columns width - 4 to width - 1, and two pixels before; the second one
+    // columns 2 to width - 3.
     unsafe {
         // A code needs the sums of the next column: those of column width - 2 first.
         words_of_codes(&mut state, width - 4, columns.as_mut_ptr().add(width - 4), 0);
@@ -57,7 +59,8 @@ pub fn code_columns(rows: [&[u8]; ROWS], doublings: u32, columns: &mut [CodeColu
     }
 }
 
-/// The pixels of two rows at four columns, as signed bytes, and their differences to those two columns to the left, summed.
+/// The pixels of two rows at four columns, as signed bytes, and their differences to those two
+/// columns to the left, summed.
 #[rustfmt::skip] // an instruction a line
 macro_rules! two_rows {
     ($upper:literal, $lower:literal, $first:literal, $second:literal, $sum:literal) => {
@@ -79,7 +82,8 @@ macro_rules! two_rows {
     };
 }
 
-/// The code of row k at four columns, from its first two rows of pixels, the sum along its middle two and its last two rows. Leaves those sums of its last two.
+/// The code of row k at four columns, from its first two rows of pixels, the sum along its middle
+/// two and its last two rows. Leaves those sums of its last two.
 #[rustfmt::skip] // an instruction a line
 macro_rules! row_of_codes {
     ($upper:literal, $lower:literal, $sums:literal, $code:literal, $a0:literal, $a1:literal, $c0:literal, $c1:literal, $h:literal, $next:literal) => {
@@ -117,10 +121,12 @@ macro_rules! row_of_codes {
     };
 }
 
-/// Codes of four columns from `x` on, then of those to the left of them, while the first of the pixels two to the left is not below 0: `x - 2 - left` is 0 for one word.
+/// Codes of four columns from `x` on, then of those to the left of them, while the first of the
+/// pixels two to the left is not below 0: `x - 2 - left` is 0 for one word.
 ///
 /// # Safety
-/// Rows hold pixels `x - 2 - left` to `x + 3`; columns can be written from `left` before the pointer to four from there on, at aligned addresses; `left` is a multiple of 4.
+/// Rows hold pixels `x - 2 - left` to `x + 3`; columns can be written from `left` before the
+/// pointer to four from there on, at aligned addresses; `left` is a multiple of 4.
 #[inline(never)]
 unsafe fn words_of_codes(state: &mut State, x: usize, columns: *mut CodeColumn, left: usize) {
     // SAFETY: the caller's; offsets are those of the fields of `State`.

@@ -22,7 +22,8 @@
 //! In the modules.
 //!
 //! # Source
-//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, QADD8, QSUB8, SHADD8, UQADD8, UQSUB8, UQADD16, USUB16, SSUB16, UXTB16, UXTAB16, PKHBT, SMLAD, SMUAD.
+//! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, QADD8, QSUB8, SHADD8,
+//! UQADD8, UQSUB8, UQADD16, USUB16, SSUB16, UXTB16, UXTAB16, PKHBT, SMLAD, SMUAD.
 
 /// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without one by name.
 #[cfg(armv8m)]

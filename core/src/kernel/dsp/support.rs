@@ -1,9 +1,12 @@
-//! Kernels of support points: costs of windows of codes, paths. Codes are in [`codes`](super::codes).
+//! Kernels of support points: costs of windows of codes, paths. Codes are in
+//! [`codes`](super::codes).
 //!
-//! In: codes, curves of bytes over disparity. Out: costs, path costs and their sums, four bytes a word.
+//! In: codes, curves of bytes over disparity. Out: costs, path costs and their sums, four bytes a
+//! word.
 //!
 //! ```text
-//! costs   four disparities a round, a column of four codes an instruction; a column is loaded once for all disparities that use it
+//! costs   four disparities a round, a column of four codes an instruction; a column is loaded once
+//!         for all disparities that use it
 //! path    four words a round; the entries before and behind four are words at odd addresses
 //! sums    four words a round
 //! ```

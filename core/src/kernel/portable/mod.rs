@@ -1,5 +1,6 @@
-//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and operations on them; codes and paths of support points; edges;
-//! products of gradients; bilinear interpolation.
+//! Portable kernels: horizontal gradient and census of a row; cost curves over disparity and
+//! operations on them; codes and paths of support points; edges; products of gradients; bilinear
+//! interpolation.
 //!
 //! # Bounds
 //! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and

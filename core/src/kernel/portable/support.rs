@@ -18,15 +18,16 @@ pub type CodeColumn = [u8; CODE_ROWS];
 /// Columns that are coded at a time: one less than vectors hold, since each reads the next one.
 const BLOCK: usize = LANES - 1;
 
-/// Codes of the texture of twelve adjacent rows, column by column: code row `k` is of rows `2 k ..= 2 k + 5`, whose middle ones are `a` and `b` below.
+/// Codes of the texture of twelve adjacent rows, column by column: code row `k` is of rows `2 k ..=
+/// 2 k + 5`, whose middle ones are `a` and `b` below.
 ///
 /// ```text
 /// H = sum over four rows, a to b + 2 and below:   I(x) - I(x - 2)
 /// V = I(a + 2) - I(a - 2) + I(b + 2) - I(b - 2)        b = a + 1
-/// code = 128 + (2^n (H(x) + H(x + 1)) + 2^n (V(x) + V(x + 1))) / 2      every sum limited to -128 ..= 127
+/// code = 128 + (2^n (H(x) + H(x + 1)) + 2^n (V(x) + V(x + 1))) / 2   sums limited to -128 ..= 127
 /// ```
-/// `doublings` is n: what a code's full scale is in grey levels. The first and last two columns are [`CODE_FLAT`], and all where a row has fewer pixels
-/// than there are columns.
+/// `doublings` is n: what a code's full scale is in grey levels. The first and last two columns are
+/// [`CODE_FLAT`], and all where a row has fewer pixels than there are columns.
 pub fn code_columns(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &mut [CodeColumn]) {
     columns.fill([CODE_FLAT; CODE_ROWS]);
     let width = columns.len();
@@ -100,8 +101,9 @@ fn full_scale(sums: [i8; LANES], doublings: u32) -> [i8; LANES] {
     sums
 }
 
-/// Cost of a window of codes along the columns in which it is searched: entry i is 1/64 of the sum of absolute differences to `columns[i..i + 8]`, 0 ..= 127,
-/// plus [`JUMP_PENALTY`]. Entries for which there are too few columns stay.
+/// Cost of a window of codes along the columns in which it is searched: entry i is 1/64 of the sum
+/// of absolute differences to `columns[i..i + 8]`, 0 ..= 127, plus [`JUMP_PENALTY`]. Entries for
+/// which there are too few columns stay.
 pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &mut [u8]) {
     for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
         let codes = window.as_flattened().iter().zip(columns.as_flattened());
@@ -117,18 +119,21 @@ pub fn code_steps(window: &[CodeColumn; STRIP]) -> u16 {
     rest.iter().zip(window.as_flattened()).fold(0, |sum, (after, &before)| sum + u16::from(after.abs_diff(before)))
 }
 
-/// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes `costs[d] - P2 + min(path[d], path[d - 1] + P1,
-/// path[d + 1] + P1, lowest + P2) - lowest`, where `lowest` is the lowest of `path`; over the length of the shorter one. Costs contain P2.
-/// Returns the lowest new cost. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
+/// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes
+/// `costs[d] - P2 + min(path[d], path[d - 1] + P1, path[d + 1] + P1, lowest + P2) - lowest`, where
+/// `lowest` is the lowest of `path`; over the length of the shorter one. Costs contain P2. Returns
+/// the lowest new cost. P1 is [`STEP_PENALTY`], P2 [`JUMP_PENALTY`] (Hirschmueller 2008).
 ///
-/// Computed as `costs[d] - reach + min(path[d], path[d - 1] + P1, path[d + 1] + P1, reach)` with `reach = lowest + P2`: one by one, since who
-/// takes these has no vectors; sixteen at once take twice as many instructions there.
+/// Computed as `costs[d] - reach + min(path[d], path[d - 1] + P1, path[d + 1] + P1, reach)` with
+/// `reach = lowest + P2`: one by one, since who takes these has no vectors; sixteen at once take
+/// twice as many instructions there.
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     let reach = u32::from(lowest.saturating_add(JUMP_PENALTY));
     let length = path.len().min(costs.len());
     let path = Cell::from_mut(path.get_mut(..length).unwrap_or_default()).as_slice_of_cells();
     let Some((last, others)) = path.split_last() else { return u8::MAX };
-    // The entry before the current one, before its update; beyond the ends there is none below `reach`.
+    // The entry before the current one, before its update; beyond the ends there is none below
+    // `reach`.
     let (mut before, mut low) = (u32::from(u8::MAX), u32::from(u8::MAX));
     let mut step = |path: &Cell<u8>, cost: u8, after: u32| {
         let here = u32::from(path.get());

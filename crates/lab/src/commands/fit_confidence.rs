@@ -133,8 +133,8 @@ fn without_gloss(scene: Scene) -> Result<Scene> {
     Ok(Scene { truth, ..scene })
 }
 
-/// What is done to a scene before it is sampled: small captured pairs are damaged, rendered rooms have noise of their own, and large pairs show what small
-/// ones do.
+/// Damages of a scene before it is sampled: small captured pairs are damaged, rendered rooms
+/// have noise of their own, and large pairs show what small ones do.
 fn damages_of<'d>(scene: &Scene, damages: &'d [(&'static str, Perturbation)]) -> &'d [(&'static str, Perturbation)] {
     let is_damaged = scene.left.dims.width <= WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file();
     if is_damaged { damages } else { damages.get(..1).unwrap_or(damages) }

@@ -1,12 +1,15 @@
 //! Held-out scores -> tables of probability and spread.
 //!
-//! The probability at a node is the share of right pixels around that score, scene by scene: the mean of the scenes less one standard error between them,
-//! so that what is said of a new scene is rather too little than too much; then made to rise from node to node (pool adjacent violators, Ayer 1955).
+//! The probability at a node is the share of right pixels around that score, scene by scene: the
+//! mean of the scenes less one standard error between them, so that what is said of a new scene is
+//! rather too little than too much; then made to rise from node to node (pool adjacent violators,
+//! Ayer 1955).
 
 use super::sample::Sample;
 use linestereo::diagnostics::NODES;
 
-/// Half the width of the score interval around a node: whose pixels make its probability, and their errors its spread.
+/// Half the width of the score interval around a node: whose pixels make its probability, and their
+/// errors its spread.
 const REACH: f64 = 0.75;
 /// Fewest pixels of a scene that count at a node.
 const FEWEST_PIXELS: f64 = 3.0;
@@ -48,7 +51,8 @@ pub(super) fn tables(scenes: &[Vec<(f64, &Sample)>]) -> Tables {
     tables
 }
 
-/// Share of right pixels around a score and its weight: the mean over scenes less its standard error. A scene counts by its pixels, up to twice the median.
+/// Share of right pixels around a score and its weight: the mean over scenes less its standard
+/// error. A scene counts by its pixels, up to twice the median.
 fn share_right(scenes: &[Vec<(f64, &Sample)>], centre: f64) -> Option<[f64; 2]> {
     let of = |scene: &Vec<(f64, &Sample)>| {
         let (mut right, mut all) = (0.0, 0.0);

@@ -26,7 +26,8 @@ use std::collections::BTreeMap;
 /// Penalty on the coefficients of segments' answers. Neighbouring pixels and distances of one side are no independent samples: a hundred of
 /// them weigh about as much as one answer.
 const SIDES_PENALTY: f64 = 100.0;
-/// Tables are fitted on scores of scenes that the line has not seen: so many lines, each without its share of the scenes.
+/// Tables are fitted on scores of scenes that the line has not seen: so many lines, each without
+/// its share of the scenes.
 const FOLDS: usize = 8;
 /// Support points are one pixel each.
 const SUPPORT_PENALTY: f64 = 3.0;

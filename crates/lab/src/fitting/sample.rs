@@ -98,7 +98,8 @@ impl Observer for EvidenceLog {
     }
 }
 
-/// Adds the support points of the last run, with the ground plane, that have truth; `log` watched it.
+/// Adds the support points of the last run, with the ground plane, that have truth; `log` watched
+/// it.
 pub fn add_ground_samples(samples: &mut SceneSamples, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) {
     let points = support_samples(SampleKind::SupportOfGround, engine.matched().support(), log, truth);
     samples.samples.extend(points);

@@ -10,7 +10,8 @@ fn lengths() -> impl Iterator<Item = usize> {
     (0..=256_usize).filter(|length| *length <= 70 || length % 31 == 0 || *length == 256)
 }
 
-/// Rows in one image; those above and below sometimes repeat the next one, sometimes one row is out of line or shorter.
+/// Rows in one image; those above and below sometimes repeat the next one, sometimes one row is out
+/// of line or shorter.
 pub(super) fn code_columns(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
     const ROWS: usize = 2 * CODE_ROWS + 4;
     for width in (0..=40_usize).chain([61, 80, 128]) {
