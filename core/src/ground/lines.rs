@@ -47,6 +47,9 @@ pub(super) struct Line {
 /// A line of the first search: its score, disparity at the lowest row, horizon.
 type Candidate = (i32, i32, i32);
 
+/// A line with its score.
+type Scored = (i32, Line);
+
 /// The best line; `None` without strips or memory.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
@@ -54,33 +57,26 @@ pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
     let (gains, memory) = memory.split_at_mut_checked(rows * strips.strips * most)?;
     let image = memory.get_mut(..rows * most)?;
     sum_gains(strips, gains, image);
-    let mut best: Option<(i32, Line)> = None;
-    for (_, at_bottom, horizon) in search(strips, image).into_iter().flatten() {
-        let mut of_band: Option<(i32, Line)> = None;
-        let mut compare = |line: Line| {
-            let score = score(strips, gains, line) - ROLL_COST * (quotient(line.across_q16, ROLL_Q16)).abs();
-            if of_band.is_none_or(|(most, _)| score > most) {
-                of_band = Some((score, line));
-            }
-            of_band
-        };
-        let mut level = None;
-        for (d, h) in [-2, 0, 2].into_iter().flat_map(|d| [-2, 0, 2].map(|h| (d, h))) {
-            if let Some(down_q16) = slope_q16(strips, at_bottom + d, horizon + h) {
-                level = compare(Line { down_q16, across_q16: 0, horizon: horizon + h });
-            }
-        }
-        let Some((_, level)) = level else { continue };
-        for roll in [-2, -1, 1, 2] {
-            compare(Line { across_q16: roll * ROLL_Q16, ..level });
-        }
-        if let Some((score, line)) = of_band
-            && best.is_none_or(|(most, _)| score > most)
-        {
-            best = Some((score, line));
-        }
-    }
-    best.map(|(_, line)| line)
+    let scored = |line: Line| (score(strips, gains, line), line);
+    let of_band = |(_, at_bottom, horizon): Candidate| {
+        let around = [-2, 0, 2].into_iter().flat_map(|d| [-2, 0, 2].map(|h| (at_bottom + d, horizon + h)));
+        let level = around.filter_map(|(at_bottom, horizon)| {
+            let down_q16 = slope_q16(strips, at_bottom, horizon)?;
+            Some(scored(Line { down_q16, across_q16: 0, horizon }))
+        });
+        let level = first_best(level)?;
+        let rolled = [-2_i32, -1, 1, 2].into_iter().map(|roll| {
+            let (score, line) = scored(Line { across_q16: roll * ROLL_Q16, ..level.1 });
+            (score - ROLL_COST * roll.abs(), line)
+        });
+        first_best(core::iter::once(level).chain(rolled))
+    };
+    first_best(search(strips, image).into_iter().flatten().filter_map(of_band)).map(|(_, line)| line)
+}
+
+/// The first of those with the largest score.
+fn first_best(lines: impl Iterator<Item = Scored>) -> Option<Scored> {
+    lines.reduce(|best, line| if line.0 > best.0 { line } else { best })
 }
 
 /// Slope of the line through a disparity at the lowest row and 0 at the horizon, Q16.

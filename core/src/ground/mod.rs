@@ -15,7 +15,7 @@
 //! Images wider than 450 px are searched at half of their size.
 //!
 //! # Cost
-//! Some 1.8 M instructions for 320x240 and 64 disparities, 1.1 M where the plane is near that of
+//! Some 2.1 M instructions for 320x240 and 64 disparities, 1.1 M where the plane is near that of
 //! the pair before (Armv7E-M).
 //!
 //! # Source
