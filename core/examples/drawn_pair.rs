@@ -1,4 +1,5 @@
-//! Depth in a drawn pair: a wall 1 m away, a detected object, a pixel. `cargo run --release -p linestereo --example drawn_pair`
+//! Depth in a drawn pair: a wall 1 m away, a detected object, a pixel. `cargo run --release -p
+//! linestereo --example drawn_pair`
 use linestereo::{Area, Depth, Dims, Gray, Pair, Params, Region, Rig, scratch};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
@@ -11,18 +12,27 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
 
     // A wall with bars of many widths and a grain, as seen by two cameras.
-    let grain = |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) >> 20 & 15;
+    let grain =
+        |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) >> 20 & 15;
     let bar = |x: usize, y: usize| if (x * x / 1200 + y / 30).is_multiple_of(2) { 60 } else { 190 };
     let grey = |x: usize, y: usize| (bar(x, y) + grain(x, y)) as u8;
-    let image = |disparity: usize| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
+    let image = |disparity: usize| -> Vec<u8> {
+        (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect()
+    };
     let (left, right) = (image(0), image(12));
-    let pair = Pair { left: Gray::new(&left, DIMS, 160)?, right: Gray::new(&right, DIMS, 160)?, times_us: None };
+    let pair = Pair {
+        left: Gray::new(&left, DIMS, 160)?,
+        right: Gray::new(&right, DIMS, 160)?,
+        times_us: None,
+    };
 
     let mut matched = matcher.run(pair, None, scratch.view(), &mut ())?;
     assert!(matched.health().flags.is_fit());
     let is_near_a_metre = |depth: Depth| (depth.to_num::<f64>() - 1.0).abs() < 0.03;
     assert!(matched.segments().len() > 10);
-    assert!(matched.segments().iter().flat_map(|segment| segment.depth.unwrap()).all(is_near_a_metre));
+    assert!(
+        matched.segments().iter().flat_map(|segment| segment.depth.unwrap()).all(is_near_a_metre)
+    );
 
     // A detected object, and a pixel.
     let region = Region::boxed(1, Area { left: 60, top: 30, right: 120, bottom: 90 }, DIMS)?;

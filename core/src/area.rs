@@ -70,6 +70,12 @@ impl Area {
         grown.common(Self::of(dims))
     }
 
+    /// The pixels of half of the image that show it.
+    pub(crate) const fn halved(self) -> Self {
+        let Self { left, top, right, bottom } = self;
+        Self { left: left / 2, top: top / 2, right: right.div_ceil(2), bottom: bottom.div_ceil(2) }
+    }
+
     /// Number of pixels.
     #[must_use]
     pub const fn pixels(self) -> u32 {

@@ -1,14 +1,17 @@
 //! Cost over disparity: minimum, second-best, sub-pixel position.
 //!
-//! Curves are stored in a `matching::Workspace` of the caller and written in place: none is copied, none is on the stack.
+//! Curves are stored in a `matching::Workspace` of the caller and written in place: none is copied,
+//! none is on the stack.
 //!
 //! # Cost
-//! A pass over the disparities for every operation but those at one disparity: 1 to 2 instructions a disparity (Armv7E-M), at most [`MAX_DISPARITIES`].
-//! What several windows call is not inlined: a call takes some ten instructions, a copy some 100 bytes of flash.
+//! A pass over the disparities for every operation but those at one disparity: 1 to 2 instructions
+//! a disparity (Armv7E-M), at most [`MAX_DISPARITIES`]. What several windows call is not inlined: a
+//! call takes some ten instructions, a copy some 100 bytes of flash.
 //!
 //! # Source
-//! Second-best outside +-2 px and its ratio to the best: uniqueness as in block matching. Sub-pixel by the equiangular fit (Shimizu, Okutomi
-//! 2001): two lines of equal and opposite slope, the right shape for absolute differences.
+//! Second-best outside +-2 px and its ratio to the best: uniqueness as in block matching. Sub-pixel
+//! by the equiangular fit (Shimizu, Okutomi 2001): two lines of equal and opposite slope, the right
+//! shape for absolute differences.
 
 use crate::kernel::{LANES, lower_curve, lower_sum_curve, lowest, sum_curve};
 use crate::units::quotient;
@@ -20,7 +23,8 @@ const NEIGHBOURHOOD: i32 = 2;
 /// Number of curves of a workspace: those of one segment.
 pub(crate) const CURVES: usize = 12;
 
-/// Cost at disparities `first .. first + len`. Whole blocks are computed; entries beyond `len` are the largest cost.
+/// Cost at disparities `first .. first + len`. Whole blocks are computed; entries beyond `len` are
+/// the largest cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
     costs: [u16; MAX_DISPARITIES],
@@ -47,7 +51,8 @@ impl Curve {
         self.close();
     }
 
-    /// Sums costs upon those of another curve, over the same disparities; `add` is given whole blocks.
+    /// Sums costs upon those of another curve, over the same disparities; `add` is given whole
+    /// blocks.
     pub(crate) fn fill_upon(&mut self, base: &Self, add: impl FnOnce(&mut [u16])) {
         (self.first, self.len) = (base.first, base.len);
         for (cost, &below) in self.blocks().iter_mut().zip(base.whole()) {
@@ -71,7 +76,7 @@ impl Curve {
     #[inline(never)]
     fn close(&mut self) {
         let len = self.len;
-        if let Some(beyond) = self.blocks().get_mut(len..) {
+        if let Some(beyond) = self.blocks().get_mut(len..).filter(|beyond| !beyond.is_empty()) {
             beyond.fill(u16::MAX);
         }
     }
@@ -92,7 +97,10 @@ impl Curve {
 
     /// First disparity, px, and the costs from there on; none where nothing was computed.
     pub(crate) fn listed(&self) -> Option<(i32, &[u16])> {
-        self.costs.get(..self.len).filter(|costs| !costs.is_empty()).map(|costs| (self.first, costs))
+        self.costs
+            .get(..self.len)
+            .filter(|costs| !costs.is_empty())
+            .map(|costs| (self.first, costs))
     }
 
     /// Becomes a curve without disparities.
@@ -119,6 +127,11 @@ impl Curve {
         }
     }
 
+    /// Adds to every entry.
+    pub(crate) fn raise(&mut self, by: u16) {
+        self.blocks().iter_mut().for_each(|cost| *cost = cost.saturating_add(by));
+    }
+
     /// Becomes the entry by entry sum of `a` and `weight` times `b`.
     pub(crate) fn set_weighted_sum(&mut self, a: &Self, b: &Self, weight: u16) {
         (self.first, self.len) = (a.first, a.len);
@@ -139,18 +152,22 @@ impl Curve {
         lower_sum_curve(a.whole(), b.whole(), c.whole(), self.blocks());
     }
 
-    /// Becomes the sum of `a` moved by `shift_a` and `b` moved by `shift_b`; entries outside of either are the largest cost.
+    /// Becomes the sum of `a` moved by `shift_a` and `b` moved by `shift_b`; entries outside of
+    /// either are the largest cost.
     pub(crate) fn set_shifted_sum(&mut self, a: &Self, shift_a: i32, b: &Self, shift_b: i32) {
         (self.first, self.len) = (a.first, a.len);
         self.blocks().fill(u16::MAX);
         let before = shift_a.min(shift_b).min(0).unsigned_abs() as usize;
-        let from = |shift: i32| usize::try_from(i32::try_from(before).unwrap_or(0) + shift).unwrap_or(0);
+        let from =
+            |shift: i32| usize::try_from(i32::try_from(before).unwrap_or(0) + shift).unwrap_or(0);
         let tail = |curve: &Self, shift: i32| from(shift)..curve.len;
         let (ra, rb) = (tail(a, shift_a), tail(b, shift_b));
-        let (Some(ta), Some(tb)) = (a.costs.get(ra), b.costs.get(rb)) else { return };
-        let len = self.len;
-        for ((cost, &x), &y) in self.costs.iter_mut().take(len).skip(before).zip(ta).zip(tb) {
-            *cost = x.saturating_add(y);
+        let (Some(a), Some(b)) = (a.costs.get(ra), b.costs.get(rb)) else { return };
+        let count = a.len().min(b.len()).min(self.len.saturating_sub(before));
+        if let (Some(a), Some(b), Some(costs)) =
+            (a.get(..count), b.get(..count), self.costs.get_mut(before..before + count))
+        {
+            sum_curve(a, b, costs);
         }
     }
 
@@ -219,8 +236,16 @@ pub(crate) fn subpixel_q6(at: i32, cost: impl Fn(i32) -> Option<u16>) -> i32 {
     (at << 6) + quotient((before - after) << 5, depth).clamp(-32, 32)
 }
 
-/// Uniqueness ratio `256 * (cost + 1) / (second_best + 1)`, Q8, at most 768: below 256 the minimum is better than the second-best. The ones make
-/// two perfect matches a tie.
+/// The middle one of three costs; where it is the lowest, the minimum of the V through all three,
+/// which lies between whole disparities.
+#[inline]
+pub(crate) fn low_of(&[before, here, after]: &[u16; 3]) -> u32 {
+    let is_low = here <= before.min(after) && before.max(after) < u16::MAX;
+    u32::from(here.saturating_sub(if is_low { before.abs_diff(after) / 2 } else { 0 }))
+}
+
+/// Uniqueness ratio `256 * (cost + 1) / (second_best + 1)`, Q8, at most 768: below 256 the minimum
+/// is better than the second-best. The ones make two perfect matches a tie.
 pub(crate) fn ratio_q8(cost: u16, second_best: u16) -> i32 {
     quotient((i32::from(cost) + 1) << 8, i32::from(second_best) + 1).min(768)
 }

@@ -1,8 +1,10 @@
 //! The evidence of a hypothesis: plain numbers in Q8 that a linear model weighs.
 //!
-//! In: sums, counts and disparities of the matching. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
+//! In: sums, counts and disparities of the matching. Out: one signed 16-bit number per kind, +-128
+//! with a step of 1/256.
 
-/// Defines the kinds of evidence of a model in the order of its coefficients, their number, and the values of one hypothesis in Q8.
+/// Defines the kinds of evidence of a model in the order of its coefficients, their number, and the
+/// values of one hypothesis in Q8.
 macro_rules! define_evidence {
     ($(#[$kind_doc:meta])* $SegmentKind:ident; $(#[$values_doc:meta])* $Values:ident; $COUNT:ident; $($Entry:ident: $meaning:literal,)+) => {
         $(#[$kind_doc])*
@@ -82,7 +84,8 @@ define_evidence! {
     NextToEdge: "1 for the pixels next to an edge whose two sides are not known to be one surface",
 }
 
-/// Evidence by support points and other segments, known when all segments are matched; entries one after the other.
+/// Evidence by support points and other segments, known when all segments are matched; entries one
+/// after the other.
 pub(crate) const NEARBY: [SegmentKind; 4] = [
     SegmentKind::SupportAgreeing,
     SegmentKind::SupportFarther,
@@ -107,10 +110,12 @@ impl SegmentEvidence {
     }
 }
 
-/// `log2(1 + sum / count)` in Q8, by the leading bit and a straight line between powers of two (error below 0.09).
+/// `log2(1 + sum / count)` in Q8, by the leading bit and a straight line between powers of two
+/// (error below 0.09).
 #[inline]
 pub(crate) fn log2_mean_q8(sum: u32, count: i32) -> i32 {
-    let mean_q4 = u32::try_from(count).ok().and_then(|count| (sum << 4).checked_div(count)).unwrap_or(0);
+    let mean_q4 =
+        u32::try_from(count).ok().and_then(|count| (sum << 4).checked_div(count)).unwrap_or(0);
     let x_q4 = mean_q4 + 16;
     let whole = x_q4.checked_ilog2().unwrap_or(4);
     let part_q8 = ((x_q4 << 8) >> whole) as i32 - 256;

@@ -1,12 +1,16 @@
-//! Focus: the areas of a pair that are matched, where depth is needed; the rest of the frame costs nothing.
+//! Focus: the areas of a pair that are matched, where depth is needed; the rest of the frame costs
+//! nothing.
 //!
-//! In: areas of the left image. Out: the areas in which edges start in both images, the segments that are matched, and the pixels that their
-//! windows may reach, so that the candidates for objects in the areas are those of a run over the whole frame.
+//! In: areas of the left image. Out: the areas in which edges start in both images, the segments
+//! that are matched, and the pixels that their windows may reach, so that the candidates for
+//! objects in the areas are those of a run over the whole frame.
 //!
 //! ```text
 //! matched   segments that can count for an object in an area: a window's middle lies in it
-//! left      edges that start in the squares of selection that such windows meet, or within a scan of them, so that every competitor is found
-//! right     near-horizontal edges that start on the rows of those of the left, to the left by the disparity range: for the row offset
+//! left      edges that start in the squares of selection that such windows meet, or within a scan
+//!           of them, so that every competitor is found
+//! right     near-horizontal edges that start on the rows of those of the left, to the left by the
+//!           disparity range: for the row offset
 //! rows      gradients and census codes in the columns that windows reach
 //! ```
 //!
@@ -31,12 +35,12 @@ const VOTES: u16 = 8;
 /// Part of a pair that is matched ([`Plan::run_on`](crate::Plan::run_on)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Focus<'a> {
-    /// Areas of the left image. Of more than [`Focus::MAX_AREAS`] the last ones are joined to one. `None` is the whole frame; without a pixel
-    /// in any of them nothing is matched.
+    /// Areas of the left image. Of more than [`Focus::MAX_AREAS`] the last ones are joined to one.
+    /// `None` is the whole frame; without a pixel in any of them nothing is matched.
     pub areas: Option<&'a [Area]>,
-    /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame found it
-    /// ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to estimate it in the areas, where
-    /// segments may be too few.
+    /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame
+    /// found it ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to estimate it
+    /// in the areas, where segments may be too few.
     pub row_offset_q5: Option<i16>,
     /// Where the ground plane is looked for.
     pub ground: GroundSearch,
@@ -44,7 +48,8 @@ pub struct Focus<'a> {
 
 impl Focus<'_> {
     /// The whole frame.
-    pub const WHOLE: Self = Self { areas: None, row_offset_q5: None, ground: GroundSearch::Everywhere };
+    pub const WHOLE: Self =
+        Self { areas: None, row_offset_q5: None, ground: GroundSearch::Everywhere };
     /// Largest number of separate areas.
     pub const MAX_AREAS: usize = 16;
 }
@@ -61,7 +66,9 @@ impl SearchRegions {
     pub(crate) fn new(focus: &Focus<'_>, dims: Dims) -> Self {
         let areas = focus.areas.map(|areas| {
             let mut list = Areas::new();
-            for area in areas.iter().map(|area| area.common(Area::of(dims))).filter(|area| !area.is_empty()) {
+            for area in
+                areas.iter().map(|area| area.common(Area::of(dims))).filter(|area| !area.is_empty())
+            {
                 if let Err(area) = list.push(area)
                     && let Some(last) = list.last_mut()
                 {
@@ -80,27 +87,37 @@ impl SearchRegions {
 
     /// Areas in which edges of the left image start; `None` for everywhere.
     pub(crate) fn left(&self, cell: u16) -> Option<Areas> {
-        // Middles of matched segments lie within OBJECT_REACH of the area, and their competitors' in the same squares.
+        // Middles of matched segments lie within OBJECT_REACH of the area, and their competitors'
+        // in the same squares.
         let squares = |area: Area| {
             let Area { left, top, right, bottom } = area.grown(OBJECT_REACH, self.dims);
             let before = |at: u16| at - at.checked_rem(cell).unwrap_or(0);
             let after = |at: u16| before(at.saturating_add(cell - 1));
-            Area { left: before(left), top: before(top), right: after(right), bottom: after(bottom) }
+            Area {
+                left: before(left),
+                top: before(top),
+                right: after(right),
+                bottom: after(bottom),
+            }
         };
         self.each(|area| squares(area).grown(SCAN_STEP as u16, self.dims))
     }
 
-    /// Areas in which edges of the right image start that can correspond to these left segments; `None` for everywhere.
+    /// Areas in which edges of the right image start that can correspond to these left segments;
+    /// `None` for everywhere.
     pub(crate) fn right(&self, left: &[Segment], params: &Params) -> Option<Areas> {
         self.each(|area| {
-            let flat = left.iter().filter(|segment| segment.near_horizontal && supports_area(segment, area));
+            let flat = left
+                .iter()
+                .filter(|segment| segment.near_horizontal && supports_area(segment, area));
             let Area { left, top, right, bottom } = boxes(flat).grown(VOTES, self.dims);
             let right = right.saturating_add_signed(params.min_disparity.saturating_neg());
             Area { left: left.saturating_sub(params.max_disparity), top, right, bottom }
         })
     }
 
-    /// Pixels that windows of the segments in each area may reach, at these disparities; `None` for all.
+    /// Pixels that windows of the segments in each area may reach, at these disparities; `None` for
+    /// all.
     pub(crate) fn extents(
         &self,
         left: &[Segment],
@@ -120,7 +137,9 @@ impl SearchRegions {
 
     /// True when this left segment is matched.
     pub(crate) fn contains(&self, segment: &Segment) -> bool {
-        self.areas.as_ref().is_none_or(|areas| areas.iter().any(|&area| supports_area(segment, area)))
+        self.areas
+            .as_ref()
+            .is_none_or(|areas| areas.iter().any(|&area| supports_area(segment, area)))
     }
 
     fn each(&self, of: impl Fn(Area) -> Area) -> Option<Areas> {

@@ -1,6 +1,7 @@
 //! Grey images as borrowed views: the only place where image geometry is validated.
 //!
-//! In: a byte slice, its dimensions and the distance between rows. Out: a view all of whose rows exist.
+//! In: a byte slice, its dimensions and the distance between rows. Out: a view all of whose rows
+//! exist.
 //!
 //! # Cost
 //! Rows are checked once, when a view is made.
@@ -21,6 +22,25 @@ pub struct Dims {
     pub width: u16,
     /// Height, px.
     pub height: u16,
+}
+
+/// Widest image that is matched, and searched for the ground, at its own size, px. In wider ones a
+/// small window finds its like among twice as many disparities (`docs/experiments.md`).
+const WIDEST: u16 = 450;
+
+impl Dims {
+    /// True for images that are matched at half of their size first.
+    pub(crate) const fn is_large(self) -> bool {
+        self.width > WIDEST
+    }
+}
+
+/// Sets a row of half of an image: means of 2 x 2 pixels of these rows.
+pub(crate) fn halve_rows(upper: &[u8], lower: &[u8], half: &mut [u8]) {
+    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+    for (mean, (&[a, b], &[c, d])) in half.iter_mut().zip(pairs) {
+        *mean = ((u16::from(a) + u16::from(b) + u16::from(c) + u16::from(d) + 2) >> 2) as u8;
+    }
 }
 
 /// Columns `start .. end` of a row.
@@ -50,8 +70,9 @@ impl Span {
 /// Largest distance of pixels that are read from a valid one, px.
 pub const MARGIN: u16 = 4;
 
-/// Spans of pixels with content -> spans of pixels that are valid: everything within [`MARGIN`] of them has content. Pixels outside
-/// the image count as content, because borders are handled everywhere. `spans` has the rows of the image in order; the result holds for all frames.
+/// Spans of pixels with content -> spans of pixels that are valid: everything within [`MARGIN`] of
+/// them has content. Pixels outside the image count as content, because borders are handled
+/// everywhere. `spans` has the rows of the image in order; the result holds for all frames.
 ///
 /// ```
 /// use linestereo::Span;
@@ -162,21 +183,26 @@ impl<'a> Gray<'a> {
         if stride < usize::from(width) {
             return Err(ViewError::Stride { stride, width });
         }
-        let needed = stride.saturating_mul(usize::from(height).saturating_sub(1)).saturating_add(usize::from(width));
+        let needed = stride
+            .saturating_mul(usize::from(height).saturating_sub(1))
+            .saturating_add(usize::from(width));
         if pixels.len() < needed {
             return Err(ViewError::TooShort { needed, given: pixels.len() });
         }
         Ok(Self { pixels, dims, stride, valid: &[] })
     }
 
-    /// The view restricted to these pixels, a span for each row: edges and disparities lie in them, and pixels more than [`MARGIN`] px outside never
-    /// influence a result. See [`shrink_to_valid`].
+    /// The view restricted to these pixels, a span for each row: edges and disparities lie in them,
+    /// and pixels more than [`MARGIN`] px outside never influence a result. See
+    /// [`shrink_to_valid`].
     pub fn with_valid(self, spans: &'a [Span]) -> Result<Self, ViewError> {
         if spans.len() != usize::from(self.dims.height) {
             return Err(ViewError::Spans { rows: self.dims.height, given: spans.len() });
         }
         match spans.iter().position(|span| span.start > span.end || span.end > self.dims.width) {
-            Some(row) => Err(ViewError::Span { row, span: spans.get(row).copied().unwrap_or_default() }),
+            Some(row) => {
+                Err(ViewError::Span { row, span: spans.get(row).copied().unwrap_or_default() })
+            }
             None => Ok(Self { valid: spans, ..self }),
         }
     }

@@ -1,45 +1,107 @@
-//! Sparse stereo depth from line segments and support points, for microcontrollers: `no_std`, no allocation, integer arithmetic per frame.
+//! Sparse stereo depth for microcontrollers: line segments and support points from a rectified pair
+//! of images, each with the probability that its disparity is within 1 px.
 //!
-//! Dense stereo computes every pixel, and many of its disparities are wrong. Line segments are few and prominent; a sparse grid of support
-//! points, matched semi-globally, covers the surfaces between them and limits the disparities at which segments are searched. Each segment is
-//! matched by a window and by census, which have to agree, and by the edge itself in the right image, which is evidence. Every disparity has a
-//! probability; those below a limit are not reported.
+//! `no_std`, no allocation, no panic path, integer arithmetic for each pair.
 //!
-//! ```text
-//! Params -> plan -> Plan            once: every check, every float
-//!
-//! left, right                       per pair, rectified (the package `linestereo-rig` does that): integers only, memory is the caller's
-//!   health      faults of the images and the rig, before and after matching
-//!   focus       the whole frame, or areas given by a detector
-//!   lines       edge drawing, straight runs with sub-pixel ends; the most prominent of each square; row offset of the pair
-//!   support     a grid of points: ranks, windows, three paths; their disparities limit the search range of segments
-//!   matching    per segment: window, census, halves, the edge in the right image near that disparity, owners;
-//!               margin between the techniques (Eq. 13); evidence between segments and support points nearby
-//!   confidence  evidence -> probability of being within 1 px
-//!   report      uniqueness constraint; matches with depth in metres (Eqs. 5, 12), and points, one value a pixel
-//! on demand                         from the candidates and support points of the last pair
-//!   objects     the depth of boxes and masks
-//!   query       the depth of one pixel
-//!   obstacles   the nearest obstacle of each direction, kept over pairs
-//! ```
+//! # Example
 //!
 //! ```
-#![doc = include_str!("../examples/drawn_pair.rs")]
+//! use linestereo::{Area, Dims, Gray, Pair, Params, Region, Rig, scratch};
+//!
+//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
+//! const DIMS: Dims = Dims { width: 160, height: 120 };
+//! type Memory = scratch!(DIMS, 256);
+//!
+//! // Once: a focal length of 200 px and a baseline of 0.06 m; parameters are checked here.
+//! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
+//! let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
+//! let mut memory = Memory::new(); // in a static on a board
+//!
+//! # let grey = |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) as u8;
+//! # let image = |disparity| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
+//! # let (left, right) = (image(0), image(12));
+//! // For each pair: grey pixels, row by row.
+//! let left = Gray::new(&left, DIMS, 160)?;
+//! let right = Gray::new(&right, DIMS, 160)?;
+//! let pair = Pair { left, right, times_us: None };
+//! let mut matched = matcher.run(pair, None, memory.view(), &mut ())?;
+//!
+//! if matched.health().flags.is_fit() {
+//!     for segment in matched.segments() {
+//!         let _ = (segment.depth, segment.confidence);
+//!     }
+//!     let found = Area { left: 60, top: 30, right: 120, bottom: 90 }; // by a detector
+//!     matched.objects(&[Region::boxed(1, found, DIMS)?], |object| {
+//!         let _ = object.depth; // None where it is not credible
+//!     });
+//! }
+//! # Ok(())
+//! # }
 //! ```
+//!
+//! # Parameters
+//!
+//! [`Params`] holds the disparity range, the rig and the limits of a report. [`Params::matcher`]
+//! checks them for an image size and does all floating-point work. [`Rig`] is the focal length, the
+//! baseline and the principal point of a *rectified* pair: a point lies on the same row in both
+//! images. The package `linestereo-rig` rectifies raw frames.
+//!
+//! # Matching
+//!
+//! [`Matcher::run`] takes a [`Pair`] of [`Gray`] images and gives a [`Matched`]. A matcher keeps
+//! the health of the rig and the row offset from pair to pair. Areas as the second argument limit
+//! the work to the surroundings of detected objects ([`Focus`]). The last argument observes the
+//! stages; `&mut ()` observes nothing.
+//!
+//! # Memory
+//!
+//! All memory is the caller's: one [`Scratch`], whose type [`scratch!`] names for a size and a
+//! number of segments. [`mod@scratch`] says what each capacity costs. [`ScratchView::carve`] takes
+//! sizes that are known at run time.
+//!
+//! # Results
+//!
+//! - [`Matched::health`]: faults of the pair by name. A pair that is not fit knows no depths.
+//! - [`Matched::segments`] and [`Matched::points`]: everything credible, most probable first.
+//! - [`Matched::bars`]: poles and legs, in front of what is around them.
+//! - [`Matched::objects`]: the depth of boxes and masks ([`objects`]).
+//! - [`Matched::pixel`]: the depth of one pixel.
+//! - [`obstacles`]: the nearest obstacle of each direction, kept over pairs.
+//! - [`GroundPlane`]: the floor, where one is seen.
 //!
 //! # Conventions
-//! Left is the reference image; disparity is `x_left - x_right`, 0 or more in front of the rig; x grows right, y down, z forward; whole
-//! positions are pixel centres. Names of plain integers with a fraction carry its bits: `cost_q8`, `slope_q12`, `d_q6` (1/64 px).
+//!
+//! Left is the reference image; disparity is `x_left - x_right`, 0 or more in front of the rig; x
+//! grows right, y down, z forward; whole positions are pixel centres. Names of plain integers with
+//! a fraction carry its bits: `cost_q8`, `slope_q12`, `d_q6` (1/64 px).
 //!
 //! # Same bits everywhere
-//! The result depends on the pixels, the parameters and the capacities of the lists alone: not on the machine, the profile, the stride, or the
-//! previous content of the memory.
+//!
+//! The result depends on the pixels, the parameters and the capacities of the lists alone: not on
+//! the machine, the profile, the stride, or the previous content of the memory.
+//!
 //! # Features
-//! - `dsp`: the kernels for Cortex-M33 and above.
+//!
+//! - `dsp`: the kernels for Cortex-M33 and above. Cortex-M4 and M7 always have them.
 //! - `defmt`: parameters, errors, health, depths and results implement `defmt::Format`.
 //! - `serde`: matches, points, numbers of health, margins and parts can be serialized.
 //!
-//! None of them changes a number.
+//! No feature changes a number.
+//!
+//! # Stages
+//!
+//! For readers of the source; [`diagnostics`] makes the stages visible to fits and tests.
+//!
+//! ```text
+//! health      faults of the images and the rig, before and after matching
+//! focus       the whole frame, or areas given by a detector
+//! lines       edge drawing, straight segments; the most prominent of each square; row offset
+//! ground      the plane of the floor, from single rows
+//! support     a grid of points: codes, windows, three paths; where segments are searched
+//! matching    each segment: window, census, edge; margin between them (Eq. 13); owners
+//! confidence  evidence -> probability of being within 1 px
+//! report      uniqueness constraint; depths (Eqs. 5, 12); points, one value a pixel
+//! ```
 #![no_std]
 #![deny(unsafe_code)]
 #![deny(missing_debug_implementations)]
@@ -47,6 +109,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test may fail"))]
 
 mod area;
+mod bars;
 mod confidence;
 mod curve;
 mod evidence;
@@ -80,8 +143,9 @@ mod support;
 mod units;
 
 pub use area::Area;
+pub use bars::{Bar, MOST_BARS};
 pub use focus::Focus;
-pub use ground::{GroundPlane, GroundSearch};
+pub use ground::{CameraPose, GroundPlane, GroundSearch, PoseError};
 pub use health::{HealthFlags, HealthLimits, PairHealth};
 pub use image::{Dims, Gray, Span};
 pub use kernel::KERNELS;
@@ -99,16 +163,20 @@ pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 
 /// Evidence, models, stages of a run and inner loops, for fitting, tests and comparisons.
 pub mod diagnostics {
+    pub use crate::bars::evidence::{BAR_EVIDENCE, BarEvidence, BarKind};
+    pub use crate::bars::{FITTED_BAR, FITTED_LEVEL_BAR, LEAST_BAR};
     pub use crate::confidence::{FITTED, Model, Models, NODES};
     pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
     pub use crate::lines::Segment;
     pub use crate::matching::{
-        Candidate, CurveKind, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, SegmentCurves,
-        Side,
+        Candidate, CurveKind, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6,
+        MAX_WINDOW_RATIO_Q8, SegmentCurves, Side,
     };
     pub use crate::observe::{Observer, Stage, StageDigests, StageEvent};
-    pub use crate::query::{FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PIXEL_EVIDENCE, PixelEvidence, PixelKind, SECOND_BEST_Q8};
+    pub use crate::query::{
+        FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PIXEL_EVIDENCE, PixelEvidence, PixelKind, SECOND_BEST_Q8,
+    };
     pub use crate::result::Techniques;
     pub use crate::side_pixels::ValidPixels;
     pub use crate::support::SupportModels;
@@ -116,3 +184,13 @@ pub mod diagnostics {
     pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH, SupportCurves};
     pub use crate::{kernel, lines};
 }
+
+/// The example of the package's page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
+/// An example with a pair whose depth is known.
+#[cfg(doctest)]
+#[doc = concat!("```\n", include_str!("../examples/drawn_pair.rs"), "\n```")]
+struct DrawnPair;

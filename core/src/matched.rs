@@ -1,16 +1,23 @@
 //! Matched pair: access to its results, and evaluation on demand.
 //!
-//! In: a plan, the pair, the memory of its run. Out: segments, points, the depth of objects and pixels.
+//! In: a plan, the pair, the memory of its run. Out: segments, points, the depth of objects and
+//! pixels.
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
+//!
+//! A pair that is not [fit](crate::HealthFlags::is_fit) to be used has no segments, no points and
+//! no ground, and no object and no pixel has a depth. [`Matched::findings`],
+//! [`Matched::candidates`] and [`Matched::support`] keep what was matched, to explain it.
 
+use crate::bars::{self, Bar};
 use crate::ground::GroundPlane;
-use crate::health::{Findings, PairHealth};
+use crate::health::{Findings, HealthFlags, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matching::Candidate;
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
+use crate::params::Parts;
 use crate::plan::Plan;
-use crate::query::{PixelDepth, PixelEvidence, PixelRejection, Query};
+use crate::query::{self, PixelDepth, PixelEvidence, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::scratch::ScratchView;
@@ -18,13 +25,19 @@ use crate::side_pixels::ValidPixels;
 use crate::support::{RangeCheck, Support};
 use heapless::vec::VecView;
 
+/// Least row offset by which rows are moved, 1/32 px: that by edges is known within some 0.2 px,
+/// and most pairs are rectified to less than half a pixel.
+const LEAST_OFFSET_Q5: i32 = 22;
+
 /// Counts, row offset and health of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Summary {
     pub(crate) counts: Counts,
-    /// Rows to add to a left row for the matching right one, 1/32 px.
-    pub(crate) row_offset_q5: i16,
-    /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail), Q8.
+    /// Rows to add to a left row for the matching right one, 1/32 px; `None` when they were neither
+    /// measured nor given.
+    pub(crate) row_offset_q5: Option<i16>,
+    /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail),
+    /// Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
     pub(crate) plane: Option<GroundPlane>,
@@ -32,10 +45,11 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The ground plane, if one was found.
+    /// The ground plane that was found in a pair that is fit to be used, or that the camera's pose
+    /// says.
     #[must_use]
     pub const fn ground(&self) -> Option<GroundPlane> {
-        self.plane
+        if self.is_fit() { self.plane } else { None }
     }
 
     /// Numbers of segments found, dropped, matched and rejected.
@@ -58,18 +72,26 @@ impl Summary {
 
     /// Row of the right image that matches row 0 of the left one, px.
     pub(crate) fn row_offset(&self) -> i32 {
-        (i32::from(self.row_offset_q5) + 16) >> 5
+        let offset_q5 = i32::from(self.row_offset_q5());
+        offset_q5.signum() * ((offset_q5.abs() + 32 - LEAST_OFFSET_Q5) >> 5)
     }
 
-    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments of both images, or as given by
-    /// [`Focus`](crate::Focus).
+    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments
+    /// of both images, or as given by [`Focus`](crate::Focus); 0 when neither says them.
     #[must_use]
     pub fn row_offset_q5(&self) -> i16 {
-        self.row_offset_q5
+        self.row_offset_q5.unwrap_or(0)
+    }
+
+    /// True when the pair is [fit](crate::HealthFlags::is_fit) to be used: only then segments,
+    /// points, objects and pixels are answered.
+    #[must_use]
+    pub const fn is_fit(&self) -> bool {
+        self.health.flags.is_fit()
     }
 }
 
-/// A matched pair; without results if the pair was refused.
+/// A matched pair; without results if it is not fit to be used.
 #[derive(Debug)]
 pub struct Matched<'a> {
     pub(crate) plan: Plan,
@@ -79,10 +101,11 @@ pub struct Matched<'a> {
 }
 
 impl<'a> Matched<'a> {
-    /// The ground plane, if one was found.
+    /// The ground plane that was found in a pair that is fit to be used, or that the camera's pose
+    /// says.
     #[must_use]
     pub const fn ground(&self) -> Option<GroundPlane> {
-        self.summary.plane
+        self.summary.ground()
     }
 
     /// Size of both images.
@@ -91,7 +114,8 @@ impl<'a> Matched<'a> {
         self.plan.dims
     }
 
-    /// The memory of the run, for the next one: for callers that keep the pair and no borrow of its memory, such as another language.
+    /// The memory of the run, for the next one: for callers that keep the pair and no borrow of its
+    /// memory, such as another language.
     #[must_use]
     pub fn into_scratch(self) -> ScratchView<'a> {
         self.scratch
@@ -109,6 +133,20 @@ impl<'a> Matched<'a> {
         &self.summary.health
     }
 
+    /// Adds faults of the pair that the caller knows of. The pairs after it do not inherit them.
+    pub fn add_faults(&mut self, faults: HealthFlags) {
+        let health = &mut self.summary.health;
+        health.now |= faults;
+        health.flags |= faults;
+    }
+
+    /// Leaves the support points alone.
+    pub(crate) fn drop_segments(&mut self) {
+        self.scratch.candidates.clear();
+        self.scratch.matches.clear();
+        self.summary.counts = Counts::default();
+    }
+
     /// Numbers of segments found, dropped, matched and rejected.
     #[must_use]
     pub fn counts(&self) -> &Counts {
@@ -118,23 +156,24 @@ impl<'a> Matched<'a> {
     /// Matched segments, most confident first.
     #[must_use]
     pub fn segments(&self) -> &[Match] {
-        self.scratch.matches
+        if self.summary.is_fit() { self.scratch.matches } else { &[] }
     }
 
     /// Matches, counts and support points by which the health of the pair is judged.
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
-        let range = self.summary.range;
         Findings {
-            matches: self.segments(),
+            matches: self.scratch.matches,
             counts: self.counts(),
             support: self.support(),
-            range,
+            range: self.summary.range,
             row_offset: self.summary.row_offset(),
+            has_segments: self.plan.params.parts != Parts::Support,
         }
     }
 
-    /// Segments that passed the hard tests, with their hypotheses: the data that confidence models are fitted on.
+    /// Segments that passed the hard tests, with their hypotheses: the data that confidence models
+    /// are fitted on.
     #[must_use]
     pub fn candidates(&self) -> &[Candidate] {
         self.scratch.candidates
@@ -143,72 +182,117 @@ impl<'a> Matched<'a> {
     /// The grid of support points.
     #[must_use]
     pub fn support(&self) -> Support<'_> {
-        Support::new(&self.plan.params, self.plan.dims, self.scratch.support, self.summary.detail_q8)
-            .with_plane(self.summary.plane)
+        Support::new(
+            &self.plan.params,
+            self.plan.dims,
+            self.scratch.support,
+            self.summary.detail_q8,
+        )
+        .with_plane(self.summary.plane)
     }
 
-    /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence); [`Matched::points`] lists each pixel once.
+    /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence);
+    /// [`Matched::points`] lists each pixel once.
     pub fn support_points(&self) -> impl Iterator<Item = Point> + use<'_> {
-        self.support().credible(self.plan.params.min_confidence)
+        let is_fit = self.summary.is_fit();
+        self.support().credible(self.plan.params.min_confidence).filter(move |_| is_fit)
     }
 
-    /// Calls `each` with every point: those of segments, most probable sides first, then support points; at most one per pixel.
+    /// The support points that [`Obstacles`](crate::obstacles::Obstacles) take, whatever
+    /// [`Params::min_confidence`](crate::Params::min_confidence) is: many of little confidence that
+    /// agree are an obstacle too.
+    pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {
+        let is_fit = self.summary.is_fit();
+        self.support().credible(crate::obstacles::LEAST_CONFIDENCE).filter(move |_| is_fit)
+    }
+
+    /// Bars, thin things in front of what is around them.
+    #[must_use]
+    pub fn bars(&self) -> &[Bar] {
+        if self.summary.is_fit() { bars::in_front(self.scratch.bars) } else { &[] }
+    }
+
+    /// Calls `each` with every point: those of bars, of segments, most probable sides first, then
+    /// support points; at most one per pixel.
     ///
     /// # Cost
     /// Some 40 instructions a point.
     pub fn points(&mut self, mut each: impl FnMut(Point)) {
-        let (mut report, _) = Report::new(&self.plan, self.images, &mut self.scratch, self.summary.detail_q8);
-        report.list_points(&mut each);
+        if self.summary.is_fit() {
+            let (mut report, _) =
+                Report::new(&self.plan, self.images, &mut self.scratch, self.summary.detail_q8);
+            report.list_points(&mut each);
+        }
     }
 
-    /// Calls `each` with the depth of every region, in the order given. Without depth for a pair that is not [fit](crate::HealthFlags::is_fit).
+    /// Calls `each` with the depth of every region, in the order given.
     ///
     /// # Cost
     /// On a Cortex-M7 some 92 000 instructions for a box of a fifteenth of a QVGA image.
     pub fn objects(&mut self, regions: &[Region<'_>], mut each: impl FnMut(ObjectDepth)) {
-        if !self.summary.health.flags.is_fit() {
-            let refused = |region: &Region<'_>| ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0);
+        if !self.summary.is_fit() {
+            let refused = |region: &Region<'_>| {
+                ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0)
+            };
             return regions.iter().map(refused).for_each(each);
         }
-        let ScratchView { candidates, support, neighbours, order, marks, .. } = &mut self.scratch;
+        let ScratchView { candidates, support, neighbours, order, marks, bars, .. } =
+            &mut self.scratch;
         let Plan { params, dims, models, .. } = &self.plan;
         let mut query = ObjectQuery {
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
+            support: Support::new(params, *dims, support, self.summary.detail_q8)
+                .with_plane(self.summary.plane),
             models,
             dims: *dims,
             rig: params.rig,
             neighbours,
             order,
             marks,
+            bars,
         };
         for region in regions {
             each(query.depth_of(region));
         }
     }
 
-    /// The depth of one pixel, on a segment or not; `region` is the one that it belongs to, if known.
+    /// The depth of one pixel, on a segment or not; `region` is the one that it belongs to, if
+    /// known.
     ///
     /// # Errors
-    /// The reason why there is none; [`PixelRejection::UnhealthyPair`] for a pair that was refused.
+    /// The reason why there is none; [`PixelRejection::UnhealthyPair`] for a pair that is not fit
+    /// to be used.
     ///
     /// # Cost
-    /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in pairs), at most 70 000 where segments are dense.
-    pub fn pixel(&mut self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, PixelRejection> {
-        self.query(|query| query.answer(pixel, region))
+    /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in
+    /// pairs), at most 70 000 where segments are dense.
+    pub fn pixel(
+        &mut self,
+        pixel: (u16, u16),
+        region: Option<&Region<'_>>,
+    ) -> Result<PixelDepth, PixelRejection> {
+        let is_fit = self.summary.is_fit();
+        let answer = self.query(is_fit, |query| query.answer(pixel, region));
+        query::on_bars(self.scratch.bars, pixel, answer, self.plan.params.rig)
     }
 
-    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability: the data that models are fitted on.
+    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability and of any
+    /// pair that was matched: the data that models are fitted on.
     pub fn pixel_evidence(
         &mut self,
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<(i32, PixelEvidence), PixelRejection> {
-        self.query(|query| query.evidence_of(pixel, region))
+        let is_matched = !self.summary.health.is_refused();
+        self.query(is_matched, |query| query.evidence_of(pixel, region))
     }
 
-    fn query<T>(&mut self, evaluate: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>) -> Result<T, PixelRejection> {
-        if self.summary.health.is_refused() {
+    fn query<T>(
+        &mut self,
+        is_answered: bool,
+        evaluate: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>,
+    ) -> Result<T, PixelRejection> {
+        if !is_answered {
             return Err(PixelRejection::UnhealthyPair);
         }
         let ScratchView { candidates, support, rows, work, .. } = &mut self.scratch;
@@ -219,7 +303,8 @@ impl<'a> Matched<'a> {
             images: self.images,
             dims: *dims,
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8).with_plane(self.summary.plane),
+            support: Support::new(params, *dims, support, self.summary.detail_q8)
+                .with_plane(self.summary.plane),
             row_offset: self.summary.row_offset(),
             rows,
             work,
@@ -235,7 +320,8 @@ impl<'r> Report<'r> {
         scratch: &'r mut ScratchView<'_>,
         detail_q8: i16,
     ) -> (Self, &'r mut VecView<Match>) {
-        let ScratchView { candidates, neighbours, order, support, marks, matches, .. } = scratch;
+        let ScratchView { candidates, neighbours, order, support, marks, matches, bars, .. } =
+            scratch;
         let report = Self {
             params: &plan.params,
             models: plan.models,
@@ -245,6 +331,7 @@ impl<'r> Report<'r> {
             order,
             support: Support::new(&plan.params, plan.dims, support, detail_q8),
             marks,
+            bars,
         };
         (report, matches)
     }

@@ -1,7 +1,11 @@
-//! Observers of a run: callbacks at the end of each stage, for timing, digests and pictures. The observer `()` costs nothing.
+//! Observers of a run: callbacks at the end of each stage, for timing, digests and pictures. The
+//! observer `()` costs nothing.
 //!
-//! In: the result of each stage when it ends. Out: nothing; the result of the run does not depend on its observer.
+//! In: the result of each stage when it ends. Out: nothing; the result of the run does not depend
+//! on its observer.
 
+use crate::bars::Bar;
+use crate::bars::evidence::BarEvidence;
 use crate::evidence::SegmentEvidence;
 use crate::fnv::Fnv;
 use crate::health::PairHealth;
@@ -12,8 +16,9 @@ use crate::support::evidence::SupportEvidence;
 use crate::support::{SupportCurves, SupportPoint};
 use core::hash::{Hash, Hasher};
 
-/// The end of a stage, with its result. [`StageEvent::Rows`] and [`StageEvent::Segment`] occur alternately, once per left segment;
-/// [`StageEvent::Health`] before and after matching; the others once per pair.
+/// The end of a stage, with its result. [`StageEvent::Rows`] and [`StageEvent::Segment`] occur
+/// alternately, once per left segment; [`StageEvent::Health`] before and after matching; the others
+/// once per pair.
 #[derive(Clone, Copy, Debug)]
 pub enum StageEvent<'a> {
     /// Segments of the left image.
@@ -24,15 +29,18 @@ pub enum StageEvent<'a> {
     Selection(i32, &'a [Segment]),
     /// All support points, without evidence by neighbours.
     Support(&'a [SupportPoint]),
-    /// Gradients and census of the rows that the next segment needs; [`Observer::row`] was called with each.
+    /// Gradients and census of the rows that the next segment needs; [`Observer::row`] was called
+    /// with each.
     Rows,
-    /// One matched segment with the evidence of its sides, neighbours left out, or the test that it failed.
+    /// One matched segment with the evidence of its sides, neighbours left out, or the test that it
+    /// failed.
     Segment(Result<(&'a Candidate, &'a [SegmentEvidence; 2]), Rejection>),
     /// All candidates and all support points, with the evidence between them.
     Consistency(&'a [Candidate], &'a [SupportPoint]),
     /// The list of matches.
     Report(&'a [Match]),
-    /// Health of the pair, from [`Matcher`](crate::Matcher): a [`Plan`](crate::Plan) alone does not compute it.
+    /// Health of the pair, from [`Matcher`](crate::Matcher): a [`Plan`](crate::Plan) alone does not
+    /// compute it.
     Health(&'a PairHealth),
 }
 
@@ -114,17 +122,30 @@ pub trait Observer {
     /// Called when a step has ended.
     fn on_event(&mut self, step: StageEvent<'_>);
 
-    /// Called with each computed row of gradients and census codes: left gradients, right gradients, right census codes, the right ones mirrored.
+    /// Called with each computed row of gradients and census codes: left gradients, right
+    /// gradients, right census codes, the right ones mirrored.
     #[inline]
     fn row(&mut self, _planes: [&[u8]; 3]) {}
 
-    /// Called with the index in the grid and the evidence, neighbours left out, of each support point that has a disparity.
+    /// Called with the index in the grid and the evidence, neighbours left out, of each support
+    /// point that has a disparity.
     #[inline]
     fn support_point(&mut self, _index: usize, _evidence: &SupportEvidence) {}
 
-    /// Called with the index in the grid and the costs of each support point that is compared, before [`Observer::support_point`].
+    /// Called with the index in the grid and the costs of each support point that is compared,
+    /// before [`Observer::support_point`].
     #[inline]
     fn support_curves(&mut self, _index: usize, _curves: &SupportCurves<'_>) {}
+
+    /// Called with the index and the evidence of each bar that has a disparity, support points left
+    /// out.
+    #[inline]
+    fn bar_evidence(&mut self, _index: usize, _evidence: &BarEvidence) {}
+
+    /// Called with the index of each of these that is not behind the support points around it, with
+    /// its probability, and the evidence by them, Q8.
+    #[inline]
+    fn bar(&mut self, _index: usize, _bar: &Bar, _nearby_q8: [i16; 4]) {}
 
     /// True where [`Observer::segment_curves`] is to be called.
     #[inline]
@@ -132,7 +153,8 @@ pub trait Observer {
         false
     }
 
-    /// Called with the costs of each left segment, as far as they were computed, before its [`StageEvent::Segment`].
+    /// Called with the costs of each left segment, as far as they were computed, before its
+    /// [`StageEvent::Segment`].
     #[inline]
     fn segment_curves(&mut self, _curves: &SegmentCurves<'_>) {}
 }
@@ -183,7 +205,9 @@ impl Default for StageDigests {
 impl Observer for StageDigests {
     fn on_event(&mut self, step: StageEvent<'_>) {
         self.add(step.stage(), |hash| match step {
-            StageEvent::LinesLeft(segments) | StageEvent::LinesRight(segments) => each(segments, hash),
+            StageEvent::LinesLeft(segments) | StageEvent::LinesRight(segments) => {
+                each(segments, hash)
+            }
             StageEvent::Selection(offset, segments) => {
                 hash.write_i32(offset);
                 each(segments, hash);
@@ -206,6 +230,14 @@ impl Observer for StageDigests {
 
     fn row(&mut self, planes: [&[u8]; 3]) {
         self.add(Stage::Rows, |hash| planes.iter().for_each(|plane| hash.write(plane)));
+    }
+
+    fn bar_evidence(&mut self, _: usize, evidence: &BarEvidence) {
+        self.add(Stage::Matching, |hash| evidence.hash(hash));
+    }
+
+    fn bar(&mut self, _: usize, bar: &Bar, _: [i16; 4]) {
+        self.add(Stage::Report, |hash| bar.hash(hash));
     }
 
     fn support_point(&mut self, _: usize, evidence: &SupportEvidence) {

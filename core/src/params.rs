@@ -1,7 +1,8 @@
 //! Parameters of the method, checked once.
 //!
-//! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or the name and range of the invalid number.
-//! A run then fails only on images of another size or too little memory.
+//! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or
+//! the name and range of the invalid number. A run then fails only on images of another size or too
+//! little memory.
 
 use crate::curve::MAX_DISPARITIES;
 use crate::image::Dims;
@@ -36,15 +37,16 @@ pub enum Parts {
     Support,
 }
 
-/// Parameters of the method. The defaults are one set for every scene; only the disparity range and the rig belong to a camera pair.
+/// Parameters of the method. The defaults are one set for every scene; only the disparity range and
+/// the rig belong to a camera pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Params {
-    /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity is, which the
-    /// rig's offset corrects.
+    /// First disparity searched, px; -32 ..= 0. Negative only for pairs whose disparity at infinity
+    /// is, which the rig's offset corrects.
     pub min_disparity: i16,
-    /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, smaller than the width. The nearest depth is
-    /// `f*B/max_disparity`.
+    /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, smaller than
+    /// the width. The nearest depth is `f*B/max_disparity`.
     pub max_disparity: u16,
     /// The rectified rig; without one there are no depths.
     pub rig: Option<Rig>,
@@ -52,9 +54,11 @@ pub struct Params {
     pub anchor_gradient: u16,
     /// Least grey step times four along an edge; 4 ..= `anchor_gradient`.
     pub edge_gradient: u16,
-    /// Least extent of a segment in px; 6 ..= 32. Edges have a position every second pixel: odd extents count as the next even one.
+    /// Least extent of a segment in px; 6 ..= 32. Edges have a position every second pixel: odd
+    /// extents count as the next even one.
     pub min_extent: u16,
-    /// Side of the squares in each of which the most prominent segment is matched, px; 8 ..= 256. Cost is inverse to its square.
+    /// Side of the squares in each of which the most prominent segment is matched, px; 8 ..= 256.
+    /// Cost is inverse to its square.
     pub cell: u16,
     /// Largest difference between window and census.
     pub margin: Margin,
@@ -106,7 +110,9 @@ impl Params {
         let percent = (u32::from(self.min_confidence.to_bits()) * 100) >> 16;
         in_range("min_confidence (percent)", percent, 10_i32, 99_i32)?;
         match self.margin {
-            Margin::Pixels(margin) => in_range("margin (1/64 px)", margin.to_bits(), 16_i32, 1024_i32),
+            Margin::Pixels(margin) => {
+                in_range("margin (1/64 px)", margin.to_bits(), 16_i32, 1024_i32)
+            }
             Margin::Metres { .. } if self.rig.is_none() => Err(ParamError::MarginNeedsRig),
             Margin::Metres { nearer, farther } => {
                 in_range("margin nearer (mm)", millimetres(nearer), 1_i32, 1_000_000_i32)?;
@@ -133,7 +139,11 @@ fn in_range(
     high: impl Into<i64>,
 ) -> Result<(), ParamError> {
     let (value, low, high) = (value.into(), low.into(), high.into());
-    if (low..=high).contains(&value) { Ok(()) } else { Err(ParamError::OutOfRange { name, value, low, high }) }
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(ParamError::OutOfRange { name, value, low, high })
+    }
 }
 
 /// A parameter that cannot be used.
@@ -141,7 +151,7 @@ fn in_range(
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ParamError {
     /// A number outside its range.
-    #[error("{name} is {value}, allowed are {low} to {high}")]
+    #[error("{name} is {value} but must be {low} to {high}")]
     OutOfRange {
         /// Name of the field of [`Params`].
         name: &'static str,

@@ -15,13 +15,21 @@ pub struct Plan {
     pub(crate) models: &'static Models,
     pub(crate) pixel_model: &'static Model<PIXEL_EVIDENCE>,
     pub(crate) support_models: &'static SupportModels,
+    pub(crate) has_bars: bool,
 }
 
 impl Params {
     /// Checks all parameters for images of this size.
     pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
         self.check(dims)?;
-        Ok(Plan { dims, params: self, models: &FITTED, pixel_model: &FITTED_PIXEL, support_models: &FITTED_SUPPORT })
+        Ok(Plan {
+            dims,
+            params: self,
+            models: &FITTED,
+            pixel_model: &FITTED_PIXEL,
+            support_models: &FITTED_SUPPORT,
+            has_bars: true,
+        })
     }
 }
 
@@ -48,5 +56,12 @@ impl Plan {
     #[must_use]
     pub fn with_support_models(self, support_models: &'static SupportModels) -> Self {
         Self { support_models, ..self }
+    }
+
+    /// The same plan without bars, for comparisons.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn without_bars(self) -> Self {
+        Self { has_bars: false, ..self }
     }
 }

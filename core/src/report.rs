@@ -2,15 +2,19 @@
 //!
 //! ```text
 //! rating:     probability of every side, with the evidence by neighbours
-//! uniqueness: of two sides that match the same position in the right image with different disparities the less probable one is rejected
-//! matches:    segments whose edge itself has one side's disparity with enough probability, most probable first
+//! uniqueness: of two sides that match the same position in the right image with different
+//!             disparities the less probable one is rejected
+//! matches:    segments whose edge itself has one side's disparity with enough probability, most
+//!             probable first
 //! points:     pixels beside sides, most probable side first, then support points; each pixel once
 //! ```
 //!
 //! # Cost
-//! A candidate: some 300 instructions, a sort of them (`2 n log2 n` comparisons), 20 for every two within the rows of a contradiction. Points: one test a pixel of each
-//! side, at most 2 * reach * 32 a candidate, and one a support point.
+//! A candidate: some 300 instructions, a sort of them (`2 n log2 n` comparisons), 20 for every two
+//! within the rows of a contradiction. Points: one test a pixel of each side, at most 2 * reach *
+//! 32 a candidate, and one a support point.
 
+use crate::bars::{self, Bar, Edge};
 use crate::confidence::{Model, Models};
 use crate::evidence::SegmentKind;
 use crate::image::Dims;
@@ -25,10 +29,12 @@ use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use heapless::vec::VecView;
 
-/// Difference between two sides' disparities, summed over both ends, above which they are two surfaces, 1/64 px.
+/// Difference between two sides' disparities, summed over both ends, above which they are two
+/// surfaces, 1/64 px.
 const TWO_SURFACES_Q6: i32 = 2 * 64;
 
-/// Least probability, Q16, of the less probable side of a segment that belongs to both: 0.98. Below it the other side's surface may end at the edge.
+/// Least probability, Q16, of the less probable side of a segment that belongs to both: 0.98. Below
+/// it the other side's surface may end at the edge.
 const BOTH_SIDES_Q16: u16 = 64_225;
 
 /// Entry of an order: a sort key and the index of a candidate.
@@ -38,7 +44,8 @@ pub(crate) struct Ranked {
     pub(crate) candidate: u16,
 }
 
-/// Rates and rejects candidates, lists matches, generates points. `order` has an entry per candidate, `marks` a bit per pixel.
+/// Rates and rejects candidates, lists matches, generates points. `order` has an entry per
+/// candidate, `marks` a bit per pixel.
 pub(crate) struct Report<'a> {
     pub(crate) params: &'a Params,
     pub(crate) models: &'a Models,
@@ -48,6 +55,7 @@ pub(crate) struct Report<'a> {
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) support: Support<'a>,
     pub(crate) marks: &'a mut [u32],
+    pub(crate) bars: &'a [Bar],
 }
 
 impl Report<'_> {
@@ -56,6 +64,7 @@ impl Report<'_> {
             rate(candidate, self.models);
         }
         self.apply_uniqueness();
+        self.give_edges_to_bars();
         self.list_matches(matches, counts);
     }
 
@@ -63,18 +72,25 @@ impl Report<'_> {
         self.params.min_confidence.to_bits()
     }
 
-    /// Uniqueness constraint: rejects sides that are not probable enough, and the less probable of two that contradict each other.
+    /// Uniqueness constraint: rejects sides that are not probable enough, and the less probable of
+    /// two that contradict each other.
     fn apply_uniqueness(&mut self) {
         let least = self.least();
-        for side in self.candidates.iter_mut().flat_map(|candidate| candidate.sides.iter_mut().flatten()) {
+        for side in
+            self.candidates.iter_mut().flat_map(|candidate| candidate.sides.iter_mut().flatten())
+        {
             side.rejected = side.probability_q16 < least;
         }
-        // Probabilities stay as they are while hypotheses are rejected, so the order of the pairs does not matter.
+        // Probabilities stay as they are while hypotheses are rejected, so the order of the pairs
+        // does not matter.
         let candidates = &mut *self.candidates;
         for_each_contradiction(self.neighbours, candidates.len(), |a, b| {
             let probability = |(i, side): (usize, usize)| {
                 let sides = candidates.get(i).map(|c: &Candidate| &c.sides);
-                sides.and_then(|sides| sides.get(side)).and_then(Option::as_ref).map_or(0, |side| side.probability_q16)
+                sides
+                    .and_then(|sides| sides.get(side))
+                    .and_then(Option::as_ref)
+                    .map_or(0, |side| side.probability_q16)
             };
             let (pa, pb) = (probability(a), probability(b));
             let (i, side) = if pa < pb { a } else { b };
@@ -87,6 +103,26 @@ impl Report<'_> {
                 }
             }
         });
+    }
+
+    /// Gives the segments along the edges of bars that their sides lie behind to the nearest of
+    /// these bars.
+    fn give_edges_to_bars(&mut self) {
+        for candidate in self.candidates.iter_mut() {
+            let segment = candidate.segment;
+            let (_, y0, _, y1) = segment.ends_q5();
+            let middle = (y0 + y1) >> 6;
+            let nearest = bars::in_front(self.bars)
+                .iter()
+                .filter_map(|bar| Some((bar, bar.edge_of(&segment)?)))
+                .max_by_key(|(bar, _)| bar.disparity_at_q6(middle));
+            let Some((bar, edge)) = nearest else { continue };
+            let mut sides = candidate.sides.iter().flatten();
+            if sides.all(|side| bar.hides(middle, side.sum_q6() / 2)) {
+                let ends_q6 = [y0, y1].map(|y| narrow(bar.disparity_at_q6(y >> 5)));
+                candidate.become_edge(bar, edge, ends_q6);
+            }
+        }
     }
 
     /// Most probable first.
@@ -102,7 +138,9 @@ impl Report<'_> {
             match candidate.edge_side() {
                 Some(side) if side.edge_rating() >= least => {
                     // One entry per candidate: it fits.
-                    let _ = self.order.push(Ranked { probability_q16: side.edge_probability_q16, candidate: i });
+                    let _ = self
+                        .order
+                        .push(Ranked { probability_q16: side.edge_probability_q16, candidate: i });
                 }
                 Some(_) => counts.reject(Rejection::EdgeUnclear),
                 None if candidate.violates_uniqueness => counts.reject(Rejection::NotUnique),
@@ -111,7 +149,9 @@ impl Report<'_> {
         }
         self.sort_order();
         for (rank, ranked) in (0..).zip(self.order.iter()) {
-            let Some(candidate) = self.candidates.get_mut(usize::from(ranked.candidate)) else { continue };
+            let Some(candidate) = self.candidates.get_mut(usize::from(ranked.candidate)) else {
+                continue;
+            };
             let Some(found) = to_match(candidate, self.params, self.models) else { continue };
             candidate.listed = Some(rank);
             let _ = matches.push(found); // its capacity is that of the candidates
@@ -119,19 +159,47 @@ impl Report<'_> {
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// Calls `put` with every point: those of segments, most probable sides first, then support points.
+    /// Calls `put` with every pixel of bars.
+    fn list_bars(&mut self, put: &mut impl FnMut(Point)) {
+        let least = self.least();
+        for bar in bars::in_front(self.bars) {
+            let [first, last] = bar.rows();
+            for y in first..=last {
+                let d_q6 = bar.disparity_at_q6(y.into());
+                for x in bar.columns(y) {
+                    // Support points there have the bar's disparity, and are listed as such.
+                    let is_support =
+                        self.support.at(x, y).is_some_and(|point| point.probability_q16 >= least);
+                    if !is_support
+                        && self.views.allow(x.into(), y.into(), d_q6)
+                        && take(self.marks, self.views.dims(), x, y)
+                    {
+                        let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
+                        put(Point { x, y, disparity, confidence, source: Source::Side });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Calls `put` with every point: those of bars, of segments, most probable sides first, then
+    /// support points.
     pub(crate) fn list_points(&mut self, put: &mut impl FnMut(Point)) {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
-                let _ = self.order.push(Ranked { probability_q16: side.probability_q16, candidate: i });
+                let _ =
+                    self.order.push(Ranked { probability_q16: side.probability_q16, candidate: i });
             }
         }
         self.sort_order();
         self.marks.fill(0);
         let (least, support) = (self.least(), self.support);
+        self.list_bars(put);
         for ranked in self.order.iter() {
-            let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else { continue };
+            let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else {
+                continue;
+            };
             let (model, _) = self.models.of(candidate.segment.near_horizontal);
             for (index, side) in candidate.sides.iter().enumerate() {
                 let Some(side) = side.as_ref().filter(|side| !side.rejected) else { continue };
@@ -140,7 +208,11 @@ impl Report<'_> {
                     let next_to_edge = distance == 1 && !candidate.is_one_surface();
                     let score = side.rated_q8(model)
                         + model.coefficient_q8(SegmentKind::Distance) * further
-                        + if next_to_edge { model.coefficient_q8(SegmentKind::NextToEdge) } else { 0 };
+                        + if next_to_edge {
+                            model.coefficient_q8(SegmentKind::NextToEdge)
+                        } else {
+                            0
+                        };
                     let probability = model.probability_q16(score);
                     if probability < least {
                         continue;
@@ -149,7 +221,9 @@ impl Report<'_> {
                     let confidence = Confidence::from_bits(probability);
                     let marks = &mut *self.marks;
                     candidate.for_each_pixel(index, distance, self.views, |x, y, d_q6| {
-                        let is_outranked = support.at(x, y).is_some_and(|point| point.probability_q16 > probability);
+                        let is_outranked = support
+                            .at(x, y)
+                            .is_some_and(|point| point.probability_q16 > probability);
                         if is_outranked || !take(marks, self.views.dims(), x, y) {
                             return;
                         }
@@ -196,7 +270,8 @@ impl Side {
         narrow(score + model.coefficient_q8(SegmentKind::Distance)).into()
     }
 
-    /// Probability that the edge itself has this side's disparity, Q16; 0 where the other side is nearer.
+    /// Probability that the edge itself has this side's disparity, Q16; 0 where the other side is
+    /// nearer.
     fn edge_rating(&self) -> u16 {
         if self.is_behind { 0 } else { self.edge_probability_q16 }
     }
@@ -234,7 +309,8 @@ fn to_match(candidate: &Candidate, params: &Params, models: &Models) -> Option<M
     Some(found)
 }
 
-/// Converts a match to the convention of [`Match`] and [`Owner`], near-horizontal for |dx| > 4 |dy|; the matcher's own limit is near |dx| = |dy|.
+/// Converts a match to the convention of [`Match`] and [`Owner`], near-horizontal for |dx| > 4
+/// |dy|; the matcher's own limit is near |dx| = |dy|.
 fn orient(found: &mut Match, drawn_along_columns: bool) {
     let [a, b] = found.ends;
     let dx = i32::from(b.x.to_bits()) - i32::from(a.x.to_bits());
@@ -264,6 +340,35 @@ impl Candidate {
         }
     }
 
+    /// Becomes the edge of a bar, whose side owns it. What the other side is stays; the pixels on
+    /// the bar are listed as the bar's.
+    fn become_edge(&mut self, bar: &Bar, edge: Edge, ends_q6: [i16; 2]) {
+        let middle_q6 = narrow((i32::from(ends_q6[0]) + i32::from(ends_q6[1])) >> 1);
+        (self.window_q6, self.census_q6) = (middle_q6, middle_q6);
+        self.feature_q6 = Some(middle_q6);
+        let right = self.segment.right_side();
+        let inner = if edge == Edge::Left { right } else { 1 - right };
+        let any = self.sides.iter().flatten().next().cloned();
+        for (index, side) in self.sides.iter_mut().enumerate() {
+            if index == inner {
+                let probability_q16 = bar.confidence().to_bits();
+                *side = any.clone().map(|any| Side {
+                    disparity_q6: ends_q6,
+                    score_q8: i16::MIN,
+                    edge_score_q8: narrow(bar.score_q8()),
+                    nearby_q8: [0; 4],
+                    probability_q16,
+                    edge_probability_q16: probability_q16,
+                    rejected: false,
+                    is_behind: false,
+                    ..any
+                });
+            } else if let Some(side) = side {
+                side.is_behind = true;
+            }
+        }
+    }
+
     /// The side whose disparity is the most probable one of the edge itself.
     fn edge_side(&self) -> Option<&Side> {
         self.best(Side::edge_rating)
@@ -284,7 +389,8 @@ impl Candidate {
         let [left, right] = self.sides.each_ref().map(|side| side.as_ref().filter(|s| !s.rejected));
         match (left, right) {
             (Some(l), Some(r)) => {
-                let better = |right: u16, left: u16| if right > left { Owner::Right } else { Owner::Left };
+                let better =
+                    |right: u16, left: u16| if right > left { Owner::Right } else { Owner::Left };
                 Some(if (l.sum_q6() - r.sum_q6()).abs() > TWO_SURFACES_Q6 {
                     better(r.edge_rating(), l.edge_rating())
                 } else if l.probability_q16.min(r.probability_q16) < BOTH_SIDES_Q16 {

@@ -13,12 +13,14 @@ pub struct ImagePosition {
     pub y: Position,
 }
 
-/// The side or sides of a segment whose surface the edge belongs to. On a near-horizontal segment (|dx| > 4 |dy|) `Left` is the side above.
+/// The side or sides of a segment whose surface the edge belongs to. On a near-horizontal segment
+/// (|dx| > 4 |dy|) `Left` is the side above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Owner {
-    /// Side of smaller x (above, on a near-horizontal segment): the other side is another surface, or unknown.
+    /// Side of smaller x (above, on a near-horizontal segment): the other side is another surface,
+    /// or unknown.
     Left,
     /// Side of larger x (below, on a near-horizontal segment).
     Right,
@@ -31,7 +33,8 @@ pub enum Owner {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Techniques {
-    /// Disparity by the edge in the right image with the same properties; `None` when there is none.
+    /// Disparity by the edge in the right image with the same properties; `None` when there is
+    /// none.
     pub feature: Option<Disparity>,
     /// Disparity by the window shaped by the segment.
     pub window: Disparity,
@@ -95,7 +98,7 @@ impl Point {
 pub enum Source {
     /// A segment, at this index of the list of matches.
     Segment(u16),
-    /// A side of a segment that is not in the list of matches.
+    /// A side of a segment that is not in the list of matches, or a bar.
     Side,
     /// A support point.
     Support,
@@ -115,7 +118,8 @@ enum SerializedSource {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rejection {
-    /// Another segment in the same cell has more extent and contrast, or there were too many to be searched over the whole range.
+    /// Another segment in the same cell has more extent and contrast, or there were too many to be
+    /// searched over the whole range.
     LessProminent,
     /// Too close to the left or right border to compare enough disparities.
     NearBorder,
@@ -133,7 +137,8 @@ pub enum Rejection {
     NotUnique,
     /// The probability is below [`Params::min_confidence`](crate::Params::min_confidence).
     LowConfidence,
-    /// A side's disparity is credible and its points are listed, but the edge itself may belong to the surface on the other side.
+    /// A side's disparity is credible and its points are listed, but the edge itself may belong to
+    /// the surface on the other side.
     EdgeUnclear,
 }
 
@@ -170,11 +175,13 @@ impl Rejection {
     }
 }
 
-/// Numbers of segments found, matched, rejected and dropped in one frame: `segments_left = matched + all rejections`.
+/// Numbers of segments found, matched, rejected and dropped in one frame:
+/// `segments_left = matched + all rejections`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
-    /// Segments detected in the left image (long ones count once per piece that is matched on its own).
+    /// Segments detected in the left image (long ones count once per piece that is matched on its
+    /// own).
     pub segments_left: u16,
     /// Near-horizontal segments detected in the right image, for the row offset.
     pub segments_right: u16,
@@ -182,13 +189,14 @@ pub struct Counts {
     pub segments_left_dropped: u16,
     /// Right segments beyond the detector's capacity.
     pub segments_right_dropped: u16,
-    /// Edges of both images that were not drawn, because the budget of work was spent: a dense grating has more than any scene. Counted are
-    /// the places where one would have started.
+    /// Edges of both images that were not drawn, because the budget of work was spent: a dense
+    /// grating has more than any scene. Counted are the places where one would have started.
     pub edges_cut: u16,
-    /// Left segments that were not compared with all others for the same reason: over the whole range, with right ones for the row offset, or with
-    /// their neighbours.
+    /// Left segments that were not compared with all others for the same reason: over the whole
+    /// range, with right ones for the row offset, or with their neighbours.
     pub comparisons_cut: u16,
-    /// Left segments that were searched over the whole disparity range, because support points nearby gave no narrower one.
+    /// Left segments that were searched over the whole disparity range, because support points
+    /// nearby gave no narrower one.
     pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
@@ -203,13 +211,20 @@ impl Counts {
         self.rejected.get(reason as usize).copied().unwrap_or(0)
     }
 
-    /// A list was full or a budget of work spent: what fits is in the result, not all that the images have.
+    /// A list was full or a budget of work spent: what fits is in the result, not all that the
+    /// images have.
     #[must_use]
     pub fn is_cut(&self) -> bool {
-        [self.segments_left_dropped, self.segments_right_dropped, self.edges_cut, self.comparisons_cut] != [0; 4]
+        [
+            self.segments_left_dropped,
+            self.segments_right_dropped,
+            self.edges_cut,
+            self.comparisons_cut,
+        ] != [0; 4]
     }
 
-    /// Work of the edges of both images, in units of some 50 instructions of a Cortex-M7: what [`Counts::edges_cut`] keeps bounded.
+    /// Work of the edges of both images, in units of some 50 instructions of a Cortex-M7: what
+    /// [`Counts::edges_cut`] keeps bounded.
     #[must_use]
     pub fn edge_units(&self) -> u32 {
         self.edge_units

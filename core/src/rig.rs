@@ -1,8 +1,8 @@
-//! The rectified rig: disparity to depth (Eqs. 5, 12), pixel and disparity to a position in space, and depth margin to disparity interval
-//! (Eq. 13).
+//! The rectified rig: disparity to depth (Eqs. 5, 12), pixel and disparity to a position in space,
+//! and depth margin to disparity interval (Eq. 13).
 //!
-//! In: focal length, baseline, offset and principal point, checked once at set-up (the only floating point here). Out: metres and disparity
-//! intervals, by 64-bit integer divisions.
+//! In: focal length, baseline, offset and principal point, checked once at set-up (the only
+//! floating point here). Out: metres and disparity intervals, by 64-bit integer divisions.
 //!
 //! # Bounds
 //! `f*B` is at most 10^6 px*m, in Q16 below 2^37; shifted by 6 for a quotient in Q16 below 2^43:
@@ -13,7 +13,8 @@ use crate::image::Dims;
 use crate::result::ImagePosition;
 use crate::units::{Depth, Disparity, INFINITE_DEPTH};
 
-/// Focal length, baseline, disparity offset and principal point of a rectified pair: `z = f*B / (d + offset)`.
+/// Focal length, baseline, disparity offset and principal point of a rectified pair:
+/// `z = f*B / (d + offset)`.
 ///
 /// ```
 /// use linestereo::{Depth, Disparity, INFINITE_DEPTH, Rig};
@@ -59,8 +60,9 @@ pub enum RigError {
 }
 
 impl Rig {
-    /// A rig from its focal length in px, baseline in m and the offset in px that is added to every disparity
-    /// (`x_centre_right - x_centre_left`; 0 for most rigs). The principal point is the centre of the image.
+    /// A rig from its focal length in px, baseline in m and the offset in px that is added to every
+    /// disparity (`x_centre_right - x_centre_left`; 0 for most rigs). The principal point is the
+    /// centre of the image.
     #[expect(clippy::float_arithmetic, reason = "set-up")]
     pub fn new(focal_px: f32, baseline_m: f32, offset_px: f32) -> Result<Self, RigError> {
         if !(1.0..=100_000.0).contains(&focal_px) {
@@ -81,7 +83,11 @@ impl Rig {
     }
 
     /// The same rig with the principal point of its left image, px.
-    #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; the range is checked")]
+    #[expect(
+        clippy::float_arithmetic,
+        clippy::cast_possible_truncation,
+        reason = "set-up; the range is checked"
+    )]
     pub fn with_principal_point(self, point: [f32; 2]) -> Result<Self, RigError> {
         if let Some(outside) = point.into_iter().find(|v| !(-2048.0..=2048.0).contains(v)) {
             return Err(RigError::PrincipalPoint(outside));
@@ -89,7 +95,8 @@ impl Rig {
         Ok(Self { principal_point_q16: Some(point.map(|v| nearest(v * 65536.0) as i32)), ..self })
     }
 
-    /// The same rig with its principal point in the centre of images of this size, unless it has one.
+    /// The same rig with its principal point in the centre of images of this size, unless it has
+    /// one.
     #[must_use]
     pub fn centred(self, dims: Dims) -> Self {
         let centre = [dims.width, dims.height].map(|side| (i32::from(side) - 1) << 15);
@@ -108,15 +115,18 @@ impl Rig {
         self.principal_point_q16
     }
 
-    /// Position in space of the point seen at `at` in the left image with this disparity: x right, y down, z forward of the left camera, m,
-    /// rounded to nearest. `None` where the depth is infinite or the principal point unknown: see [`Rig::centred`].
+    /// Position in space of the point seen at `at` in the left image with this disparity: x right,
+    /// y down, z forward of the left camera, m, rounded to nearest. `None` where the depth is
+    /// infinite or the principal point unknown: see [`Rig::centred`].
     #[must_use]
     pub fn xyz(&self, at: ImagePosition, disparity: Disparity) -> Option<[Depth; 3]> {
         let [cx, cy] = self.principal_point_q16?;
         let z = self.depth(disparity);
         let along = |position_q5: u16, centre_q16: i32| {
-            let product = ((i64::from(position_q5) << 11) - i64::from(centre_q16)).wrapping_mul(z.to_bits().into());
-            let metres_q16 = product.wrapping_add(self.focal_q16 >> 1).checked_div_euclid(self.focal_q16)?;
+            let product = ((i64::from(position_q5) << 11) - i64::from(centre_q16))
+                .wrapping_mul(z.to_bits().into());
+            let metres_q16 =
+                product.wrapping_add(self.focal_q16 >> 1).checked_div_euclid(self.focal_q16)?;
             i32::try_from(metres_q16).ok().map(Depth::from_bits)
         };
         (z != INFINITE_DEPTH).then_some([along(at.x.to_bits(), cx)?, along(at.y.to_bits(), cy)?, z])
@@ -134,19 +144,23 @@ impl Rig {
         self.offset_q6
     }
 
-    /// Depth of a disparity (Eqs. 5, 12), rounded to nearest, saturating at [`INFINITE_DEPTH`]; a disparity that is zero or less after
-    /// the offset is infinitely far.
+    /// Depth of a disparity (Eqs. 5, 12), rounded to nearest, saturating at [`INFINITE_DEPTH`]; a
+    /// disparity that is zero or less after the offset is infinitely far.
     #[must_use]
     pub fn depth(&self, disparity: Disparity) -> Depth {
         let d_q6 = i64::from(disparity.to_bits()).wrapping_add(self.offset_q6);
         if d_q6 <= 0 {
             return INFINITE_DEPTH;
         }
-        let z_q16 = (self.focal_baseline_q16 << 6).wrapping_add(d_q6 >> 1).checked_div(d_q6).unwrap_or(i64::MAX);
+        let z_q16 = (self.focal_baseline_q16 << 6)
+            .wrapping_add(d_q6 >> 1)
+            .checked_div(d_q6)
+            .unwrap_or(i64::MAX);
         i32::try_from(z_q16).map_or(INFINITE_DEPTH, Depth::from_bits)
     }
 
-    /// Standard deviation of depth in metres for one of disparity: `|dz/dd| * sigma = z^2 / (f*B) * sigma`.
+    /// Standard deviation of depth in metres for one of disparity: `|dz/dd| * sigma = z^2 / (f*B) *
+    /// sigma`.
     #[must_use]
     pub fn depth_sigma(&self, disparity: Disparity, sigma: Disparity) -> Depth {
         let d_q6 = i64::from(disparity.to_bits()).wrapping_add(self.offset_q6);
@@ -155,19 +169,30 @@ impl Rig {
             return INFINITE_DEPTH;
         }
         // z * sigma / (d + offset): the same quantity without squaring z.
-        let sigma_z =
-            i64::from(z.to_bits()).wrapping_mul(i64::from(sigma.to_bits())).checked_div(d_q6).unwrap_or(i64::MAX);
+        let sigma_z = i64::from(z.to_bits())
+            .wrapping_mul(i64::from(sigma.to_bits()))
+            .checked_div(d_q6)
+            .unwrap_or(i64::MAX);
         i32::try_from(sigma_z).map_or(INFINITE_DEPTH, Depth::from_bits)
     }
 
-    /// The disparity interval of a depth margin around the depth of `disparity` (Eq. 13): `nearer` metres in front and `farther` metres
-    /// behind, as `[f*B/(z+farther), f*B/(z-nearer)] - offset`. It is open upwards (`Disparity::MAX`) when `z <= nearer`, and
-    /// starts at `-offset` when z is infinite.
+    /// The disparity interval of a depth margin around the depth of `disparity` (Eq. 13): `nearer`
+    /// metres in front and `farther` metres behind, as `[f*B/(z+farther), f*B/(z-nearer)] -
+    /// offset`. It is open upwards (`Disparity::MAX`) when `z <= nearer`, and starts at `-offset`
+    /// when z is infinite.
     #[must_use]
-    pub fn disparity_interval(&self, disparity: Disparity, nearer: Depth, farther: Depth) -> (Disparity, Disparity) {
+    pub fn disparity_interval(
+        &self,
+        disparity: Disparity,
+        nearer: Depth,
+        farther: Depth,
+    ) -> (Disparity, Disparity) {
         let z = self.depth(disparity);
         let at = |z_q16: i64| {
-            let d_q6 = (self.focal_baseline_q16 << 6).wrapping_add(z_q16 >> 1).checked_div(z_q16).unwrap_or(i64::MAX);
+            let d_q6 = (self.focal_baseline_q16 << 6)
+                .wrapping_add(z_q16 >> 1)
+                .checked_div(z_q16)
+                .unwrap_or(i64::MAX);
             saturate(d_q6.saturating_sub(self.offset_q6))
         };
         let low = if z == INFINITE_DEPTH {
@@ -183,7 +208,11 @@ impl Rig {
 
 /// Rounded to nearest, halves away from zero.
 #[inline(never)] // 100 bytes at each of 19 places that run once a rig
-#[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; callers check the range")]
+#[expect(
+    clippy::float_arithmetic,
+    clippy::cast_possible_truncation,
+    reason = "set-up; callers check the range"
+)]
 pub(crate) fn nearest(v: f32) -> i64 {
     let whole = v as i64;
     let rest = v - whole as f32; // exact, unlike v + 0.5 above 2^23

@@ -3,6 +3,7 @@
 #[allow(unsafe_code, reason = "lists of a capacity that is known at run time only")]
 mod carve;
 
+use crate::bars::{Bar, MOST_BARS};
 use crate::image::Dims;
 use crate::lines::{self, Segment};
 use crate::matching::consistency::Neighbour;
@@ -56,13 +57,14 @@ pub const fn most_candidates(dims: Dims, cell: u16) -> usize {
     (dims.width as usize).div_ceil(cell as usize) * (dims.height as usize).div_ceil(cell as usize)
 }
 
-/// Type of the [`Scratch`] for images of at most this size and so many segments in each image, 1 ..= 4096; `cell` is the smallest
-/// [`Params::cell`](crate::Params::cell) in px, the default one without.
+/// Type of the [`Scratch`] for images of at most this size and so many segments in each image, 1
+/// ..= 4096; `cell` is the smallest [`Params::cell`](crate::Params::cell) in px, the default one
+/// without.
 ///
 /// ```
 /// type Memory = linestereo::scratch!(linestereo::Dims { width: 320, height: 240 }, 640);
 /// let mut scratch = Memory::new(); // or in a static
-/// assert!(Memory::BYTES < 110 * 1024 && size_of_val(&scratch.view()) < 200);
+/// assert!(Memory::BYTES < 110 * 1024 && size_of_val(&scratch.view()) <= 200);
 /// ```
 #[macro_export]
 macro_rules! scratch {
@@ -80,11 +82,13 @@ macro_rules! scratch {
     };
 }
 
-/// Working memory of a run, made by the caller, in a static or on the heap: [`scratch!`](crate::scratch!) names its type. Its content
-/// before a run does not influence a result.
+/// Working memory of a run, made by the caller, in a static or on the heap:
+/// [`scratch!`](crate::scratch!) names its type. Its content before a run does not influence a
+/// result.
 ///
-/// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS` bounds each list of segments as detected,
-/// `CANDIDATES` the left ones that are matched: [`most_candidates`] is always enough. `SUPPORT` is [`most_support_points`] of the largest.
+/// `ROW` is [`row_bytes`] of the widest image, `MARKS` is [`mark_words`] of the largest, `SEGMENTS`
+/// bounds each list of segments as detected, `CANDIDATES` the left ones that are matched:
+/// [`most_candidates`] is always enough. `SUPPORT` is [`most_support_points`] of the largest.
 #[derive(Debug)]
 pub struct Scratch<
     const ROW: usize,
@@ -104,6 +108,7 @@ pub struct Scratch<
     order: Vec<Ranked, CANDIDATES>,
     support: Vec<SupportPoint, SUPPORT>,
     matches: Vec<Match, CANDIDATES>,
+    bars: Vec<Bar, MOST_BARS>,
     work: Workspace,
 }
 
@@ -112,8 +117,13 @@ pub struct Scratch<
 #[repr(align(4))]
 struct Words<T>(T);
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize>
-    Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
+impl<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const SUPPORT: usize,
+> Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
 {
     /// Size, bytes.
     pub const BYTES: usize = size_of::<Self>();
@@ -121,7 +131,9 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
     /// Cleared memory.
     #[must_use]
     pub const fn new() -> Self {
-        const { assert!(SEGMENTS <= lines::MAX_SEGMENTS, "a scratch memory lists at most 4096 segments") };
+        const {
+            assert!(SEGMENTS <= lines::MAX_SEGMENTS, "a scratch memory lists at most 4096 segments")
+        };
         Self {
             marks: [0; MARKS],
             chain: [0; lines::MAX_POSITIONS],
@@ -134,6 +146,7 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             order: Vec::new(),
             support: Vec::new(),
             matches: Vec::new(),
+            bars: Vec::new(),
             work: Workspace::EMPTY,
         }
     }
@@ -152,13 +165,19 @@ impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDAT
             order: &mut self.order,
             support: &mut self.support,
             matches: &mut self.matches,
+            bars: &mut self.bars,
             work: &mut self.work,
         }
     }
 }
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize> Default
-    for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
+impl<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const SUPPORT: usize,
+> Default for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
 {
     fn default() -> Self {
         Self::new()
@@ -179,6 +198,7 @@ pub struct ScratchView<'a> {
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) support: &'a mut VecView<SupportPoint>,
     pub(crate) matches: &'a mut VecView<Match>,
+    pub(crate) bars: &'a mut VecView<Bar>,
     pub(crate) work: &'a mut Workspace,
 }
 
@@ -197,6 +217,7 @@ impl ScratchView<'_> {
             order: self.order,
             support: self.support,
             matches: self.matches,
+            bars: self.bars,
             work: self.work,
         }
     }
@@ -205,7 +226,8 @@ impl ScratchView<'_> {
     pub(crate) fn check(&self, dims: Dims) -> Result<(), RunError> {
         let needed = [row_bytes(dims.width), mark_words(dims), most_support_points(dims)];
         let row = self.rows.len() / (BAND_ROWS * PLANES);
-        let there = [("ROW", row), ("MARKS", self.marks.len()), ("SUPPORT", self.support.capacity())];
+        let there =
+            [("ROW", row), ("MARKS", self.marks.len()), ("SUPPORT", self.support.capacity())];
         match there.into_iter().zip(needed).find(|((_, given), needed)| given < needed) {
             Some(((name, given), needed)) => Err(RunError::ScratchTooSmall { name, needed, given }),
             None => Ok(()),
@@ -219,5 +241,6 @@ impl ScratchView<'_> {
         self.support.clear();
         self.candidates.clear();
         self.matches.clear();
+        self.bars.clear();
     }
 }

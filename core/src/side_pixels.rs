@@ -1,6 +1,7 @@
 //! Pixels beside a segment that have the disparity of one of its sides.
 //!
-//! In: a candidate, a side, a distance from the edge. Out: `(x, y, disparity)` for every row (column, when near-horizontal) of the segment.
+//! In: a candidate, a side, a distance from the edge. Out: `(x, y, disparity)` for every row
+//! (column, when near-horizontal) of the segment.
 //!
 //! # Cost
 //! Some 20 instructions a row (column) of the segment, at most 32.
@@ -54,8 +55,8 @@ impl<'a> ValidPixels<'a> {
 }
 
 impl Candidate {
-    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge itself) from the edge on `side` (0 = left or
-    /// above). Pixels that are not valid are left out.
+    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge
+    /// itself) from the edge on `side` (0 = left or above). Pixels that are not valid are left out.
     pub fn for_each_pixel(
         &self,
         side: usize,

@@ -1,6 +1,8 @@
-//! Heap sort: in place, no recursion, no panic path (the standard library's sorts carry one for inconsistent orders).
+//! Heap sort: in place, no recursion, no panic path (the standard library's sorts carry one for
+//! inconsistent orders).
 
-/// Sorts by `key`, smallest first; equal keys may change places, so keys should be distinct where order matters.
+/// Sorts by `key`, smallest first; equal keys may change places, so keys should be distinct where
+/// order matters.
 ///
 /// # Cost
 /// At most `2 n log2 n` comparisons for any input.
@@ -23,7 +25,8 @@ pub(crate) fn make_heap<T: Copy, K: Ord>(items: &mut [T], key: &impl Fn(&T) -> K
     }
 }
 
-/// Moves the item at `root` down until no child is larger. Larger children move up on its way, and it is written once: one copy a level.
+/// Moves the item at `root` down until no child is larger. Larger children move up on its way, and
+/// it is written once: one copy a level.
 pub(crate) fn sift_down<T: Copy, K: Ord>(heap: &mut [T], mut root: usize, key: &impl Fn(&T) -> K) {
     let Some(&item) = heap.get(root) else { return };
     let own = key(&item);

@@ -4,14 +4,17 @@ use fixed::types::{I10F6, I16F16, U0F16, U11F5};
 
 /// Disparity `x_left - x_right` in pixels: -512 ..= 511.98, step 1/64 px.
 pub type Disparity = I10F6;
-/// Depth along the optical axis in metres: up to 32767.99, step 1/65536 m. [`INFINITE_DEPTH`] marks zero disparity.
+/// Depth along the optical axis in metres: up to 32767.99, step 1/65536 m. [`INFINITE_DEPTH`] marks
+/// zero disparity.
 pub type Depth = I16F16;
-/// Sub-pixel image position in pixels: 0 ..= 2047.97, step 1/32 px. Integer positions are pixel centres.
+/// Sub-pixel image position in pixels: 0 ..= 2047.97, step 1/32 px. Integer positions are pixel
+/// centres.
 pub type Position = U11F5;
 /// Probability that a disparity is within 1 px of the truth: 0 ..= 0.99998, step 1/65536.
 pub type Confidence = U0F16;
 
-/// `numerator / denominator` rounded towards zero; 0 where it is undefined, which callers exclude: it replaces a panic path.
+/// `numerator / denominator` rounded towards zero; 0 where it is undefined, which callers exclude:
+/// it replaces a panic path.
 #[inline]
 pub(crate) fn quotient(numerator: i32, denominator: i32) -> i32 {
     numerator.checked_div(denominator).unwrap_or(0)

@@ -1,21 +1,23 @@
-//! Evidence -> probability that a disparity is within 1 px of the truth, and its standard deviation.
+//! Evidence -> probability that a disparity is within 1 px of the truth, and its standard
+//! deviation.
 //!
 //! ```text
 //! score       = bias + sum of coefficient * evidence                (log-odds, linear: one multiplication per entry)
 //! probability = table(score),  sigma = table(score)                 (linear between nodes half a unit apart)
 //! ```
-//! The tables replace the logistic function: their nodes are fitted on scores of held-out scenes, which calibrates scores that the logistic
-//! function would turn into too high probabilities.
+//! The tables replace the logistic function: their nodes are fitted on scores of held-out scenes,
+//! which calibrates scores that the logistic function would turn into too high probabilities.
 //!
 //! # Bounds
-//! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 30 products below 2^34 each, summed in `i64`.
+//! Coefficients Q12 below 2^19, evidence Q8 in 16 bits: 30 products below 2^34 each, summed in
+//! `i64`.
 //!
 //! # Cost
 //! 30 multiply-adds and one interpolation per hypothesis.
 //!
 //! # Source
-//! Logistic regression; calibration on held-out scores (Platt 1999), with a piecewise linear curve instead of a second sigmoid.
-//! The constants are written by `linestereo-lab fit-confidence`.
+//! Logistic regression; calibration on held-out scores (Platt 1999), with a piecewise linear curve
+//! instead of a second sigmoid. The constants are written by `linestereo-lab fit-confidence`.
 
 mod fitted;
 
@@ -39,8 +41,8 @@ pub struct Model<const N: usize = SEGMENT_EVIDENCE> {
     pub sigma_q6: [u16; NODES],
 }
 
-/// Models for near-vertical and near-horizontal segments: of the pixels beside a side, and of the edge itself, which may belong to the surface
-/// on the other side.
+/// Models for near-vertical and near-horizontal segments: of the pixels beside a side, and of the
+/// edge itself, which may belong to the surface on the other side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Models {
     /// A side of a near-vertical segment.
@@ -112,7 +114,8 @@ impl Model {
 #[inline(always)] // the lengths are constants
 fn products<const N: usize>(coefficients: &[i32; N], evidence: &[i16; N]) -> i64 {
     let mut sum = 0;
-    let mut add = |coefficient: i32, evidence: i16| sum += i64::from(coefficient) * i64::from(evidence);
+    let mut add =
+        |coefficient: i32, evidence: i16| sum += i64::from(coefficient) * i64::from(evidence);
     let ((c, c_rest), (e, e_rest)) = (coefficients.as_chunks(), evidence.as_chunks());
     // Four at a time: the compiler does not unroll where code is to be small.
     for (&[c0, c1, c2, c3], &[e0, e1, e2, e3]) in c.iter().zip(e) {

@@ -98,7 +98,8 @@ impl Sums {
                 }
                 sums.lowest += u32::from(lowest <= summary.lowest);
                 if 10 * u32::from(lowest) < 13 * u32::from(summary.lowest).max(1) {
-                    let part = crate::units::quotient(i32::from(lowest) << 6, i32::from(summary.mean));
+                    let part =
+                        crate::units::quotient(i32::from(lowest) << 6, i32::from(summary.mean));
                     sums.add(&Sample { x, y, d_q6, weight: (63 - part).clamp(0, 63) });
                 }
             }
@@ -123,7 +124,8 @@ impl Sums {
     /// The plane through the strips; `None` where they lie on a line.
     fn solve(&self) -> Option<GroundPlane> {
         // About the weighted means.
-        let about = |product: i64, a: i64, b: i64| Some(product - (a * b).checked_div(self.weight)?);
+        let about =
+            |product: i64, a: i64, b: i64| Some(product - (a * b).checked_div(self.weight)?);
         let xx = about(self.xx, self.x, self.x)? + SHRINK;
         let (xy, yy) = (about(self.xy, self.x, self.y)?, about(self.yy, self.y, self.y)?);
         let (xd, yd) = (about(self.xd, self.x, self.d)?, about(self.yd, self.y, self.d)?);
@@ -137,7 +139,8 @@ impl Sums {
         let across_q16 = ratio_q12(xd * yy - yd * xy, determinant)?;
         let mean_q16 = |sum: i64| (sum << 16).checked_div(self.weight);
         let d_q16 = mean_q16(self.d)? >> 6;
-        let origin = d_q16 - ((down_q16 * mean_q16(self.y)? + across_q16 * mean_q16(self.x)?) >> 16);
+        let origin =
+            d_q16 - ((down_q16 * mean_q16(self.y)? + across_q16 * mean_q16(self.x)?) >> 16);
         Some(GroundPlane {
             down_q16: i32::try_from(down_q16).ok()?,
             across_q16: i32::try_from(across_q16).ok()?,

@@ -59,7 +59,8 @@ pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
     sum_gains(strips, gains, image);
     let scored = |line: Line| (score(strips, gains, line), line);
     let of_band = |(_, at_bottom, horizon): Candidate| {
-        let around = [-2, 0, 2].into_iter().flat_map(|d| [-2, 0, 2].map(|h| (at_bottom + d, horizon + h)));
+        let around =
+            [-2, 0, 2].into_iter().flat_map(|d| [-2, 0, 2].map(|h| (at_bottom + d, horizon + h)));
         let level = around.filter_map(|(at_bottom, horizon)| {
             let down_q16 = slope_q16(strips, at_bottom, horizon)?;
             Some(scored(Line { down_q16, across_q16: 0, horizon }))
@@ -71,7 +72,8 @@ pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
         });
         first_best(core::iter::once(level).chain(rolled))
     };
-    first_best(search(strips, image).into_iter().flatten().filter_map(of_band)).map(|(_, line)| line)
+    first_best(search(strips, image).into_iter().flatten().filter_map(of_band))
+        .map(|(_, line)| line)
 }
 
 /// The first of those with the largest score.
@@ -117,7 +119,8 @@ fn widen(gains: &mut [u8]) -> u8 {
 fn sum_gains(strips: &Strips<'_>, all: &mut [u8], image: &mut [u8]) {
     all.fill(0);
     let most = strips.most.max(1);
-    let of_rows = all.chunks_exact_mut((strips.strips * most).max(1)).zip(image.chunks_exact_mut(most));
+    let of_rows =
+        all.chunks_exact_mut((strips.strips * most).max(1)).zip(image.chunks_exact_mut(most));
     for (row, (of_row, sums)) in of_rows.enumerate() {
         let mut total = [0_i16; MAX_DISPARITIES];
         for (index, own) in of_row.chunks_exact_mut(most).enumerate() {
@@ -147,7 +150,9 @@ fn search(strips: &Strips<'_>, image: &[u8]) -> [Option<Candidate>; BANDS] {
     for at_bottom in (8..(strips.most + BEYOND) as i32).step_by(PITCH) {
         for horizon in (-quotient(3 * height, 4)..quotient(7 * height, 10)).step_by(PITCH) {
             let Some(down_q16) = slope_q16(strips, at_bottom, horizon) else { continue };
-            let Some(band) = BANDS_Q16.iter().rposition(|&from_q16| from_q16 <= down_q16) else { continue };
+            let Some(band) = BANDS_Q16.iter().rposition(|&from_q16| from_q16 <= down_q16) else {
+                continue;
+            };
             let score = sum_along(strips, image, (down_q16, horizon));
             if let Some(best) = best.get_mut(band)
                 && best.is_none_or(|(most, ..)| score > most)
@@ -182,7 +187,9 @@ fn sum_along(strips: &Strips<'_>, image: &[u8], (down_q16, horizon): (i32, i32))
 fn score(strips: &Strips<'_>, gains: &[u8], line: Line) -> i32 {
     let most = strips.most.max(1);
     let mut score = 0;
-    for (y, gains) in strips.ys().step_by(SKIP).zip(gains.chunks_exact((strips.strips * most).max(1))) {
+    for (y, gains) in
+        strips.ys().step_by(SKIP).zip(gains.chunks_exact((strips.strips * most).max(1)))
+    {
         let mut d_q16 = line.at_q16(strips, y);
         for gains in gains.chunks_exact(most) {
             let d = (d_q16 >> 16) as usize;

@@ -23,13 +23,12 @@
 
 mod fit;
 mod lines;
+mod pose;
 mod strips;
 
 use crate::image::Gray;
+pub use pose::{CameraPose, PoseError};
 use strips::Strips;
-
-/// Widest image that is searched as it is, px.
-const WIDEST: u16 = 450;
 
 /// Disparity of the floor over the image, `b y + c x + a`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,7 +42,21 @@ pub struct GroundPlane {
     pub origin_q16: i32,
 }
 
+/// Steepest plane, px per row or column, Q16: a baseline of four times the height.
+const STEEPEST_Q16: i32 = 4 << 16;
+/// Largest disparity of a plane at the first pixel, px, Q16.
+const LARGEST_Q16: i32 = 1 << 29;
+
 impl GroundPlane {
+    /// True when its disparity in an image of any accepted size, Q16, fits 32 bits: two slopes of
+    /// 2^18 times 1280 px and an origin of 2^29.
+    pub(crate) const fn is_bounded(&self) -> bool {
+        let Self { down_q16, across_q16, origin_q16 } = *self;
+        down_q16.unsigned_abs() <= STEEPEST_Q16 as u32
+            && across_q16.unsigned_abs() <= STEEPEST_Q16 as u32
+            && origin_q16.unsigned_abs() <= LARGEST_Q16 as u32
+    }
+
     /// Disparity at a pixel, 1/64 px.
     #[must_use]
     pub const fn at_q6(&self, x: i32, y: i32) -> i32 {
@@ -73,7 +86,7 @@ impl GroundPlane {
     }
 
     /// The same plane in images of half the size.
-    const fn halved(self) -> Self {
+    pub(crate) const fn halved(self) -> Self {
         let half = (self.down_q16 + self.across_q16) / 2;
         Self { origin_q16: (self.origin_q16 + half) / 2, ..self }
     }
@@ -87,6 +100,9 @@ pub enum GroundSearch {
     /// Near the plane of the pair before ([`Summary::ground`](crate::Summary::ground)), then among
     /// all.
     Near(GroundPlane),
+    /// Near the plane where the camera's pose says that it is ([`GroundPlane::of_pose`]); where
+    /// none is seen there, that plane is taken.
+    Given(GroundPlane),
     /// Nowhere.
     Off,
 }
@@ -101,18 +117,29 @@ pub(crate) fn find(
     memory: &mut [u8],
 ) -> Option<GroundPlane> {
     let [left, _] = images;
-    let half = left.dims().width > WIDEST;
+    let half = left.dims().is_large();
     let most = if half { most / 2 } else { most };
     let near = match search {
-        GroundSearch::Near(plane) => Some(if half { plane.halved() } else { plane }),
+        GroundSearch::Near(plane) | GroundSearch::Given(plane) => Some(plane),
         GroundSearch::Everywhere => None,
         GroundSearch::Off => return None,
     };
-    let (strips, memory) = Strips::measure(images, row_offset, (half, most.into()), memory)?;
-    let plane = near
-        .and_then(|plane| fit::fit(&strips, plane))
-        .or_else(|| lines::best(&strips, memory).and_then(|line| fit::fit(&strips, line.plane(&strips))))?;
-    Some(if half { plane.doubled() } else { plane })
+    let near = near.filter(|plane| plane.is_bounded());
+    let given = near.filter(|_| matches!(search, GroundSearch::Given(_)));
+    let near = near.map(|plane| if half { plane.halved() } else { plane });
+    let seen = Strips::measure(images, row_offset, (half, most.into()), memory).and_then(
+        |(strips, memory)| {
+            let near = near.and_then(|plane| fit::fit(&strips, plane));
+            match given {
+                Some(_) => near,
+                None => near.or_else(|| {
+                    lines::best(&strips, memory)
+                        .and_then(|line| fit::fit(&strips, line.plane(&strips)))
+                }),
+            }
+        },
+    );
+    seen.map(|plane| if half { plane.doubled() } else { plane }).or(given)
 }
 
 #[cfg(test)]
@@ -136,7 +163,11 @@ mod tests {
         let disparity = |y: i32| (((y - 80).max(4) * down_q8 + 128) >> 8) as usize;
         let right = core::array::from_fn(|i| {
             let (x, y) = (i % 320, i / 320);
-            texture.get(i + disparity(y as i32)).copied().filter(|_| x + disparity(y as i32) < 320).unwrap_or(0)
+            texture
+                .get(i + disparity(y as i32))
+                .copied()
+                .filter(|_| x + disparity(y as i32) < 320)
+                .unwrap_or(0)
         });
         [texture, right]
     }
@@ -169,6 +200,28 @@ mod tests {
         let images = floor(102);
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
         assert_eq!(find(images, (0, 64), GroundSearch::Everywhere, &mut [0; 64]), None);
+    }
+
+    #[test]
+    fn the_camera_s_pose_is_taken_where_nothing_is_seen_if_it_fits_the_numbers() {
+        let flat = [[90; PIXELS]; 2];
+        let images = flat.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
+        let given = |plane| find(images, (0, 64), GroundSearch::Given(plane), &mut [0; 16_384]);
+        let plane = GroundPlane { down_q16: 20_000, across_q16: -300, origin_q16: -1_500_000 };
+        assert_eq!(given(plane), Some(plane));
+        for unbounded in [
+            GroundPlane { down_q16: STEEPEST_Q16 + 1, ..plane },
+            GroundPlane { across_q16: i32::MIN, ..plane },
+            GroundPlane { origin_q16: i32::MAX, ..plane },
+        ] {
+            assert_eq!(given(unbounded), None);
+        }
+        // Seen far from where the pose says: the pose is believed.
+        let images = floor(102);
+        let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
+        let far = GroundPlane { origin_q16: plane.origin_q16 + (40 << 16), ..plane };
+        let found = find(images, (0, 64), GroundSearch::Given(far), &mut [0; 16_384]);
+        assert_eq!(found, Some(far));
     }
 
     #[test]

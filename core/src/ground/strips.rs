@@ -12,8 +12,8 @@
 //! A cost is at most 64 * 126 / 32 = 252.
 
 use crate::curve::MAX_DISPARITIES;
-use crate::image::{Dims, Gray, MAX_WIDTH};
-use crate::kernel::{LANES, STRIP, Strip, sad_curve};
+use crate::image::{Dims, Gray, MAX_WIDTH, halve_rows};
+use crate::kernel::{LANES, STRIP, Strip, limited_steps, sad_curve};
 use crate::units::quotient;
 
 /// Width of a strip, px.
@@ -25,9 +25,7 @@ pub(super) const MOST_STRIPS: usize = MAX_WIDTH as usize / 2 / WIDTH;
 /// Distance of the pixels that a step compares from its own, px.
 const REACH: usize = 3;
 /// Largest step, grey levels.
-const MOST_STEP: i16 = 63;
-/// A step of 0, as steps are stored.
-const LEVEL: u8 = 64;
+const MOST_STEP: u8 = 63;
 /// Least number of disparities in view.
 const FEWEST: usize = 12;
 /// Least mean cost: 2 levels a pixel.
@@ -67,7 +65,8 @@ impl<'m> Strips<'m> {
     ) -> Option<(Self, &'m mut [u8])> {
         let [left, right] = images;
         let full = left.dims();
-        let dims = if half { Dims { width: full.width / 2, height: full.height / 2 } } else { full };
+        let dims =
+            if half { Dims { width: full.width / 2, height: full.height / 2 } } else { full };
         let width = usize::from(dims.width);
         let first = Self::first_row(dims);
         let rows = quotient(i32::from(dims.height) - first + STEP - 1, STEP).max(0) as usize;
@@ -82,14 +81,18 @@ impl<'m> Strips<'m> {
         let most = most.min(of_row.checked_div(2 * strips + 1)?).min(MAX_DISPARITIES);
         let (costs, rest) = memory.split_at_mut_checked(rows * strips * (HEAD + most))?;
         costs.fill(0);
-        for (y, costs) in (first..).step_by(STEP as usize).zip(costs.chunks_exact_mut(strips * (HEAD + most))) {
+        for (y, costs) in
+            (first..).step_by(STEP as usize).zip(costs.chunks_exact_mut(strips * (HEAD + most)))
+        {
             if !steps(left, (y, 0), half.then_some(&mut *levels), left_steps)
                 || !steps(right, (y, row_offset), half.then_some(&mut *levels), right_steps)
             {
                 continue;
             }
             for (start, strip) in (0..).step_by(WIDTH).zip(costs.chunks_exact_mut(HEAD + most)) {
-                let Some(([lowest, mean], costs)) = strip.split_first_chunk_mut::<HEAD>() else { break };
+                let Some(([lowest, mean], costs)) = strip.split_first_chunk_mut::<HEAD>() else {
+                    break;
+                };
                 if let Some(costs) = costs.get_mut(..most.min(start)) {
                     compare(left_steps, right_steps, start, costs);
                     let summary = summarize(costs);
@@ -119,8 +122,10 @@ impl<'m> Strips<'m> {
 
     /// A strip, with its costs at the disparities in view; `None` if it does not count.
     pub(super) fn strip(&self, row: usize, strip: usize) -> Option<(Summary, &[u8])> {
-        let (&[lowest, mean], costs) =
-            self.costs.get((row * self.strips + strip) * (HEAD + self.most)..)?.split_first_chunk::<HEAD>()?;
+        let (&[lowest, mean], costs) = self
+            .costs
+            .get((row * self.strips + strip) * (HEAD + self.most)..)?
+            .split_first_chunk::<HEAD>()?;
         let costs = costs.get(..self.most.min(strip * WIDTH))?;
         (mean > 0).then_some((Summary { lowest, mean }, costs))
     }
@@ -128,26 +133,25 @@ impl<'m> Strips<'m> {
 
 /// Sets the steps of a row of an image, or, with memory for its levels, of its half; false outside
 /// of it.
-fn steps(image: Gray<'_>, (y, offset): (i32, i32), levels: Option<&mut [u8]>, steps: &mut [u8]) -> bool {
+fn steps(
+    image: Gray<'_>,
+    (y, offset): (i32, i32),
+    levels: Option<&mut [u8]>,
+    steps: &mut [u8],
+) -> bool {
     let row = |y: i32| usize::try_from(y + offset).ok().and_then(|y| image.row(y));
     let Some(levels) = levels else { return row(y).is_some_and(|row| differences(row, steps)) };
     let [Some(upper), Some(lower)] = [2 * y, 2 * y + 1].map(row) else { return false };
-    let pairs = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
-    for (level, ([a, b], [c, d])) in levels.iter_mut().zip(pairs) {
-        *level = ((u16::from(*a) + u16::from(*b) + u16::from(*c) + u16::from(*d) + 2) >> 2) as u8;
-    }
+    halve_rows(upper, lower, levels);
     differences(levels, steps)
 }
 
 /// Sets the steps of a row of pixels.
 fn differences(row: &[u8], steps: &mut [u8]) -> bool {
-    steps.fill(LEVEL);
+    steps.fill(MOST_STEP); // a step of 0
     let inside = row.len().checked_sub(REACH).and_then(|end| steps.get_mut(REACH..end));
     let (Some(inside), Some(after)) = (inside, row.get(2 * REACH..)) else { return false };
-    for (step, (&before, &after)) in inside.iter_mut().zip(row.iter().zip(after)) {
-        let change = (i16::from(after) - i16::from(before)).clamp(-MOST_STEP, MOST_STEP);
-        *step = (change + i16::from(LEVEL)) as u8;
-    }
+    limited_steps(row, after, MOST_STEP, inside);
     true
 }
 

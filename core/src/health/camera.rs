@@ -1,7 +1,9 @@
-//! Statistics of one image of a pair on a coarse grid: level, saturation, detail, and a digest to detect repeated images.
+//! Statistics of one image of a pair on a coarse grid: level, saturation, detail, and a digest to
+//! detect repeated images.
 //!
 //! # Bounds
-//! At most [`COLUMNS`] x [`ROWS`] samples of 8 bits: every sum is below 2^19; times 1000, 2^21. Pixels of at most 32 rows: times 1000, 2^26.
+//! At most [`COLUMNS`] x [`ROWS`] samples of 8 bits: every sum is below 2^19; times 1000, 2^21.
+//! Pixels of at most 32 rows: times 1000, 2^26.
 //!
 //! # Cost
 //! Some 14 instructions a sample, 1536 samples an image; 4 for each four pixels of the rows.
@@ -32,7 +34,8 @@ pub struct CameraHealth {
     pub black_permille: u16,
     /// Samples at 253 ..= 255 per thousand.
     pub white_permille: u16,
-    /// Valid pixels ([`Gray::with_valid`]) per thousand: 1000 for images without a restriction. The other numbers refer to valid pixels.
+    /// Valid pixels ([`Gray::with_valid`]) per thousand: 1000 for images without a restriction. The
+    /// other numbers refer to valid pixels.
     pub view_permille: u16,
 }
 
@@ -42,7 +45,8 @@ pub(super) struct CameraCheck {
     pub(super) health: CameraHealth,
     /// True when the brightest and the darkest sample differ by no more than the limit.
     pub(super) is_flat: bool,
-    /// Digest of all valid pixels of the sampled rows: equal for different ones with a probability of 2^-32.
+    /// Digest of all valid pixels of the sampled rows: equal for different ones with a probability
+    /// of 2^-32.
     pub(super) digest: u32,
 }
 
@@ -80,7 +84,8 @@ impl Samples {
     }
 }
 
-/// Computes the statistics of an image; one whose samples differ by at most `flat` grey levels is flat.
+/// Computes the statistics of an image; one whose samples differ by at most `flat` grey levels is
+/// flat.
 pub(super) fn check(image: Gray<'_>, flat: u8) -> CameraCheck {
     let dims = image.dims();
     // At least 1: an iterator with steps of 0 panics.
@@ -107,11 +112,13 @@ pub(super) fn check(image: Gray<'_>, flat: u8) -> CameraCheck {
         white_permille: share(white, 1000) as u16,
         view_permille: quotient(valid as i32 * 1000, all as i32) as u16,
     };
-    // No step is larger than the difference of the extremes, which few images need to be searched for.
+    // No step is larger than the difference of the extremes, which few images need to be searched
+    // for.
     let may_be_flat = steps <= count * u32::from(flat);
     let is_flat = may_be_flat && {
         let levels = rows.flat_map(|row| row.iter().skip(across / 2).step_by(across));
-        let (low, high) = levels.fold((u8::MAX, 0), |(low, high), &level| (level.min(low), level.max(high)));
+        let (low, high) =
+            levels.fold((u8::MAX, 0), |(low, high), &level| (level.min(low), level.max(high)));
         high.saturating_sub(low) <= flat
     };
     CameraCheck { health, is_flat, digest: digest.value() }
@@ -122,7 +129,9 @@ fn with_row(digest: Fnv, row: &[u8]) -> Fnv {
     let (words, rest) = row.as_chunks();
     let (fours, words) = words.as_chunks();
     let mixed = |digest: Fnv, &word: &[u8; 4]| digest.mixed(u32::from_le_bytes(word));
-    let digest = fours.iter().fold(digest, |digest, [a, b, c, d]| [a, b, c, d].into_iter().fold(digest, mixed));
+    let digest = fours
+        .iter()
+        .fold(digest, |digest, [a, b, c, d]| [a, b, c, d].into_iter().fold(digest, mixed));
     let digest = words.iter().fold(digest, mixed);
     rest.iter().fold(digest, |digest, &level| digest.mixed(level.into()))
 }
@@ -154,12 +163,14 @@ mod tests {
         };
         assert_eq!(check(small(&pixels), 2).health, health);
         // Every other row and column alone, in the middle.
-        let spans =
-            core::array::from_fn::<_, 16, _>(
-                |y| if y % 2 == 0 { Span { start: 10, end: 20 } } else { Span::default() },
-            );
+        let spans = core::array::from_fn::<_, 16, _>(|y| {
+            if y % 2 == 0 { Span { start: 10, end: 20 } } else { Span::default() }
+        });
         let inner = check(small(&pixels).with_valid(&spans).unwrap(), 2).health;
-        assert_eq!(inner, CameraHealth { level: 70, view_permille: 250, ..CameraHealth::default() });
+        assert_eq!(
+            inner,
+            CameraHealth { level: 70, view_permille: 250, ..CameraHealth::default() }
+        );
     }
 
     #[test]
@@ -169,9 +180,14 @@ mod tests {
         let image = |sample: u8, other: u8| -> [u8; 320 * 240] {
             core::array::from_fn(|i| if is_sample(i) { sample } else { other })
         };
-        let of = |pixels: &[u8; 320 * 240]| check(Gray::new(pixels, Dims { width: 320, height: 240 }, 320).unwrap(), 2);
+        let of = |pixels: &[u8; 320 * 240]| {
+            check(Gray::new(pixels, Dims { width: 320, height: 240 }, 320).unwrap(), 2)
+        };
         let (plain, other) = (of(&image(90, 10)), of(&image(90, 11)));
-        assert_eq!(plain.health, CameraHealth { level: 90, view_permille: 1000, ..CameraHealth::default() });
+        assert_eq!(
+            plain.health,
+            CameraHealth { level: 90, view_permille: 1000, ..CameraHealth::default() }
+        );
         assert!(plain.is_flat && other.is_flat && plain.digest != other.digest);
         let mut with_a_light = image(90, 10);
         with_a_light[(4 + 8 * 5) * 320 + 3 + 7 * 10] = 120;
@@ -180,13 +196,17 @@ mod tests {
 
     #[test]
     fn an_image_is_flat_up_to_the_limit() {
-        let with = |high: u8| check(small(&core::array::from_fn(|i| if i == 77 { high } else { 50 })), 2).is_flat;
+        let with = |high: u8| {
+            check(small(&core::array::from_fn(|i| if i == 77 { high } else { 50 })), 2).is_flat
+        };
         assert_eq!([48, 47, 52, 53].map(with), [true, false, true, false]);
     }
 
     #[test]
     fn every_pixel_of_a_sampled_row_is_in_the_digest() {
-        let digest = |changed: usize| check(small(&core::array::from_fn(|i| u8::from(i == changed))), 2).digest;
+        let digest = |changed: usize| {
+            check(small(&core::array::from_fn(|i| u8::from(i == changed))), 2).digest
+        };
         let same = digest(usize::MAX);
         assert!((0..320).all(|changed| digest(changed) != same));
         // Bytes behind the last word as well, and in order.

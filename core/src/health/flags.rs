@@ -13,13 +13,17 @@ bitflags::bitflags! {
     /// ```
     #[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
     pub struct HealthFlags: u32 {
-        /// The left image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
+        /// The left image's mean level is outside
+        /// [`HealthLimits::level`](crate::HealthLimits::level).
         const LEFT_EXPOSURE = 1;
-        /// The right image's mean level is outside [`HealthLimits::level`](crate::HealthLimits::level).
+        /// The right image's mean level is outside
+        /// [`HealthLimits::level`](crate::HealthLimits::level).
         const RIGHT_EXPOSURE = 1 << 1;
-        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the left image are black or white.
+        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille)
+        /// of the left image are black or white.
         const LEFT_SATURATED = 1 << 2;
-        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille) of the right image are black or white.
+        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille)
+        /// of the right image are black or white.
         const RIGHT_SATURATED = 1 << 3;
         /// All of the left image is one grey level, without a sensor's noise.
         const LEFT_DEAD = 1 << 4;
@@ -29,8 +33,8 @@ bitflags::bitflags! {
         const LEFT_COVERED = 1 << 6;
         /// The right image is black, or has almost no detail compared with the left one.
         const RIGHT_COVERED = 1 << 7;
-        /// The left image repeats the one before: its sampled rows, evenly spread, at most 32 and at least half as many (all of an image of 32 rows or
-        /// fewer), are the same bit for bit.
+        /// The left image repeats the one before: its sampled rows, evenly spread, at most 32 and
+        /// at least half as many (all of an image of 32 rows or fewer), are the same bit for bit.
         const LEFT_FROZEN = 1 << 8;
         /// The right image repeats the one before, as for the left one.
         const RIGHT_FROZEN = 1 << 9;
@@ -42,11 +46,13 @@ bitflags::bitflags! {
         const EXPOSURES_DIFFER = 1 << 12;
         /// The images were captured too far apart in time: the pair is refused.
         const SKEW = 1 << 13;
-        /// Rows do not match: the rig is not the calibrated one any more. The matcher corrects it, up to [`HealthFlags::ROWS_FAR`].
+        /// Rows do not match: the rig has moved since its calibration. The matcher corrects it, up
+        /// to [`HealthFlags::ROWS_FAR`].
         const ROWS_OFF = 1 << 14;
         /// The difference of rows has changed against its long mean: the rig moves.
         const ROWS_DRIFT = 1 << 15;
-        /// The difference of rows varies over the image: a camera is turned about its axis, or the calibration is wrong.
+        /// The difference of rows varies over the image: a camera is turned about its axis, or the
+        /// calibration is wrong.
         const ROWS_UNEVEN = 1 << 16;
         /// Few of the left segments are matched.
         const FEW_MATCHES = 1 << 17;
@@ -54,16 +60,18 @@ bitflags::bitflags! {
         const BEYOND_INFINITY = 1 << 18;
         /// Something is nearer than the disparity range allows: it is matched wrongly.
         const RANGE_SMALL = 1 << 19;
-        /// Most of what is matched has no parallax: one camera is delivered twice, or a pattern covers both images, or all of the scene is far.
+        /// Most of what is matched has no parallax: one camera is delivered twice, or a pattern
+        /// covers both images, or all of the scene is far.
         const NO_PARALLAX = 1 << 20;
-        /// Both images show something at the same pixels: noise of columns, a fixed pattern, dirt on a common window, overlaid text.
+        /// Both images show something at the same pixels: noise of columns, a fixed pattern, dirt
+        /// on a common window, overlaid text.
         const SAME_PIXEL = 1 << 21;
         /// The lower part of one image is moved sideways.
         const TORN = 1 << 22;
         /// Rows are further apart than the matcher corrects.
         const ROWS_FAR = 1 << 23;
-        /// Flags with which matches may be wrong or outdated. The others (exposure, rows that are corrected, their drift, a smaller view) reduce the
-        /// number of matches, or warn.
+        /// Flags with which matches may be wrong or outdated. The others (exposure, rows that are
+        /// corrected, their drift, a smaller view) reduce the number of matches, or warn.
         const UNFIT = Self::LEFT_DEAD.bits()
             | Self::RIGHT_DEAD.bits()
             | Self::LEFT_COVERED.bits()
@@ -167,14 +175,27 @@ mod tests {
     #[test]
     fn warnings_leave_a_pair_fit() {
         use HealthFlags as Flags;
-        let warnings =
-            Flags::LEFT_EXPOSURE | Flags::EXPOSURES_DIFFER | Flags::ROWS_OFF | Flags::ROWS_DRIFT | Flags::RIGHT_VIEW;
+        let warnings = Flags::LEFT_EXPOSURE
+            | Flags::EXPOSURES_DIFFER
+            | Flags::ROWS_OFF
+            | Flags::ROWS_DRIFT
+            | Flags::RIGHT_VIEW;
         assert!(Flags::GOOD.is_fit() && warnings.is_fit());
-        assert!(![warnings | Flags::ROWS_FAR, Flags::SKEW, Flags::RIGHT_FROZEN].iter().any(|flags| flags.is_fit()));
+        assert!(
+            ![warnings | Flags::ROWS_FAR, Flags::SKEW, Flags::RIGHT_FROZEN]
+                .iter()
+                .any(|flags| flags.is_fit())
+        );
         assert!(
             warnings.contains(Flags::ROWS_OFF | Flags::ROWS_DRIFT)
                 && !warnings.contains(Flags::ROWS_OFF | Flags::ROWS_FAR)
         );
-        assert!(warnings.names().eq(["left_exposure", "right_view", "exposures_differ", "rows_off", "rows_drift"]));
+        assert!(warnings.names().eq([
+            "left_exposure",
+            "right_view",
+            "exposures_differ",
+            "rows_off",
+            "rows_drift"
+        ]));
     }
 }

@@ -1,33 +1,42 @@
 //! Difference of rows between the two images, measured at matches.
 //!
-//! In: the pair and its matches. Out: the vertical difference right - left, its spread, and the number of matches measured.
+//! In: the pair and its matches. Out: the vertical difference right - left, its spread, and the
+//! number of matches measured.
 //!
 //! ```text
 //! for each credible match that runs along the columns (|dx| >= 2 |dy|), most credible first:
-//!     at 8 columns x: rows around the edge of the left image at x, of the right image at x - disparity(x); mean over the columns
-//!     gradients down the rows of both means; normalised correlation of the left one with the right one moved by -5 .. 5 px
-//!     one clear peak of at least 0.83; the right gradients there correlated with the left ones moved by -1 and 1 px as well, so that texture
+//!     at 8 columns x: rows around the edge of the left image at x, of the right image at x -
+//!                     disparity(x); mean over the columns
+//!     gradients down the rows of both means; normalised correlation of the left one with the
+//!         right one moved by -5 .. 5 px
+//!     one clear peak of at least 0.83; the right gradients there correlated with the left ones
+//!         moved by -1 and 1 px as well, so that texture
 //!     beside the edge gives no bias: equal images differ by 0 exactly
 //!     the vertex of the means of both correlations is a sample
 //! median of the samples; mean of those near it; spread = median distance from the median
 //! ```
-//! The disparity of an edge along the columns follows from the texture beside it and does not depend on its row, so the remaining difference is
-//! that of rows. Matching moves windows by whole rows only, which does not change the difference.
+//! The disparity of an edge along the columns follows from the texture beside it and does not
+//! depend on its row, so the remaining difference is that of rows. Matching moves windows by whole
+//! rows only, which does not change the difference.
 //!
-//! Horizontal stripes with a period below 10 px give several peaks and no sample; with larger periods the difference within 5 px is measured. A
-//! pair without edges along the columns gives no measurement.
+//! Horizontal stripes with a period below 10 px give several peaks and no sample; with larger
+//! periods the difference within 5 px is measured. A pair without edges along the columns gives no
+//! measurement.
 //!
 //! # Bounds
-//! Levels Q6: 16 320; gradients (with weights 1 2 -2 -1 over 3) the same; 7 of them squared: 1.9e9. Correlation by Cauchy and Schwarz.
-//! Disparity and position in 1/64 px below 2^17; slopes at most 0.5 and 1, Q12, times an extent of 24 px in 1/32 px: 2^22.
+//! Levels Q6: 16 320; gradients (with weights 1 2 -2 -1 over 3) the same; 7 of them squared: 1.9e9.
+//! Correlation by Cauchy and Schwarz. Disparity and position in 1/64 px below 2^17; slopes at most
+//! 0.5 and 1, Q12, times an extent of 24 px in 1/32 px: 2^22.
 //!
 //! # Cost
-//! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST_MEASURED`] matches. 48 samples at 12 columns each cost 0.5 M instructions a
-//! pair; the largest error against known offsets was 0.062 px then, and is 0.078 px now.
+//! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST_MEASURED`] matches. 48
+//! samples at 12 columns each cost 0.5 M instructions a pair; the largest error against known
+//! offsets was 0.062 px then, and is 0.078 px now.
 //!
 //! # Source
-//! Normalised correlation with a sub-pixel vertex is standard. A parabola's vertex is biased towards whole pixels (a shift of 0.3 px is measured
-//! as 0.275), a Gaussian's away from them (0.316), both on 14 captured pairs moved by a windowed sinc; the function used lies between.
+//! Normalised correlation with a sub-pixel vertex is standard. A parabola's vertex is biased
+//! towards whole pixels (a shift of 0.3 px is measured as 0.275), a Gaussian's away from them
+//! (0.316), both on 14 captured pairs moved by a windowed sinc; the function used lies between.
 
 use crate::image::Gray;
 use crate::result::Match;
@@ -37,7 +46,8 @@ use heapless::Vec;
 
 /// Most samples of a pair.
 const MOST: usize = 24;
-/// Most matches measured for them: captured pairs need up to 37, horizontal stripes have 157 that give none.
+/// Most matches measured for them: captured pairs need up to 37, horizontal stripes have 157 that
+/// give none.
 const MOST_MEASURED: usize = 48;
 /// Number of gradients compared on each side of the edge.
 const HALF: i32 = 3;
@@ -69,7 +79,8 @@ const MIN_ROOT: u32 = 887;
 const MIN_PEAK_Q12: i32 = 3400;
 /// Largest ratio of another peak to it, Q8.
 const MAX_SECOND_PEAK_Q8: i32 = 200;
-/// Largest distance from the median of samples that are averaged, 1/256 px, or three times the spread.
+/// Largest distance from the median of samples that are averaged, 1/256 px, or three times the
+/// spread.
 const NEAR_Q8: i16 = 32;
 
 /// Difference of rows of one pair.
@@ -77,7 +88,8 @@ const NEAR_Q8: i16 = 32;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rows {
-    /// Row in the right image minus row in the left image, 1/256 px: positive when the right image is too low.
+    /// Row in the right image minus row in the left image, 1/256 px: positive when the right image
+    /// is too low.
     pub offset_q8: i16,
     /// Median distance of a sample from the median, 1/256 px.
     pub spread_q8: u16,
@@ -132,8 +144,11 @@ struct Edge {
 
 impl Edge {
     fn of(found: &Match) -> Option<Self> {
-        let end = |point: crate::result::ImagePosition| (i32::from(point.x.to_bits()), i32::from(point.y.to_bits()));
-        let ([a, b], [d0, d1]) = (found.ends.map(end), found.disparity.map(|d| i32::from(d.to_bits())));
+        let end = |point: crate::result::ImagePosition| {
+            (i32::from(point.x.to_bits()), i32::from(point.y.to_bits()))
+        };
+        let ([a, b], [d0, d1]) =
+            (found.ends.map(end), found.disparity.map(|d| i32::from(d.to_bits())));
         let ((x0, y0), (x1, y1), d0, d1) = if a.0 <= b.0 { (a, b, d0, d1) } else { (b, a, d1, d0) };
         let (dx, dy) = (x1 - x0, y1 - y0);
         if dx < 2 * dy.abs() || dx < MIN_COLUMNS << 5 {
@@ -159,7 +174,8 @@ impl Edge {
     /// Vertical difference at this edge, 1/256 px.
     fn offset_q8(&self, left: Gray<'_>, right: Gray<'_>) -> Option<i16> {
         let (left, right) = self.profiles(left, right)?;
-        let (left, right): ([i32; LEFT_TAPS], [i32; RIGHT_TAPS]) = (gradients(&left), gradients(&right));
+        let (left, right): ([i32; LEFT_TAPS], [i32; RIGHT_TAPS]) =
+            (gradients(&left), gradients(&right));
         let centre = Window::at(&left, 1)?;
         if centre.root < MIN_ROOT {
             return None;
@@ -173,7 +189,8 @@ impl Edge {
         let found = Window::at(&right, usize::try_from(shift + REACH).ok()?)?;
         let back = |from: usize| Some(Window::at(&left, from)?.correlation_q12(&found));
         let (low, high) = ((low + back(2)?) >> 1, (high + back(0)?) >> 1);
-        // The mean with the reverse correlation may be higher beside the peak: then there is no vertex.
+        // The mean with the reverse correlation may be higher beside the peak: then there is no
+        // vertex.
         if peak <= low || peak <= high {
             return None;
         }
@@ -181,7 +198,11 @@ impl Edge {
     }
 
     /// Mean levels (Q6) of the rows around the edge, in both images.
-    fn profiles(&self, left: Gray<'_>, right: Gray<'_>) -> Option<([i32; LEFT_ROWS], [i32; RIGHT_ROWS])> {
+    fn profiles(
+        &self,
+        left: Gray<'_>,
+        right: Gray<'_>,
+    ) -> Option<([i32; LEFT_ROWS], [i32; RIGHT_ROWS])> {
         let height = i32::from(left.dims().height);
         let (mut sums, mut right_sums) = ([0; LEFT_ROWS], [0; RIGHT_ROWS]);
         let (mut x, last) = ((self.x0 + 31) >> 5, self.x1 >> 5);
@@ -193,9 +214,12 @@ impl Edge {
             // Pixels of a rectified image that are not valid have no content.
             let is_usable = |image: Gray<'_>, x: i32, reach: i32| {
                 image.valid().is_empty()
-                    || [y - reach, y + reach].into_iter().all(|y| image.valid_columns(y).contains(x))
+                    || [y - reach, y + reach]
+                        .into_iter()
+                        .all(|y| image.valid_columns(y).contains(x))
             };
-            let is_valid = is_usable(left, x, LEFT_FIRST) && is_usable(right, u_q6 >> 6, RIGHT_FIRST);
+            let is_valid =
+                is_usable(left, x, LEFT_FIRST) && is_usable(right, u_q6 >> 6, RIGHT_FIRST);
             if is_valid && y >= RIGHT_FIRST && y + RIGHT_FIRST < height && u_q6 >= 0 {
                 add_column(left, (x << 6, y - LEFT_FIRST), &mut sums)?;
                 add_column(right, (u_q6, y - RIGHT_FIRST), &mut right_sums)?;
@@ -211,7 +235,8 @@ impl Edge {
     }
 }
 
-/// Adds levels (Q6) at a column given in 1/64 px, from row `y` down; `None` beyond the right border.
+/// Adds levels (Q6) at a column given in 1/64 px, from row `y` down; `None` beyond the right
+/// border.
 #[inline(never)] // its variables are in registers
 fn add_column(image: Gray<'_>, (x_q6, y): (i32, i32), sums: &mut [i32]) -> Option<()> {
     let (pixels, stride) = image.as_slice();
@@ -323,7 +348,10 @@ pub(super) mod tests {
     pub(in crate::health) fn matched(ends_q5: [(u16, u16); 2], disparity_q6: [i16; 2]) -> Match {
         let disparity = disparity_q6.map(Disparity::from_bits);
         Match {
-            ends: ends_q5.map(|(x, y)| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) }),
+            ends: ends_q5.map(|(x, y)| ImagePosition {
+                x: Position::from_bits(x),
+                y: Position::from_bits(y),
+            }),
             disparity,
             sigma: Disparity::ZERO,
             confidence: Confidence::MAX,
@@ -345,12 +373,16 @@ pub(super) mod tests {
                 let (y, d_q6) = edge.at(x);
                 assert!((256 * y - rows_q8(x)).abs() <= 128 + 8, "column {x}: row {y}");
                 let exact_q6 = 512.0 + 4.0 * (f64::from(x) - 10.5);
-                assert!((f64::from(d_q6) - exact_q6).abs() < 0.6, "column {x}: {d_q6} for {exact_q6}");
+                assert!(
+                    (f64::from(d_q6) - exact_q6).abs() < 0.6,
+                    "column {x}: {d_q6} for {exact_q6}"
+                );
             }
         }
         // As steep as half a pixel a pixel, and five pixels long.
         let is_edge = |dx: u16, dy: i16| {
-            Edge::of(&matched([(320, 640), (320 + dx, 640_u16.wrapping_add_signed(dy))], [0; 2])).is_some()
+            Edge::of(&matched([(320, 640), (320 + dx, 640_u16.wrapping_add_signed(dy))], [0; 2]))
+                .is_some()
         };
         assert_eq!(
             [(320, 160), (320, -160), (320, 161), (320, -161)].map(|(dx, dy)| is_edge(dx, dy)),
@@ -379,14 +411,21 @@ pub(super) mod tests {
         assert_eq!(column(64 * 10 + 16, 21), Some([64 * 40 + 48, 64 * 41 + 48, 64 * 41 + 48]));
         // The last column has no neighbour; there is none behind it, and no row below the last one.
         assert_eq!(column(64 * 62 + 63, 0), Some([64 * 186 + 189, 64 * 186 + 189, 64 * 187 + 189]));
-        assert_eq!([64 * 63, 64 * 63 + 40].map(|x_q6| column(x_q6, 0)), [Some([64 * 189, 64 * 189, 64 * 190]); 2]);
+        assert_eq!(
+            [64 * 63, 64 * 63 + 40].map(|x_q6| column(x_q6, 0)),
+            [Some([64 * 189, 64 * 189, 64 * 190]); 2]
+        );
         assert_eq!([column(64 * 64, 0), column(0, 94), column(-64, 0)], [None; 3]);
         assert!(column(0, 93).is_some());
     }
 
     #[test]
     fn gradients_weigh_four_levels() {
-        assert_eq!(gradients::<3>(&[6, 12, 18, 24, 30, 36, 42]), [16; 3], "8/3 of the step of a ramp");
+        assert_eq!(
+            gradients::<3>(&[6, 12, 18, 24, 30, 36, 42]),
+            [16; 3],
+            "8/3 of the step of a ramp"
+        );
         assert_eq!(gradients::<5>(&[0, 0, 0, 0, 3, 0, 0, 0, 0]), [1, 2, 0, -2, -1]);
     }
 
@@ -403,7 +442,8 @@ pub(super) mod tests {
             ([0, 192, -256, 0, 0, 0, 0], [0, -192, 256, 0, 0, 0, 0], [9, 256, 192, 0, 0, 0, 0]);
         let at = |gradients| Window::at(gradients, 0).unwrap();
         assert_eq!(at(&window).root, 320);
-        let [own, reverse, none] = [&window, &opposite, &other].map(|with| at(&window).correlation_q12(&at(with)));
+        let [own, reverse, none] =
+            [&window, &opposite, &other].map(|with| at(&window).correlation_q12(&at(with)));
         assert_eq!([own, reverse, none], [4096, -4096, 0]);
         assert!(Window::at(&window, 1).is_none(), "six are no window");
     }
@@ -425,11 +465,16 @@ pub(super) mod tests {
             [-5, -4, 4, 5].map(|shift| only_peak(&scores([(shift, 4000)])).is_some()),
             [false, true, true, false]
         );
-        assert_eq!(only_peak(&scores([(1, 4000), (2, 4000)])), Some((1, [100, 4000, 4000])), "the first of equals");
+        assert_eq!(
+            only_peak(&scores([(1, 4000), (2, 4000)])),
+            Some((1, [100, 4000, 4000])),
+            "the first of equals"
+        );
         for best in -4..=4_i32 {
             for second in (-5..=5_i32).filter(|second| second.abs_diff(best) >= 2) {
                 // 200/256 of the peak is the most.
-                let found = [3000, 3001].map(|score| only_peak(&scores([(best, 3840), (second, score)])).is_some());
+                let found = [3000, 3001]
+                    .map(|score| only_peak(&scores([(best, 3840), (second, score)])).is_some());
                 assert_eq!(found, [true, false], "{best} with {second}");
             }
         }
@@ -443,9 +488,15 @@ pub(super) mod tests {
     #[test]
     fn the_vertex_lies_towards_the_higher_neighbour() {
         assert_eq!(vertex_q8(3000, 4096, 3000), 0);
-        assert_eq!([(4096, 2000), (2000, 4096)].map(|(low, high)| vertex_q8(low, 4096, high)), [-128, 128]);
+        assert_eq!(
+            [(4096, 2000), (2000, 4096)].map(|(low, high)| vertex_q8(low, 4096, high)),
+            [-128, 128]
+        );
         // Falls of 1/4 and 1/2, with a third of their squares 13/48 and 7/12: 15/82 of a pixel.
-        assert_eq!([(3072, 2048), (2048, 3072)].map(|(low, high)| vertex_q8(low, 4096, high)), [-46, 46]);
+        assert_eq!(
+            [(3072, 2048), (2048, 3072)].map(|(low, high)| vertex_q8(low, 4096, high)),
+            [-46, 46]
+        );
     }
 
     /// Rows at which a drawn step begins, and the levels between them.
@@ -455,7 +506,8 @@ pub(super) mod tests {
         [60, 140, 40, 180, 90][STEPS.iter().filter(|&&step| y >= step).count()]
     }
 
-    /// Edges that fall by a row in four columns, so that a wrong column is a wrong row as well; the right image is moved down, from a row on.
+    /// Edges that fall by a row in four columns, so that a wrong column is a wrong row as well; the
+    /// right image is moved down, from a row on.
     pub(in crate::health) fn falling(moved: i32, from: i32) -> ([Pixels; 2], [Match; STEPS.len()]) {
         let left = painted(|x, y| steps(y - x / 4));
         let right = painted(|x, y| {
@@ -474,7 +526,10 @@ pub(super) mod tests {
         for moved in -4..=4 {
             let ([left, right], edges) = falling(moved, -100);
             let found = measure(view(&left), view(&right), &edges);
-            assert_eq!(found, Some(Rows { offset_q8: 256 * moved as i16, spread_q8: 0, samples: 4 }));
+            assert_eq!(
+                found,
+                Some(Rows { offset_q8: 256 * moved as i16, spread_q8: 0, samples: 4 })
+            );
         }
         let ([left, right], edges) = falling(0, 0);
         let upright = matched([(320, 320), (320, 1280)], [0; 2]);
@@ -484,31 +539,42 @@ pub(super) mod tests {
 
     #[test]
     fn a_weak_edge_is_no_sample() {
-        // Of a step of s levels the gradients are 64 s / 3 times 1, 3, 3, 1: their root is 95 s, and 887 is asked for.
+        // Of a step of s levels the gradients are 64 s / 3 times 1, 3, 3, 1: their root is 95 s,
+        // and 887 is asked for.
         let is_sample = |step: u8| {
             let pixels = painted(|_, y| if y < 35 { 100 } else { 100 + step });
-            measure(view(&pixels), view(&pixels), &[matched([(320, 35 * 32), (1600, 35 * 32)], [0; 2])]).is_some()
+            measure(
+                view(&pixels),
+                view(&pixels),
+                &[matched([(320, 35 * 32), (1600, 35 * 32)], [0; 2])],
+            )
+            .is_some()
         };
         assert_eq!([9, 10].map(is_sample), [false, true]);
     }
 
     #[test]
     fn pixels_that_are_not_valid_are_not_compared() {
-        let edge = |x0: u16, x1: u16, row: u16| matched([(32 * x0, 32 * row), (32 * x1, 32 * row)], [6 << 6; 2]);
+        let edge = |x0: u16, x1: u16, row: u16| {
+            matched([(32 * x0, 32 * row), (32 * x1, 32 * row)], [6 << 6; 2])
+        };
         let pixels = painted(|_, y| steps(y));
         let with = |spans: [&[Span; 96]; 2], edge: Match| {
             let [left, right] = spans.map(|spans| view(&pixels).with_valid(spans).unwrap());
             measure(left, right, &[edge]).is_some()
         };
         let whole = [Span { start: 0, end: 64 }; 96];
-        let above = |rows: usize| core::array::from_fn(|y| if y < rows { whole[y] } else { Span::default() });
+        let above = |rows: usize| {
+            core::array::from_fn(|y| if y < rows { whole[y] } else { Span::default() })
+        };
         let within = |start: u16, end: u16| [Span { start, end }; 96];
         let around = edge(10, 50, 35);
         assert!(with([&whole; 2], around));
         // The left profile takes six rows to either side, the right one ten.
         assert_eq!([41, 42].map(|rows| with([&above(rows), &whole], around)), [false, true]);
         assert_eq!([45, 46].map(|rows| with([&whole, &above(rows)], around)), [false, true]);
-        // Columns 10, 16 .. 46 of the left image are looked at, and those 6 px before them in the right one: five are enough.
+        // Columns 10, 16 .. 46 of the left image are looked at, and those 6 px before them in the
+        // right one: five are enough.
         assert_eq!([34, 35].map(|end| with([&within(0, end), &whole], around)), [false, true]);
         assert_eq!([28, 29].map(|end| with([&whole, &within(0, end)], around)), [false, true]);
         // Right of the right image's left border.

@@ -3,15 +3,19 @@
 //! In: the pair and its support points. Out: the row and the shift, if there is one.
 //!
 //! ```text
-//! rows of points one below the other, and one apart: histogram of the differences of disparity, bins of 1/2 px
-//!     a peak at 1.5 px or more that holds a third of the points: the rows may be torn between these two
+//! rows of points one below the other, and one apart: histogram of the differences of
+//!     disparity, bins of 1/2 px
+//!     a peak at 1.5 px or more that holds a third of the points: the rows may be torn between
+//!         these two
 //! images: at each row between them, sum of |row - row below| along the columns, as it is and with the row below moved by the shift
 //!     torn, where the moved row is below 11/16 of the other
 //! ```
-//! The edge of a table across the whole picture moves disparities as well, but its rows are not alike when moved.
+//! The edge of a table across the whole picture moves disparities as well, but its rows are not
+//! alike when moved.
 //!
 //! # Cost
-//! Some 65 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a peak, at most [`MOST`].
+//! Some 65 000 instructions of a QVGA pair, and 16 000 for every pair of rows of points with such a
+//! peak, at most [`MOST`].
 
 use crate::image::Gray;
 use crate::support::Support;
@@ -25,7 +29,8 @@ const BINS: usize = 2 * REACH as usize + 1;
 /// Least shift, half px.
 const MIN_SHIFT: i32 = 3;
 /// Bins that no window around a shift of [`MIN_SHIFT`] or more holds.
-const NEAR: core::ops::RangeInclusive<usize> = (REACH - MIN_SHIFT + 2) as usize..=(REACH + MIN_SHIFT - 2) as usize;
+const NEAR: core::ops::RangeInclusive<usize> =
+    (REACH - MIN_SHIFT + 2) as usize..=(REACH + MIN_SHIFT - 2) as usize;
 /// Least number of points in both rows.
 const MIN_POINTS: u32 = 8;
 /// Rows beyond the two rows of points that are looked at, px.
@@ -55,7 +60,9 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
         for (row, above, below) in support.row_pairs(apart) {
             let changes = above.iter().zip(below).filter_map(|(above, below)| {
                 let both = above.is_matched() && below.is_matched();
-                both.then(|| i32::from(below.disparity().to_bits()) - i32::from(above.disparity().to_bits()))
+                both.then(|| {
+                    i32::from(below.disparity().to_bits()) - i32::from(above.disparity().to_bits())
+                })
             });
             let Some(shift) = common_shift(changes) else { continue };
             looked += 1;
@@ -71,7 +78,8 @@ pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> 
     None
 }
 
-/// The change of disparity that a third of the points share, px; `None` if there is none, or it is small.
+/// The change of disparity that a third of the points share, px; `None` if there is none, or it is
+/// small.
 #[inline(never)] // its variables are in registers
 fn common_shift(changes_q6: impl Iterator<Item = i32>) -> Option<i32> {
     let mut bins = [0_u8; BINS];
@@ -86,7 +94,8 @@ fn common_shift(changes_q6: impl Iterator<Item = i32>) -> Option<i32> {
             filled |= 1 << (bin / 4);
         }
     });
-    // Most rows go on as the one above: a third of the points has to lie in a bin of a large shift or beside it.
+    // Most rows go on as the one above: a third of the points has to lie in a bin of a large shift
+    // or beside it.
     let near: u32 = bins.get(NEAR).into_iter().flatten().map(|&count| u32::from(count)).sum();
     if points < MIN_POINTS || 3 * (points - near) < points {
         return None;
@@ -95,9 +104,12 @@ fn common_shift(changes_q6: impl Iterator<Item = i32>) -> Option<i32> {
     let high = 4 * (32 - filled.leading_zeros()) as usize;
     let (mut peak, mut count, mut shift) = (0, 0, 0);
     let (mut before, mut own) = (0, 0);
-    for (&after, at) in bins.get(low..BINS.min(high + 1)).unwrap_or(&[]).iter().zip(low as i32 - 1 - REACH..) {
+    for (&after, at) in
+        bins.get(low..BINS.min(high + 1)).unwrap_or(&[]).iter().zip(low as i32 - 1 - REACH..)
+    {
         let after = u32::from(after);
-        // The middle counts twice: of three windows that hold the same points it is the one around them.
+        // The middle counts twice: of three windows that hold the same points it is the one around
+        // them.
         let weight = before + 2 * own + after;
         if weight > peak {
             (peak, count, shift) = (weight, before + own + after, at);
@@ -119,7 +131,8 @@ fn torn_row_of(image: Gray<'_>, (from, to): (i32, i32), shift: i32) -> Option<i3
     for y in from..to {
         let (as_it_is, length) = difference(image, y, 0, shift)?;
         // A tear stands out among the rows: most need no second sum.
-        let stands_out = as_it_is >= MIN_DIFFERENCE * length && 4 * as_it_is > 5 * before.min(1 << 24);
+        let stands_out =
+            as_it_is >= MIN_DIFFERENCE * length && 4 * as_it_is > 5 * before.min(1 << 24);
         before = as_it_is;
         if stands_out
             && let Some((moved, _)) = difference(image, y, shift, shift)
@@ -131,11 +144,12 @@ fn torn_row_of(image: Gray<'_>, (from, to): (i32, i32), shift: i32) -> Option<i3
     None
 }
 
-/// Sum of |row - row below|, the latter moved by `shift`, and the number of pixels: at least 64, at most every one, that are valid
-/// when moved by `most` as well.
+/// Sum of |row - row below|, the latter moved by `shift`, and the number of pixels: at least 64, at
+/// most every one, that are valid when moved by `most` as well.
 #[inline(never)] // its variables are in registers
 fn difference(image: Gray<'_>, y: i32, shift: i32, most: i32) -> Option<(u32, u32)> {
-    let (upper, lower) = usize::try_from(y).ok().and_then(|y| image.row(y).zip(image.row(y + 1)))?;
+    let (upper, lower) =
+        usize::try_from(y).ok().and_then(|y| image.row(y).zip(image.row(y + 1)))?;
     let (above, below) = (image.valid_columns(y), image.valid_columns(y + 1));
     let start = i32::from(above.start.max(below.start)) + most.abs();
     let end = i32::from(above.end.min(below.end)) - most.abs();
@@ -165,15 +179,25 @@ mod tests {
         assert_eq!(common_shift(differences(13, 250).chain(differences(12, 0))), Some(4));
         assert_eq!(common_shift(differences(7, -256)), None, "too few");
         assert_eq!(common_shift(differences(12, 64)), None, "a slope");
-        assert_eq!(common_shift(differences(12, -256).chain((0..25).map(|n| 60 * n))), None, "not a third of them");
+        assert_eq!(
+            common_shift(differences(12, -256).chain((0..25).map(|n| 60 * n))),
+            None,
+            "not a third of them"
+        );
     }
 
     #[test]
     fn a_shift_is_rounded_to_whole_pixels_and_counted_within_half_a_pixel() {
-        let spread =
-            |q6: i32| common_shift([-31, 0, 31].into_iter().cycle().map(|off| q6 + off).take(MIN_POINTS as usize));
+        let spread = |q6: i32| {
+            common_shift(
+                [-31, 0, 31].into_iter().cycle().map(|off| q6 + off).take(MIN_POINTS as usize),
+            )
+        };
         // From the bin of 1.5 px on: 2 px, away from zero.
-        assert_eq!([79, 80, 95, 128, 159, 192].map(spread), [None, Some(2), Some(2), Some(2), Some(3), Some(3)]);
+        assert_eq!(
+            [79, 80, 95, 128, 159, 192].map(spread),
+            [None, Some(2), Some(2), Some(2), Some(3), Some(3)]
+        );
         assert_eq!([-96, -128, -192].map(spread), [Some(-2), Some(-2), Some(-3)]);
         assert_eq!([1536, 1600].map(spread), [Some(24), None], "beyond the reach");
     }
@@ -215,7 +239,10 @@ mod tests {
         assert_eq!(row(&whole, &whole, (2, 20), 6), None);
         // Levels below 6 differ by 2 on average, and noise by less than one.
         let [faint, clear] = [6, 16].map(|levels| pillars(levels, |y| if y > 9 { 6 } else { 0 }));
-        assert_eq!([row(&faint, &whole, (2, 20), 6), row(&clear, &whole, (2, 20), 6)], [None, Some(9)]);
+        assert_eq!(
+            [row(&faint, &whole, (2, 20), 6), row(&clear, &whole, (2, 20), 6)],
+            [None, Some(9)]
+        );
         let slanted = pillars(64, |y| 6 * y);
         assert_eq!(row(&slanted, &slanted, (2, 20), 6), None, "each row is the one above, moved");
     }
@@ -230,7 +257,10 @@ mod tests {
         assert_eq!(difference(image, 4, 0, 0), Some((80 * 3, 80)));
         assert_eq!(difference(image, 4, 0, 9), Some((76 * 3, 76)), "9 px less at each end: 302 px");
         // Two columns are a level.
-        assert_eq!([-8, 8].map(|shift| difference(image, 4, shift, 8)), [Some((76, 76)), Some((76 * 7, 76))]);
+        assert_eq!(
+            [-8, 8].map(|shift| difference(image, 4, shift, 8)),
+            [Some((76, 76)), Some((76 * 7, 76))]
+        );
         assert_eq!([-1, 31].map(|y| difference(image, y, 0, 0)), [None; 2], "no row, none below");
         assert_eq!(difference(image, 4, 0, 161), None);
         // Of few pixels every one: 128 to 191 in twos, fewer one by one.
@@ -242,9 +272,14 @@ mod tests {
     }
 
     /// Looks with points of these disparities: rows of 40 of them at 4, 12, 20 and 28 px.
-    fn found([left, right]: [&Pixels; 2], disparity_q6: impl Fn(usize, usize) -> Option<i16>) -> Option<Tear> {
+    fn found(
+        [left, right]: [&Pixels; 2],
+        disparity_q6: impl Fn(usize, usize) -> Option<i16>,
+    ) -> Option<Tear> {
         let points: [_; 40 * 4] = core::array::from_fn(|i| match disparity_q6(i / 40, i % 40) {
-            Some(disparity_q6) => SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() },
+            Some(disparity_q6) => {
+                SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() }
+            }
             None => SupportPoint::none(),
         });
         find([view(left), view(right)], Support::new(&Params::default(), DIMS, &points, 0))
@@ -253,7 +288,8 @@ mod tests {
     #[test]
     fn four_rows_beyond_those_of_points_are_looked_at() {
         let rows = [None, Some(640), Some(1024), Some(1024)];
-        let is_found = |below| found([&torn(below, 6), &torn(below, 0)], |row, _| rows[row]).is_some();
+        let is_found =
+            |below| found([&torn(below, 6), &torn(below, 0)], |row, _| rows[row]).is_some();
         // The first of them has none before it to stand out from.
         assert_eq!([8, 9, 15, 23].map(is_found), [false, true, true, true]);
     }

@@ -1,7 +1,8 @@
 //! The inner loops, as free functions over slices.
 //!
-//! [`portable`] is the definition, written so that a compiler can vectorise it. A version for a particular core equals it bit for bit for every
-//! input, and exists only where it is measurably faster. The version follows from the target:
+//! [`portable`] is the definition, written so that a compiler can vectorise it. A version for a
+//! particular core equals it bit for bit for every input, and exists only where it is measurably
+//! faster. The version follows from the target:
 //!
 //! ```text
 //! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
@@ -11,7 +12,8 @@
 //! any other, such as RISC-V               portable
 //! ```
 //!
-//! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards and on a PC.
+//! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards
+//! and on a PC.
 
 pub mod portable;
 
@@ -37,21 +39,24 @@ mod simd128;
 mod sse2;
 
 pub use portable::{
-    CELL, CODE_FLAT, CODE_ROWS, CodeColumn, Crossing, Crossings, FLAT, GRADIENTS, JUMP_PENALTY, Knot, LAGS, LANES,
-    LargestStep, Products, RIGHT_GRADIENTS, Ring, Run, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    CELL, CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, FLAT, GRADIENTS,
+    JUMP_PENALTY, Knot, LAGS, LANES, LargestStep, Products, RIGHT_GRADIENTS, RUN_PIXELS, Ring, Run,
+    STEP_PENALTY, STRIP, Strip, X_ROUNDING, bilinear, columns,
 };
 
 #[cfg(dsp)]
 pub use dsp::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_costs, code_steps,
-    crossing, gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, path_step,
-    place_of_byte, reverse_row, sad_curve, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_costs,
+    code_moments, code_steps, crossing, gradient_row, hamming_curve, largest_step, limited_steps,
+    lower_curve, lower_sum_curve, lowest, lowest_byte, path_step, place_of_byte, reverse_row,
+    row_difference, sad_curve, second_differences, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(dsp))]
 pub use portable::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_steps, crossing,
-    gradient_row, hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte,
-    reverse_row, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns,
+    code_moments, code_steps, crossing, gradient_row, hamming_curve, largest_step, limited_steps,
+    lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte, reverse_row, row_difference,
+    second_differences, sum_curve, sum_paths, weigh_knots,
 };
 #[cfg(not(any(dsp, target_arch = "x86_64", target_feature = "simd128")))]
 pub use portable::{code_costs, path_step, sad_curve};

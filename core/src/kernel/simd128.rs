@@ -3,13 +3,15 @@
 //! In and out as the [`portable`](super::portable) versions, the same bits.
 //!
 //! # Cost
-//! A captured QVGA pair in Node 20, median of ten, an x86-64 PC: 2.0 ms against 2.7 ms of the portable versions as vectorised for the same target.
+//! A captured QVGA pair in Node 20, median of ten, an x86-64 PC: 2.0 ms against 2.7 ms of the
+//! portable versions as vectorised for the same target.
 
 use super::portable::{CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip};
 use core::arch::wasm32::{
-    i8x16_shuffle, i8x16_splat, i16x8_narrow_i32x4, u8x16_add, u8x16_max, u8x16_min, u8x16_narrow_i16x8, u8x16_splat,
-    u8x16_sub, u8x16_sub_sat, u16x8_add, u16x8_extadd_pairwise_u8x16, u16x8_splat, u32x4_extadd_pairwise_u16x8,
-    u32x4_shr, u32x4_splat, v128, v128_load, v128_store,
+    i8x16_shuffle, i8x16_splat, i16x8_narrow_i32x4, u8x16_add, u8x16_max, u8x16_min,
+    u8x16_narrow_i16x8, u8x16_splat, u8x16_sub, u8x16_sub_sat, u16x8_add,
+    u16x8_extadd_pairwise_u8x16, u16x8_splat, u32x4_extadd_pairwise_u16x8, u32x4_shr, u32x4_splat,
+    v128, v128_load, v128_store,
 };
 
 /// Columns of codes in a vector.
@@ -22,15 +24,22 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
         let mut sums = [u16x8_splat(0); 2];
         for strip in strips.iter().filter(|strip| strip.other.len() >= needed) {
             const REACH: usize = LANES + STRIP - 1;
-            let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<REACH>()) else { continue };
+            let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<REACH>())
+            else {
+                continue;
+            };
             let apart = |(other, &reference): (&[u8], &u8)| {
                 let (other, reference) = (load(other), u8x16_splat(reference));
                 u8x16_sub(u8x16_max(other, reference), u8x16_min(other, reference))
             };
             let mut differences = others.windows(LANES).zip(&strip.reference).map(apart);
             while let (Some(a), Some(b)) = (differences.next(), differences.next()) {
-                let low = i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b);
-                let high = i8x16_shuffle::<8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31>(a, b);
+                let low =
+                    i8x16_shuffle::<0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23>(a, b);
+                let high =
+                    i8x16_shuffle::<8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31>(
+                        a, b,
+                    );
                 sums = [
                     u16x8_add(sums[0], u16x8_extadd_pairwise_u8x16(low)),
                     u16x8_add(sums[1], u16x8_extadd_pairwise_u8x16(high)),
@@ -53,8 +62,9 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
     let costs = costs.get_mut(..count).unwrap_or_default();
     for (start, costs) in (0..).step_by(LANES).zip(costs.chunks_mut(LANES)) {
         let codes = columns.get(start..).unwrap_or_default();
-        let sums =
-            [0, 1, 2, 3].map(|quarter| four_sums(&reference, codes.get(quarter * COLUMNS..).unwrap_or_default()));
+        let sums = [0, 1, 2, 3].map(|quarter| {
+            four_sums(&reference, codes.get(quarter * COLUMNS..).unwrap_or_default())
+        });
         let halves = i16x8_narrow_i32x4(sums[0], sums[1]);
         let bytes = u8x16_narrow_i16x8(halves, i16x8_narrow_i32x4(sums[2], sums[3]));
         store(u8x16_add(bytes, u8x16_splat(JUMP_PENALTY)), costs);
@@ -84,7 +94,8 @@ fn four_sums(reference: &[v128; STRIP], columns: &[CodeColumn]) -> v128 {
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     let length = path.len().min(costs.len());
     let Some(path) = path.get_mut(..length) else { return u8::MAX };
-    let (step, reach) = (u8x16_splat(STEP_PENALTY), u8x16_splat(lowest.saturating_add(JUMP_PENALTY)));
+    let (step, reach) =
+        (u8x16_splat(STEP_PENALTY), u8x16_splat(lowest.saturating_add(JUMP_PENALTY)));
     let mut lows = u8x16_splat(u8::MAX);
     // The last entry of the previous block, before its update.
     let mut before = u8::MAX;
@@ -105,7 +116,10 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
         before = block.last().copied().unwrap_or(u8::MAX);
         let near = u8x16_sub_sat(u8x16_sub_sat(reach, u8x16_min(left, right)), step);
         let new = u8x16_sub(load(costs), u8x16_max(near, u8x16_sub_sat(reach, same)));
-        lows = u8x16_min(lows, if here == LANES { new } else { load(bytes(new).get(..here).unwrap_or(&[])) });
+        lows = u8x16_min(
+            lows,
+            if here == LANES { new } else { load(bytes(new).get(..here).unwrap_or(&[])) },
+        );
         store(new, block);
     }
     bytes(lows).into_iter().fold(u8::MAX, u8::min)

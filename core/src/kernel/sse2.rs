@@ -3,20 +3,24 @@
 //! In and out as the [`portable`](super::portable) versions, the same bits.
 //!
 //! # Cost
-//! 12 strips over 64 disparities: 0.19 us against 0.41 us of the portable version as vectorised for x86-64.
+//! 12 strips over 64 disparities: 0.19 us against 0.41 us of the portable version as vectorised for
+//! x86-64.
 
 use super::portable::{CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip};
 use core::arch::x86_64::{
-    __m128i, _mm_add_epi16, _mm_cvtsi128_si32, _mm_max_epu8, _mm_min_epu8, _mm_or_si128, _mm_sad_epu8, _mm_set_epi64x,
-    _mm_set1_epi8, _mm_setzero_si128, _mm_slli_si128, _mm_srli_si128, _mm_storeu_si128, _mm_sub_epi8, _mm_subs_epu8,
+    __m128i, _mm_add_epi16, _mm_cvtsi128_si32, _mm_max_epu8, _mm_min_epu8, _mm_or_si128,
+    _mm_sad_epu8, _mm_set_epi64x, _mm_set1_epi8, _mm_setzero_si128, _mm_slli_si128, _mm_srli_si128,
+    _mm_storeu_si128, _mm_sub_epi8, _mm_subs_epu8,
 };
 
 /// Number of disparities whose sums are held in registers.
 const BLOCK: usize = 8;
 
-/// Adds the sum of absolute differences of all strips to each entry of `curve`: see [`portable::sad_curve`](super::portable::sad_curve).
+/// Adds the sum of absolute differences of all strips to each entry of `curve`: see
+/// [`portable::sad_curve`](super::portable::sad_curve).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
-    // SAFETY: SSE2 is part of every x86-64 target; a third of a frame's matching time is spent here, and this halves it.
+    // SAFETY: SSE2 is part of every x86-64 target; a third of a frame's matching time is spent
+    // here, and this halves it.
     unsafe { sad_curve_sse2(strips, curve) }
 }
 
@@ -46,18 +50,25 @@ fn sad_curve_sse2(strips: &[Strip<'_>], curve: &mut [u16]) {
 /// Adds two strips, one in each half of a register, to the sums of eight disparities.
 #[inline]
 #[target_feature(enable = "sse2")]
-fn add_pair(pair: [Option<&Strip<'_>>; 2], start: usize, needed: usize, sums: &mut [__m128i; BLOCK]) {
+fn add_pair(
+    pair: [Option<&Strip<'_>>; 2],
+    start: usize,
+    needed: usize,
+    sums: &mut [__m128i; BLOCK],
+) {
     const REACH: usize = BLOCK + STRIP - 1;
     let [(others_a, reference_a), (others_b, reference_b)] = pair.map(|strip| {
         let strip = strip.filter(|strip| strip.other.len() >= needed);
-        let others = strip.and_then(|s| s.other.get(start..)).and_then(|o| o.first_chunk::<REACH>());
+        let others =
+            strip.and_then(|s| s.other.get(start..)).and_then(|o| o.first_chunk::<REACH>());
         // A strip that is missing or too short adds 0: zeros against zeros.
         others.zip(strip).map_or((&[0; REACH], 0), |(o, s)| (o, i64::from_le_bytes(s.reference)))
     });
     let reference = _mm_set_epi64x(reference_b, reference_a);
     let windows = others_a.windows(STRIP).zip(others_b.windows(STRIP));
     for ((window_a, window_b), sum) in windows.zip(sums.iter_mut()) {
-        let eight = |window: &[u8]| window.first_chunk::<STRIP>().map_or(0, |w| i64::from_le_bytes(*w));
+        let eight =
+            |window: &[u8]| window.first_chunk::<STRIP>().map_or(0, |w| i64::from_le_bytes(*w));
         let other = _mm_set_epi64x(eight(window_b), eight(window_a));
         *sum = _mm_add_epi16(*sum, _mm_sad_epu8(reference, other));
     }
@@ -65,7 +76,8 @@ fn add_pair(pair: [Option<&Strip<'_>>; 2], start: usize, needed: usize, sums: &m
 
 /// See [`portable::code_costs`](super::portable::code_costs).
 pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &mut [u8]) {
-    // SAFETY: SSE2 is part of every x86-64 target; half of the time of support points is spent here.
+    // SAFETY: SSE2 is part of every x86-64 target; half of the time of support points is spent
+    // here.
     unsafe { code_costs_sse2(window, columns, costs) }
 }
 
@@ -86,7 +98,8 @@ fn code_costs_sse2(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: 
 
 /// See [`portable::path_step`](super::portable::path_step).
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
-    // SAFETY: SSE2 is part of every x86-64 target; it takes a quarter of the portable version's time.
+    // SAFETY: SSE2 is part of every x86-64 target; it takes a quarter of the portable version's
+    // time.
     unsafe { path_step_sse2(costs, lowest, path) }
 }
 
@@ -106,11 +119,15 @@ fn path_step_sse2(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
         let Some(block) = rest.get_mut(..here) else { break };
         let same = load(block);
         let left = _mm_or_si128(_mm_slli_si128::<1>(same), _mm_set_epi64x(0, before.into()));
-        let right = _mm_or_si128(_mm_srli_si128::<1>(same), _mm_set_epi64x(i64::from(behind) << 56, 0));
+        let right =
+            _mm_or_si128(_mm_srli_si128::<1>(same), _mm_set_epi64x(i64::from(behind) << 56, 0));
         before = block.last().copied().unwrap_or(u8::MAX);
         let near = _mm_subs_epu8(_mm_subs_epu8(reach, _mm_min_epu8(left, right)), step);
         let new = _mm_sub_epi8(load(costs), _mm_max_epu8(near, _mm_subs_epu8(reach, same)));
-        lows = _mm_min_epu8(lows, if here == LANES { new } else { load(bytes(new).get(..here).unwrap_or(&[])) });
+        lows = _mm_min_epu8(
+            lows,
+            if here == LANES { new } else { load(bytes(new).get(..here).unwrap_or(&[])) },
+        );
         store(new, block);
     }
     bytes(lows).into_iter().fold(u8::MAX, u8::min)

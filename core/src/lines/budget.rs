@@ -1,21 +1,29 @@
-//! Work that the edges of an image may take, in units, so that no picture takes much longer than a scene.
+//! Work that the edges of an image may take, in units, so that no picture takes much longer than a
+//! scene.
 //!
-//! In: the size of the image or of the areas searched, what is done. Out: leave to draw another edge, and the number of those left out.
+//! In: the size of the image or of the areas searched, what is done. Out: leave to draw another
+//! edge, and the number of those left out.
 //!
 //! ```text
-//! a budget per image and direction; a unit is some 50 instructions of a Cortex-M7: a test of the ridge takes 3, a position kept 1
-//! what edges down the rows take beyond two thirds of their budget, those along the columns have less: no scene has as many of both
-//! a part of it from the start, for what lies within REACH of the pixels searched; the rest with the pixels, as they are searched, so that
+//! a budget per image and direction; a unit is some 50 instructions of a Cortex-M7: a test of
+//!     the ridge takes 3, a position kept 1
+//! what edges down the rows take beyond two thirds of their budget, those along the columns
+//!     have less: no scene has as many of both
+//! a part of it from the start, for what lies within REACH of the pixels searched; the rest
+//!     with the pixels, as they are searched, so that
 //!     neither the bottom nor the right is starved
-//! an edge is started while there is something left, and drawn as a whole: what it takes beyond is paid before the next one starts
+//! an edge is started while there is something left, and drawn as a whole: what it takes beyond
+//!     is paid before the next one starts
 //! ```
 //!
 //! # Bounds
-//! 1320 * 1320 px at 270 / 1024 units and [`FIXED`]: 4.8e8 in Q10. Areas are inside the image, at most sixteen: sums below 2.8e7. An edge takes at most 640 * 4 + 7 units: 2.7e6.
+//! 1320 * 1320 px at 270 / 1024 units and [`FIXED`]: 4.8e8 in Q10. Areas are inside the image, at
+//! most sixteen: sums below 2.8e7. An edge takes at most 640 * 4 + 7 units: 2.7e6.
 //!
 //! # Cost
-//! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each direction. At QVGA that is 16 k units down, 21 k along,
-//! 32 k of both, and, in the right image, 11 k: 2.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
+//! Some 20 instructions a stretch. All edges of an image: the budgets and an edge more in each
+//! direction. At QVGA that is 16 k units down, 21 k along, 32 k of both, and, in the right image,
+//! 11 k: 2.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
 
 use crate::area::Area;
 use crate::image::Dims;
@@ -27,7 +35,8 @@ const TEST: i32 = 3;
 const POSITION: i32 = 1;
 /// Units from the start whatever the size: in small images and areas edges are long for the pixels.
 const FIXED: i32 = 700;
-/// Distance from an area up to which pixels count, be they in the image or not: its edges are drawn beyond it, and followed to their start before.
+/// Distance from an area up to which pixels count, be they in the image or not: its edges are drawn
+/// beyond it, and followed to their start before.
 const REACH: i32 = 19;
 
 /// Units per pixel, Q10.
@@ -40,7 +49,8 @@ struct Rate {
 const DOWN: Rate = Rate { start_q10: 86, searched_q10: 124 };
 /// Edges along the columns. Captured pairs take up to 0.25.
 const ALONG: Rate = Rate { start_q10: 70, searched_q10: 200 };
-/// Edges along the columns where scans are further apart (`is_sparse`). Captured pairs take up to 0.12.
+/// Edges along the columns where scans are further apart (`is_sparse`). Captured pairs take up to
+/// 0.12.
 const ALONG_SPARSE: Rate = Rate { start_q10: 40, searched_q10: 104 };
 
 /// Work of the edges of one direction.
@@ -66,7 +76,12 @@ pub(super) struct Budget {
 
 impl Budget {
     /// The budget of an image, or of areas of it, whose stretches stand for so many pixels each.
-    pub(super) fn new(dims: Dims, areas: Option<&[Area]>, (down, is_sparse): (bool, bool), stretch: i32) -> Self {
+    pub(super) fn new(
+        dims: Dims,
+        areas: Option<&[Area]>,
+        (down, is_sparse): (bool, bool),
+        stretch: i32,
+    ) -> Self {
         let Rate { start_q10, searched_q10 } = match (down, is_sparse) {
             (true, _) => DOWN,
             (false, false) => ALONG,
@@ -77,7 +92,14 @@ impl Budget {
             length(area.left, area.right) * length(area.top, area.bottom)
         };
         let whole = Area::of(dims);
-        let sum = |by: i32| areas.unwrap_or(&[]).iter().map(|&area| grown(area, by)).sum::<i32>().min(grown(whole, by));
+        let sum = |by: i32| {
+            areas
+                .unwrap_or(&[])
+                .iter()
+                .map(|&area| grown(area, by))
+                .sum::<i32>()
+                .min(grown(whole, by))
+        };
         let (searched, reached) =
             if areas.is_some() { (sum(0), sum(REACH)) } else { (grown(whole, 0), grown(whole, 0)) };
         let left_q10 = (FIXED << 10) + reached * start_q10 + (reached - searched) * searched_q10;
@@ -88,7 +110,11 @@ impl Budget {
     /// The budget without so many units, evenly over the image.
     pub(super) fn without(self, units: u32) -> Self {
         let kept_q8 = 256 - quotient((units as i32) << 10, self.total_q10 >> 8).min(256);
-        Self { left_q10: (self.left_q10 >> 8) * kept_q8, stretch_q10: (self.stretch_q10 * kept_q8) >> 8, ..self }
+        Self {
+            left_q10: (self.left_q10 >> 8) * kept_q8,
+            stretch_q10: (self.stretch_q10 * kept_q8) >> 8,
+            ..self
+        }
     }
 
     /// Units taken and edges cut so far.
@@ -97,7 +123,8 @@ impl Budget {
         Taken { units: self.taken, beyond_share: self.taken.saturating_sub(share), cut: self.cut }
     }
 
-    /// Adds what a stretch that is searched brings, pixels between its scan and the next one included.
+    /// Adds what a stretch that is searched brings, pixels between its scan and the next one
+    /// included.
     #[inline]
     pub(super) fn search(&mut self) {
         self.left_q10 += self.stretch_q10;

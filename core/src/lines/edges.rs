@@ -1,16 +1,20 @@
-//! Edge drawing: anchors on every sixth row (column), from each of which the gradient's ridge is followed both ways.
+//! Edge drawing: anchors on every sixth row (column), from each of which the gradient's ridge is
+//! followed both ways.
 //!
-//! In: a grey image. Out: chains of one sub-pixel position per row ([`Direction::Down`]) or per column ([`Direction::Along`]).
+//! In: a grey image. Out: chains of one sub-pixel position per row ([`Direction::Down`]) or per
+//! column ([`Direction::Along`]).
 //!
 //! # Bounds
 //! Sobel of 8-bit pixels: |g| <= 1020. Positions in 1/32 px below 2^16 for images up to 2047 px.
 //!
 //! # Cost
-//! A scan: 2 instructions for each of its pixels, some 60 a stretch. An edge: some 150 a test of the ridge, one for each position and two more; an edge that
-//! enters areas is passed once more on the way to its start, at each position once in all. What edges may take in all: [`Budget`].
+//! A scan: 2 instructions for each of its pixels, some 60 a stretch. An edge: some 150 a test of
+//! the ridge, one for each position and two more; an edge that enters areas is passed once more on
+//! the way to its start, at each position once in all. What edges may take in all: [`Budget`].
 //!
 //! # Source
-//! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three gradients across the edge.
+//! Topal, Akinlar 2012. The ridge's sub-pixel position is the vertex of the parabola through three
+//! gradients across the edge.
 
 use super::budget::{Budget, Taken};
 use super::{Chain, LineParams, Room};
@@ -20,11 +24,14 @@ use crate::kernel::{Crossing, Crossings, crossing, largest_step};
 use crate::units::quotient;
 use core::num::NonZeroU32;
 
-/// Rows (columns) from one position of a chain to the next; those of adjacent rows are nearly redundant.
+/// Rows (columns) from one position of a chain to the next; those of adjacent rows are nearly
+/// redundant.
 pub(crate) const STEP: i32 = 2;
-/// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least extent of a segment.
+/// Rows (columns) between two scans for anchors: a multiple of [`STEP`], no more than the least
+/// extent of a segment.
 pub(crate) const SCAN_STEP: i32 = 6;
-/// Pixels of a stretch. A scan starts at most one edge, the strongest, in each, which bounds the work on texture and noise.
+/// Pixels of a stretch. A scan starts at most one edge, the strongest, in each, which bounds the
+/// work on texture and noise.
 const STRETCH: i32 = 16;
 /// Pixels next to the border that hold no edge: reach of the ridge test.
 const BORDER: i32 = 4;
@@ -38,8 +45,9 @@ pub(crate) enum Direction {
     Along,
 }
 
-/// An image and its marks in one direction: the state of the drawing. `t` counts rows (columns, unless `down`) along the edge,
-/// `u` pixels across it. The direction is no constant of the type: two copies of the code would be 3 KB more of flash for 0.3 % of a pair.
+/// An image and its marks in one direction: the state of the drawing. `t` counts rows (columns,
+/// unless `down`) along the edge, `u` pixels across it. The direction is no constant of the type:
+/// two copies of the code would be 3 KB more of flash for 0.3 % of a pair.
 pub(crate) struct Edges<'a> {
     down: bool,
     crossings: Crossings<'a>,
@@ -58,15 +66,18 @@ pub(crate) struct Edges<'a> {
     valid: &'a [Span],
     /// Areas in which edges start; everywhere without.
     areas: Option<&'a [Area]>,
-    /// Two rows of bits for each step: positions drawn, and positions that [`Edges::first_anchor`] has passed.
+    /// Two rows of bits for each step: positions drawn, and positions that [`Edges::first_anchor`]
+    /// has passed.
     marks: &'a mut [u32],
     budget: Budget,
 }
 
-/// Position of the ridge on one row (column), in two words: what a test returns, or `None`, stays in registers.
+/// Position of the ridge on one row (column), in two words: what a test returns, or `None`, stays
+/// in registers.
 #[derive(Clone, Copy)]
 struct Ridge {
-    /// Upper half: position across the edge, 1/32 px. Lower half: gradient across it, positive for the edge's sign.
+    /// Upper half: position across the edge, 1/32 px. Lower half: gradient across it, positive for
+    /// the edge's sign.
     across: NonZeroU32,
     /// Upper half: whole pixel. Lower half: gradient along the edge.
     along: u32,
@@ -75,7 +86,10 @@ struct Ridge {
 impl Ridge {
     fn new(u: i32, offset_q5: i32, gradient: i32, along: i32) -> Option<Self> {
         let halves = |above: i32, below: i32| (above as u32) << 16 | (below as u32) & 0xffff;
-        Some(Self { across: NonZeroU32::new(halves((u << 5) + offset_q5, gradient))?, along: halves(u, along) })
+        Some(Self {
+            across: NonZeroU32::new(halves((u << 5) + offset_q5, gradient))?,
+            along: halves(u, along),
+        })
     }
 
     /// Sub-pixel position, 1/32 px.
@@ -108,7 +122,8 @@ struct Anchor {
 }
 
 impl<'a> Edges<'a> {
-    /// Edges of an image or of areas of it; `beyond` is what those of the other direction took of their budget.
+    /// Edges of an image or of areas of it; `beyond` is what those of the other direction took of
+    /// their budget.
     pub(crate) fn new(
         image: Gray<'a>,
         areas: Option<&'a [Area]>,
@@ -123,18 +138,39 @@ impl<'a> Edges<'a> {
         let (steps, breadth) = if down { (height, width) } else { (width, height) };
         marks.fill(0);
         let valid = image.valid();
-        let budget = Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH).without(beyond);
+        let budget =
+            Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH).without(beyond);
         let LineParams { anchor, edge, .. } = *params;
         let (along, across) = if down { (stride, 1) } else { (1, stride) };
         let of = if down { Crossings::of_rows } else { Crossings::of_columns };
         let crossings = of(pixels, stride);
         let inner = (breadth - 2 * BORDER).max(0) as u32;
-        Self { down, crossings, along, across, steps, breadth, inner, scan, anchor, edge, valid, areas, marks, budget }
+        Self {
+            down,
+            crossings,
+            along,
+            across,
+            steps,
+            breadth,
+            inner,
+            scan,
+            anchor,
+            edge,
+            valid,
+            areas,
+            marks,
+            budget,
+        }
     }
 
-    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the units taken.
+    /// Draws every edge that the budget allows and calls `emit` with each chain. Returns the units
+    /// taken.
     #[inline(never)]
-    pub(crate) fn for_each_chain(&mut self, room: &mut Room<'_>, mut emit: impl FnMut(Chain<'_>)) -> Taken {
+    pub(crate) fn for_each_chain(
+        &mut self,
+        room: &mut Room<'_>,
+        mut emit: impl FnMut(Chain<'_>),
+    ) -> Taken {
         let mut t = BORDER;
         while t < self.steps - BORDER {
             let mut from = BORDER;
@@ -173,8 +209,11 @@ impl<'a> Edges<'a> {
         let Some(areas) = self.areas else { return u128::MAX };
         areas.iter().fold(0, |stretches, area| {
             let Area { left, top, right, bottom } = *area;
-            let ((t0, t1), (u0, u1)) =
-                if self.down { ((top, bottom), (left, right)) } else { ((left, right), (top, bottom)) };
+            let ((t0, t1), (u0, u1)) = if self.down {
+                ((top, bottom), (left, right))
+            } else {
+                ((left, right), (top, bottom))
+            };
             if !(i32::from(t0)..i32::from(t1)).contains(&t) || u0 >= u1 {
                 return stretches;
             }
@@ -209,18 +248,23 @@ impl<'a> Edges<'a> {
         self.valid.get(y as usize).is_none_or(|span| span.contains(x))
     }
 
-    /// The pixel with the largest grey step between its neighbours, if that reaches the anchor threshold.
+    /// The pixel with the largest grey step between its neighbours, if that reaches the anchor
+    /// threshold.
     #[inline(always)] // called, a scan for anchors takes 1 % more
     fn strongest(&self, t: i32, from: i32, to: i32) -> Option<Anchor> {
         let pixels = self.crossings.pixels().get(self.index(t, from - 1)..)?;
         // An edge at any pixel changes the differences between every second one.
-        let largest = largest_step(pixels, 2 * self.across, usize::try_from((to - from + 1) / 2 + 1).ok()?);
+        let largest =
+            largest_step(pixels, 2 * self.across, usize::try_from((to - from + 1) / 2 + 1).ok()?);
         let size = largest.step.abs();
-        (size * 4 >= self.anchor).then(|| Anchor { u: from + 2 * largest.place, sign: largest.step.signum() })
+        (size * 4 >= self.anchor)
+            .then(|| Anchor { u: from + 2 * largest.place, sign: largest.step.signum() })
     }
 
-    /// The anchor before `t` from which a search over the whole image would have drawn this edge: the first scan, of those that the edge passes
-    /// from its start on, on which it is the strongest of its stretch. What an earlier search passed was drawn from there: each position is passed once.
+    /// The anchor before `t` from which a search over the whole image would have drawn this edge:
+    /// the first scan, of those that the edge passes from its start on, on which it is the
+    /// strongest of its stretch. What an earlier search passed was drawn from there: each position
+    /// is passed once.
     fn first_anchor(&mut self, t: i32, anchor: Anchor) -> Option<(i32, Anchor)> {
         let sign = anchor.sign;
         let start = self.ridge(t, anchor.u, sign, false)?;
@@ -229,7 +273,10 @@ impl<'a> Edges<'a> {
         let mut position_q5 = start.position_q5();
         let (mut at, mut next_scan) = (t - STEP, t - self.scan);
         while at >= BORDER {
-            let Some(ridge) = self.ridge(at, (position_q5 + drift_q5 + 16) >> 5, sign, false) else { break };
+            let Some(ridge) = self.ridge(at, (position_q5 + drift_q5 + 16) >> 5, sign, false)
+            else {
+                break;
+            };
             let before_q5 = core::mem::replace(&mut position_q5, ridge.position_q5());
             drift_q5 = (drift_q5 + position_q5 - before_q5) >> 1;
             if at == next_scan {
@@ -246,7 +293,8 @@ impl<'a> Edges<'a> {
     /// The anchor of the stretch around a pixel, if it is at most a search of the ridge away.
     fn anchor_beside(&self, t: i32, u: i32) -> Option<Anchor> {
         let from = BORDER + (u - BORDER) / STRETCH * STRETCH;
-        let (first, last) = self.valid_part(t, from, (from + STRETCH).min(self.breadth - BORDER))?;
+        let (first, last) =
+            self.valid_part(t, from, (from + STRETCH).min(self.breadth - BORDER))?;
         self.strongest(t, first, last).filter(|anchor| (anchor.u - u).abs() <= 1)
     }
 
@@ -279,18 +327,21 @@ impl<'a> Edges<'a> {
         let count = (last - first) / STEP + 1;
         self.budget.take(count + 1, count); // and two tests that ended it
         let range = usize::try_from(first / STEP).ok()?..usize::try_from(last / STEP + 1).ok()?;
-        let (positions, strengths) = (room.positions.get(range.clone())?, room.strengths.get(range)?);
+        let (positions, strengths) =
+            (room.positions.get(range.clone())?, room.strengths.get(range)?);
         Some(Chain { first, positions, strengths, rising: sign > 0 })
     }
 
-    /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign, unless it is too small, lies
-    /// along the other direction, or was drawn before or, unless to `draw` it, passed before. Marks it.
+    /// The ridge at row `t` next to column `u`: the largest of three gradients of the right sign,
+    /// unless it is too small, lies along the other direction, or was drawn before or, unless to
+    /// `draw` it, passed before. Marks it.
     fn ridge(&mut self, t: i32, u: i32, sign: i32, draw: bool) -> Option<Ridge> {
         if (u - BORDER) as u32 >= self.inner || !self.is_valid(t, u) {
             return None;
         }
         let first = self.index(t, u - 3);
-        let Crossing { shift, gradients: [low, mid, high], along } = crossing(&self.crossings, first, sign)?;
+        let Crossing { shift, gradients: [low, mid, high], along } =
+            crossing(&self.crossings, first, sign)?;
         if mid * 2 < self.edge || along.abs() > mid + (mid >> 2) {
             return None;
         }
@@ -312,7 +363,8 @@ impl<'a> Edges<'a> {
         }
         // Vertex of the parabola through (-1, low), (0, mid), (1, high), in 1/32 px.
         let curvature = 2 * mid - low - high;
-        let offset_q5 = if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
+        let offset_q5 =
+            if curvature > 0 { quotient((high - low) << 4, curvature).clamp(-16, 16) } else { 0 };
         Ridge::new(u, offset_q5, mid, along)
     }
 
@@ -330,7 +382,8 @@ impl<'a> Edges<'a> {
 
 fn keep(room: &mut Room<'_>, t: i32, ridge: Ridge) {
     if let Ok(index) = usize::try_from(t / STEP)
-        && let (Some(position), Some(strength)) = (room.positions.get_mut(index), room.strengths.get_mut(index))
+        && let (Some(position), Some(strength)) =
+            (room.positions.get_mut(index), room.strengths.get_mut(index))
     {
         *position = ridge.position_q5() as u16;
         *strength = (ridge.gradient() >> 1).min(u8::MAX.into()) as u8;
@@ -343,8 +396,13 @@ mod tests {
     use crate::image::Dims;
 
     const DIMS: Dims = Dims { width: 160, height: 120 };
-    const PARAMS: LineParams =
-        LineParams { anchor: 48, edge: 20, min_extent: 6, row_scan: Some(SCAN_STEP), column_scan: Some(SCAN_STEP) };
+    const PARAMS: LineParams = LineParams {
+        anchor: 48,
+        edge: 20,
+        min_extent: 6,
+        row_scan: Some(SCAN_STEP),
+        column_scan: Some(SCAN_STEP),
+    };
 
     /// Calls with the edges of both directions, and with (row, column) of `t` and `u`.
     fn both_ways(
@@ -354,8 +412,14 @@ mod tests {
     ) {
         let (pixels, mut marks) = ([0; 160 * 120], [0; 2048]);
         let image = Gray::new(&pixels, DIMS, 160).unwrap().with_valid(spans).unwrap();
-        look(&Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Down, &mut marks), |(t, u)| (t, u));
-        look(&Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Along, &mut marks), |(t, u)| (u, t));
+        look(
+            &Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Down, &mut marks),
+            |(t, u)| (t, u),
+        );
+        look(
+            &Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Along, &mut marks),
+            |(t, u)| (u, t),
+        );
     }
 
     #[test]
@@ -372,16 +436,23 @@ mod tests {
         both_ways(Some(&areas), &[Span { start: 0, end: 160 }; 120], |edges, place| {
             for t in BORDER..edges.steps - BORDER {
                 let stretches = edges.stretches_in_areas(t);
-                for (k, from) in (0..).zip((BORDER..edges.breadth - BORDER).step_by(STRETCH as usize)) {
+                for (k, from) in
+                    (0..).zip((BORDER..edges.breadth - BORDER).step_by(STRETCH as usize))
+                {
                     let to = (from + STRETCH).min(edges.breadth);
                     let is_inside = |u: i32| {
                         let (y, x) = place((t, u));
                         areas.iter().any(|area| {
                             let across = i32::from(area.left)..i32::from(area.right);
-                            across.contains(&x) && (i32::from(area.top)..i32::from(area.bottom)).contains(&y)
+                            across.contains(&x)
+                                && (i32::from(area.top)..i32::from(area.bottom)).contains(&y)
                         })
                     };
-                    assert_eq!(stretches >> k & 1 != 0, (from..to).any(is_inside), "{t}: {from} .. {to}");
+                    assert_eq!(
+                        stretches >> k & 1 != 0,
+                        (from..to).any(is_inside),
+                        "{t}: {from} .. {to}"
+                    );
                 }
             }
         });

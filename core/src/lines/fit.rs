@@ -1,18 +1,22 @@
 //! Chain -> straight runs: incremental least squares over sub-pixel positions.
 //!
-//! In: one position across the edge per step of rows (or columns), in 1/32 px. Out: runs `first..=last` of steps with their line.
+//! In: one position across the edge per step of rows (or columns), in 1/32 px. Out: runs
+//! `first..=last` of steps with their line.
 //!
 //! ```text
 //! seed: SEED positions whose line leaves no residual above TOLERANCE, else move on by one
-//! grow: while the next position lies within TOLERANCE of the line, add it and fit again; three misses in a row end the run
+//! grow: while the next position lies within TOLERANCE of the line, add it and fit again; three
+//!       misses in a row end the run
 //! ```
 //!
 //! # Bounds
-//! A run has at most 64 positions, relative to its first: t <= 63, |u| <= 64 * 2 px * 32 = 4096. `n * sum(t*u)` <= 64 * 2016 * 4096 = 5.3e8
-//! and `sum(t) * sum(u)` the same: all sums and products fit `i32`.
+//! A run has at most 64 positions, relative to its first: t <= 63, |u| <= 64 * 2 px * 32 = 4096.
+//! `n * sum(t*u)` <= 64 * 2016 * 4096 = 5.3e8 and `sum(t) * sum(u)` the same: all sums and products
+//! fit `i32`.
 //!
 //! # Cost
-//! Some 50 instructions a position of a run, 150 where no seed is straight; a position is seen at most four times, by a run, by the three misses before it.
+//! Some 50 instructions a position of a run, 150 where no seed is straight; a position is seen at
+//! most four times, by a run, by the three misses before it.
 //!
 //! # Source
 //! Least squares line; EDLines (Akinlar, Topal 2011) for growing it along a chain.
@@ -63,7 +67,8 @@ impl Sums {
         self.tu += t * u;
     }
 
-    /// The line as `(u at t = 0 in Q5, slope in Q12 px per step)`; `None` for less than two positions, or more than a run has.
+    /// The line as `(u at t = 0 in Q5, slope in Q12 px per step)`; `None` for less than two
+    /// positions, or more than a run has.
     #[inline(always)]
     fn line(&self) -> Option<(i32, i32)> {
         let n = self.n;
@@ -106,7 +111,9 @@ fn grow(positions: &[u16], first: i32) -> Option<Run> {
         sums.add(t, i32::from(u) - origin);
     }
     let mut line = sums.line()?;
-    let off = |line: (i32, i32), t: i32, u: u16| (i32::from(u) - origin - line.0 - ((t * line.1 + 64) >> 7)).abs();
+    let off = |line: (i32, i32), t: i32, u: u16| {
+        (i32::from(u) - origin - line.0 - ((t * line.1 + 64) >> 7)).abs()
+    };
     if (0..SEED).zip(tail).any(|(t, &u)| off(line, t, u) > TOLERANCE_Q5) {
         return None;
     }

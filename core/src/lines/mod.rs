@@ -10,20 +10,24 @@
 //!     cut long runs into pieces
 //! ```
 //!
-//! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge passes, and no gradient image is stored.
+//! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge
+//! passes, and no gradient image is stored.
 //!
 //! # Bounds
-//! A position is drawn at most once per direction; memory is a bit per pixel, one position per two rows or columns of the longer side, and the list.
+//! A position is drawn at most once per direction; memory is a bit per pixel, one position per two
+//! rows or columns of the longer side, and the list.
 //!
 //! # Cost
-//! Scans for anchors: 2 instructions a pixel of every scanned row (column). Edges: a `Budget` per image and direction in
-//! proportion to the pixels, which is used up by dense gratings alone; an edge that it does not allow is counted. A segment takes 16 units of it at
-//! least, and some 400 instructions; beyond the list's capacity `log2` of that.
+//! Scans for anchors: 2 instructions a pixel of every scanned row (column). Edges: a `Budget` per
+//! image and direction in proportion to the pixels, which is used up by dense gratings alone; an
+//! edge that it does not allow is counted. A segment takes 16 units of it at least, and some 400
+//! instructions; beyond the list's capacity `log2` of that.
 //!
 //! # Source
-//! Topal, Akinlar: "Edge Drawing", 2012 (anchors and routing); Akinlar, Topal: "EDLines", 2011 (incremental least squares along a chain);
-//! Suarez et al.: "ELSED", 2022. Differences: positions are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1, and
-//! each direction keeps one position per step, which makes a chain an array.
+//! Topal, Akinlar: "Edge Drawing", 2012 (anchors and routing); Akinlar, Topal: "EDLines", 2011
+//! (incremental least squares along a chain); Suarez et al.: "ELSED", 2022. Differences: positions
+//! are sub-pixel from the start, so the straightness tolerance is 0.7 px and not 1, and each
+//! direction keeps one position per step, which makes a chain an array.
 
 mod budget;
 mod edges;
@@ -45,8 +49,9 @@ pub(crate) const MAX_ROWS: i32 = 32;
 /// Longest piece of a near-horizontal segment, columns.
 pub(crate) const MAX_COLUMNS: i32 = 24;
 
-/// Largest slope of edges down the rows, px per px, Q12: 1.05. The two directions meet at 46.4 degrees and not at 45, a common angle at which noise
-/// would decide whether an edge is drawn once, twice or not at all.
+/// Largest slope of edges down the rows, px per px, Q12: 1.05. The two directions meet at 46.4
+/// degrees and not at 45, a common angle at which noise would decide whether an edge is drawn once,
+/// twice or not at all.
 const DOWN_SLOPE_Q12: i32 = 4301;
 /// Largest slope of edges along the columns, px per px, Q12: 1 / 1.05.
 const ALONG_SLOPE_Q12: i32 = 3901;
@@ -55,18 +60,21 @@ const ALONG_SLOPE_Q12: i32 = 3901;
 pub const MAX_SEGMENTS: usize = 4096;
 
 /// Number of positions of the longest chain.
-pub(crate) const MAX_POSITIONS: usize = if MAX_WIDTH > MAX_HEIGHT { MAX_WIDTH } else { MAX_HEIGHT } as usize / 2;
+pub(crate) const MAX_POSITIONS: usize =
+    if MAX_WIDTH > MAX_HEIGHT { MAX_WIDTH } else { MAX_HEIGHT } as usize / 2;
 
 /// A straight edge, as detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Segment {
     /// Ends: top first; left first when [`Segment::near_horizontal`].
     pub ends: [ImagePosition; 2],
-    /// True when the pixels right of the edge (below it, when near-horizontal) are the brighter ones.
+    /// True when the pixels right of the edge (below it, when near-horizontal) are the brighter
+    /// ones.
     pub rising: bool,
     /// Mean grey step across the edge along the segment, 0 ..= 255.
     pub contrast: u8,
-    /// True when it runs more along the columns than down the rows: its position determines its disparity poorly.
+    /// True when it runs more along the columns than down the rows: its position determines its
+    /// disparity poorly.
     pub near_horizontal: bool,
 }
 
@@ -77,11 +85,19 @@ impl Segment {
         (a.x.to_bits().into(), a.y.to_bits().into(), b.x.to_bits().into(), b.y.to_bits().into())
     }
 
+    /// Index of the side to the right: of one along the columns that falls to the right it is the
+    /// one above.
+    pub(crate) fn right_side(&self) -> usize {
+        let (_, y0, _, y1) = self.ends_q5();
+        usize::from(!self.near_horizontal || y1 < y0)
+    }
+
     /// Bounding box, px.
     pub(crate) fn area(&self) -> Area {
         let (x0, y0, x1, y1) = self.ends_q5();
         let [left, top] = [x0.min(x1), y0.min(y1)].map(|q5| u16::try_from(q5 >> 5).unwrap_or(0));
-        let [right, bottom] = [x0.max(x1), y0.max(y1)].map(|q5| u16::try_from((q5 >> 5) + 1).unwrap_or(0));
+        let [right, bottom] =
+            [x0.max(x1), y0.max(y1)].map(|q5| u16::try_from((q5 >> 5) + 1).unwrap_or(0));
         Area { left, top, right, bottom }
     }
 
@@ -129,7 +145,8 @@ pub struct LineScratch<'a> {
 pub struct Detection {
     /// Segments that did not fit, the shortest.
     pub segments: u16,
-    /// Edges that were not drawn, because the budget of work was spent: places where one would have started.
+    /// Edges that were not drawn, because the budget of work was spent: places where one would have
+    /// started.
     pub edges: u16,
     /// Work of the edges that were drawn, units of some 50 instructions of a Cortex-M7.
     pub units: u32,
@@ -150,7 +167,8 @@ pub fn detect(
     let mut runs = |chain: Chain<'_>, direction: Direction| {
         fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
             // Steeper ones are drawn by the other direction, with more positions.
-            let largest_q12 = if direction == Direction::Down { DOWN_SLOPE_Q12 } else { ALONG_SLOPE_Q12 };
+            let largest_q12 =
+                if direction == Direction::Down { DOWN_SLOPE_Q12 } else { ALONG_SLOPE_Q12 };
             if run.slope_q12.abs() <= STEP * largest_q12 {
                 cut(&run, chain, direction, &mut list);
             }
@@ -159,11 +177,14 @@ pub fn detect(
     let marks = scratch.marks;
     let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
     let (mut edges, mut units, mut beyond) = (0_u16, 0, 0);
-    for (direction, scan) in [(Direction::Down, params.row_scan), (Direction::Along, params.column_scan)] {
+    for (direction, scan) in
+        [(Direction::Down, params.row_scan), (Direction::Along, params.column_scan)]
+    {
         let Some(scan) = scan else { continue };
         let taken = Edges::new(image, areas, (params, scan, beyond), direction, marks)
             .for_each_chain(&mut room, |chain| runs(chain, direction));
-        (edges, units, beyond) = (edges.saturating_add(taken.cut), units + taken.units, taken.beyond_share);
+        (edges, units, beyond) =
+            (edges.saturating_add(taken.cut), units + taken.units, taken.beyond_share);
     }
     Detection { segments: list.dropped, edges, units }
 }
@@ -171,13 +192,15 @@ pub fn detect(
 /// Sorts segments by their first row, and from left to right within it.
 pub(crate) fn sort_by_top(list: &mut VecView<Segment>) {
     sort_by_key(list, |s| {
-        let [a, b] = s.ends.map(|end| (u32::from(end.y.to_bits()) << 16) | u32::from(end.x.to_bits()));
+        let [a, b] =
+            s.ends.map(|end| (u32::from(end.y.to_bits()) << 16) | u32::from(end.x.to_bits()));
         a.min(b)
     });
 }
 
-/// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its midpoint), in order; of larger squares
-/// while more than `most` remain. Returns the number removed. `marks` is scratch.
+/// Keeps of every `cell` x `cell` square the segment with the largest extent times contrast (by its
+/// midpoint), in order; of larger squares while more than `most` remain. Returns the number
+/// removed. `marks` is scratch.
 ///
 /// The cost of matching is bounded by the area of the image, not by its content.
 pub(crate) fn keep_prominent(
@@ -202,7 +225,8 @@ fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks
     let per_row = quotient(width, cell) + 1;
     let square = |s: &Segment| {
         let (x0, y0, x1, y1) = s.ends_q5();
-        usize::try_from(quotient((y0 + y1) >> 6, cell) * per_row + quotient((x0 + x1) >> 6, cell)).unwrap_or(0)
+        usize::try_from(quotient((y0 + y1) >> 6, cell) * per_row + quotient((x0 + x1) >> 6, cell))
+            .unwrap_or(0)
     };
     // Prominence in the upper bits, position in the list in the lower twelve: later ones lose ties.
     let rank = |s: &Segment, i: usize| {
@@ -235,7 +259,8 @@ pub(crate) struct Chain<'a> {
 impl Chain<'_> {
     /// Mean grey step of the positions `first ..= last`.
     fn contrast(&self, first: i32, last: i32) -> u8 {
-        let Some(piece) = usize::try_from(first).ok().and_then(|first| self.strengths.get(first..=last as usize))
+        let Some(piece) =
+            usize::try_from(first).ok().and_then(|first| self.strengths.get(first..=last as usize))
         else {
             return 0;
         };
@@ -262,7 +287,11 @@ fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLo
         let end = |t: i32| {
             let along = position(((chain.first + t * STEP) << 5) + 16);
             let across = position(run.at_q5(t));
-            if near_horizontal { ImagePosition { x: along, y: across } } else { ImagePosition { x: across, y: along } }
+            if near_horizontal {
+                ImagePosition { x: along, y: across }
+            } else {
+                ImagePosition { x: across, y: along }
+            }
         };
         list.push(Segment {
             ends: [end(t0), end(t1)],
@@ -277,7 +306,8 @@ fn position(q5: i32) -> Position {
     Position::from_bits(u16::try_from(q5.max(0)).unwrap_or(u16::MAX))
 }
 
-/// A bounded list that drops its shortest entries. Once full it is a heap with the shortest first: an entry costs `log2` of the length.
+/// A bounded list that drops its shortest entries. Once full it is a heap with the shortest first:
+/// an entry costs `log2` of the length.
 struct KeepLongest<'a> {
     out: &'a mut VecView<Segment>,
     dropped: u16,

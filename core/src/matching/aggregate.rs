@@ -1,9 +1,11 @@
 //! Aggregation of disparities: agreement between techniques, and the common line of two sides.
 //!
-//! In: disparities by different techniques or from different sides. Out: accepted or not; one line of disparity with its slant.
+//! In: disparities by different techniques or from different sides. Out: accepted or not; one line
+//! of disparity with its slant.
 //!
 //! # Source
-//! The chapter's disparity aggregation, Eq. 13: a margin in metres is a disparity interval that is not symmetric.
+//! The chapter's disparity aggregation, Eq. 13: a margin in metres is a disparity interval that is
+//! not symmetric.
 
 use super::Side;
 use crate::params::{Margin, Params};
@@ -14,10 +16,16 @@ use crate::units::{Disparity, quotient};
 /// Largest difference between two sides' disparities that is one slanted surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 112;
 
-/// Joins two sides that agree into one surface: both get the disparity `line_q6` at the ends of the edge, 1/64 px, and the slant across the edge
-/// that follows from the difference of `own_q6`, the disparities by each side's own window, whose centres lie `apart` px from each other.
+/// Joins two sides that agree into one surface: both get the disparity `line_q6` at the ends of the
+/// edge, 1/64 px, and the slant across the edge that follows from the difference of `own_q6`, the
+/// disparities by each side's own window, whose centres lie `apart` px from each other.
 #[inline(never)]
-pub(super) fn join_sides(sides: &mut [Option<Side>; 2], own_q6: [i32; 2], apart: i32, line_q6: [i32; 2]) {
+pub(super) fn join_sides(
+    sides: &mut [Option<Side>; 2],
+    own_q6: [i32; 2],
+    apart: i32,
+    line_q6: [i32; 2],
+) {
     let [Some(left), Some(right)] = sides else { return };
     let [own_left, own_right] = own_q6;
     if (own_right - own_left).abs() > ONE_SURFACE_Q6 {

@@ -1,26 +1,32 @@
-//! A band of rows with their horizontal gradients and census codes, moved down the pair as matching proceeds.
+//! A band of rows with their horizontal gradients and census codes, moved down the pair as matching
+//! proceeds.
 //!
-//! In: the two images. Out: padded rows of both, computed once per frame, held for [`BAND_ROWS`] rows.
+//! In: the two images. Out: padded rows of both, computed once per frame, held for [`BAND_ROWS`]
+//! rows.
 //!
-//! Rows of the right image are stored mirrored, so that for a fixed left pixel rising disparities lie at rising addresses.
+//! Rows of the right image are stored mirrored, so that for a fixed left pixel rising disparities
+//! lie at rising addresses.
 //!
 //! # Cost
-//! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take the memory of the frames again.
+//! `PLANES * BAND_ROWS * row_bytes(width)` bytes. A whole gradient image of both views would take
+//! the memory of the frames again.
 
 use super::codes::{census, gradients};
 use crate::area::Area;
 use crate::image::{Dims, Gray, Span};
-use crate::kernel::{FLAT, STRIP, Strip, census_code, reverse_row};
+use crate::kernel::{FLAT, STRIP, Strip, census_code, portable, reverse_row};
 use crate::lines::Segment;
 use crate::row_memory::{BAND_ROWS, PAD, PLANES, row_bytes};
 use crate::units::quotient;
 
 /// Distance between rows of the band, px.
 pub(crate) const ROW_STEP: i32 = 2;
-/// Reach of windows above and below a near-horizontal segment, px; other windows end with their segment.
+/// Reach of windows above and below a near-horizontal segment, px; other windows end with their
+/// segment.
 const WINDOW_REACH: i32 = 6;
 
-/// Reach of windows beside their segment, 10 px, and two columns whose values at the end of a row are not valid.
+/// Reach of windows beside their segment, 10 px, and two columns whose values at the end of a row
+/// are not valid.
 const WINDOW_COLUMNS: i32 = 12;
 
 /// One quantity of both images.
@@ -64,8 +70,11 @@ impl WindowExtent {
             Span { start: inside(from), end: inside(to) }
         };
         let Area { left, top, right, bottom } = area;
-        let rows =
-            span(i32::from(top) - WINDOW_REACH - ROW_STEP, i32::from(bottom) + WINDOW_REACH + ROW_STEP, dims.height);
+        let rows = span(
+            i32::from(top) - WINDOW_REACH - ROW_STEP,
+            i32::from(bottom) + WINDOW_REACH + ROW_STEP,
+            dims.height,
+        );
         let (first, end) = (i32::from(left) - WINDOW_COLUMNS, i32::from(right) + WINDOW_COLUMNS);
         let columns = [(first, end), (first - max, end - min)];
         Self { rows, columns: columns.map(|(first, end)| span(first, end, dims.width)) }
@@ -73,7 +82,8 @@ impl WindowExtent {
 }
 
 impl<'a> Band<'a> {
-    /// A band in `rows`, memory of three planes of [`BAND_ROWS`] padded rows. With `extents`, only the pixels in them are computed.
+    /// A band in `rows`, memory of three planes of [`BAND_ROWS`] padded rows. With `extents`, only
+    /// the pixels in them are computed.
     pub(crate) fn new(
         [left, right]: [Gray<'a>; 2],
         row_offset: i32,
@@ -114,8 +124,20 @@ impl<'a> Band<'a> {
         !right.valid().is_empty()
     }
 
-    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the segment before. Calls `watch` with each computed
-    /// row: left gradients, right gradients, right census codes, the right ones mirrored.
+    /// Columns of an image.
+    pub(crate) fn width(&self) -> i32 {
+        self.width as i32
+    }
+
+    /// Padded gradients of a row that the band holds: of the left image, and of the right one,
+    /// mirrored.
+    pub(crate) fn gradient_rows(&self, y: i32) -> Option<(&[u8], &[u8])> {
+        self.rows(&self.gradient, y)
+    }
+
+    /// Computes the rows that the windows of `segment` reach; its top row is not above that of the
+    /// segment before. Calls `watch` with each computed row: left gradients, right gradients, right
+    /// census codes, the right ones mirrored.
     pub(crate) fn advance_for(&mut self, segment: &Segment, watch: impl FnMut([&[u8]; PLANES])) {
         let (_, y0, _, y1) = segment.ends_q5();
         let reach = if segment.near_horizontal { WINDOW_REACH } else { 0 };
@@ -127,7 +149,8 @@ impl<'a> Band<'a> {
         self.advance(((y0.max(y1) + 31) >> 5) + reach, watch);
     }
 
-    /// Computes rows up to and including `last`; overwrites rows that are [`BAND_ROWS`] rows of the band older.
+    /// Computes rows up to and including `last`; overwrites rows that are [`BAND_ROWS`] rows of the
+    /// band older.
     fn advance(&mut self, last: i32, mut watch: impl FnMut([&[u8]; PLANES])) {
         while self.next_row <= last.min(self.height - 1) {
             let y = self.next_row;
@@ -135,7 +158,9 @@ impl<'a> Band<'a> {
             let [left, right] = self.images;
             let start = self.start(y);
             let [left_columns, right_columns] = self.columns(y);
-            let indices = |columns: Span| start + usize::from(columns.start)..start + usize::from(columns.end);
+            let indices = |columns: Span| {
+                start + usize::from(columns.start)..start + usize::from(columns.end)
+            };
             let ends = |columns: Span| columns.start.into()..columns.end.into();
             if let Some(out) = self.gradient.left.get_mut(indices(left_columns)) {
                 gradients(left, y, ends(left_columns), out);
@@ -143,7 +168,10 @@ impl<'a> Band<'a> {
             // Mirrored, the last column comes first.
             let width = self.width as u16;
             let Span { start: first, end } = right_columns;
-            let mirrored = indices(Span { start: width.saturating_sub(end), end: width.saturating_sub(first) });
+            let mirrored = indices(Span {
+                start: width.saturating_sub(end),
+                end: width.saturating_sub(first),
+            });
             if let Some(out) = self.gradient.right_mirrored.get_mut(mirrored.clone()) {
                 gradients(right, y + self.row_offset, ends(right_columns), out);
                 reverse_row(out);
@@ -153,9 +181,11 @@ impl<'a> Band<'a> {
                 reverse_row(out);
             }
             let Planes { left, right_mirrored } = &self.gradient;
-            if let (Some(left), Some(right), Some(census)) =
-                (left.get(indices(left_columns)), right_mirrored.get(mirrored.clone()), self.census.get(mirrored))
-            {
+            if let (Some(left), Some(right), Some(census)) = (
+                left.get(indices(left_columns)),
+                right_mirrored.get(mirrored.clone()),
+                self.census.get(mirrored),
+            ) {
                 watch([left, right, census]);
             }
         }
@@ -163,8 +193,13 @@ impl<'a> Band<'a> {
 
     /// Columns of both images to compute for a row of the left one.
     fn columns(&self, y: i32) -> [Span; 2] {
-        let Some(extents) = self.extents else { return [Span { start: 0, end: self.width as u16 }; 2] };
-        let of_row = extents.iter().filter(|extents| extents.rows.contains(y)).map(|extents| extents.columns);
+        let Some(extents) = self.extents else {
+            return [Span { start: 0, end: self.width as u16 }; 2];
+        };
+        let of_row = extents
+            .iter()
+            .filter(|extents| extents.rows.contains(y))
+            .map(|extents| extents.columns);
         of_row.reduce(|[a, b], [c, d]| [join(a, c), join(b, d)]).unwrap_or_default()
     }
 
@@ -175,11 +210,12 @@ impl<'a> Band<'a> {
 
     #[inline(always)]
     fn row(plane: &[u8], stride: usize, y: i32) -> Option<&[u8]> {
-        let start = ((y / ROW_STEP) as usize % BAND_ROWS) * stride;
+        let start = (y as usize / ROW_STEP as usize % BAND_ROWS) * stride;
         plane.get(start..start + stride)
     }
 
-    /// Eight gradients at `x..x + 8` of row `y` of the left image, and the right row in which they are searched from disparity `first` on.
+    /// Eight gradients at `x..x + 8` of row `y` of the left image, and the right row in which they
+    /// are searched from disparity `first` on.
     #[inline]
     pub(crate) fn strip(&self, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
         self.strip_of(self.rows(&self.gradient, y)?, x, first)
@@ -188,17 +224,27 @@ impl<'a> Band<'a> {
     /// Three strips of the same row, or none.
     pub(crate) fn strips(&self, [a, b, c]: [i32; 3], y: i32, first: i32) -> Option<[Strip<'_>; 3]> {
         let rows = self.rows(&self.gradient, y)?;
-        Some([self.strip_of(rows, a, first)?, self.strip_of(rows, b, first)?, self.strip_of(rows, c, first)?])
+        Some([
+            self.strip_of(rows, a, first)?,
+            self.strip_of(rows, b, first)?,
+            self.strip_of(rows, c, first)?,
+        ])
     }
 
     #[inline(always)] // called, three strips take seven times as long
-    fn strip_of<'s>(&self, (reference, other): (&[u8], &'s [u8]), x: i32, first: i32) -> Option<Strip<'s>> {
+    fn strip_of<'s>(
+        &self,
+        (reference, other): (&[u8], &'s [u8]),
+        x: i32,
+        first: i32,
+    ) -> Option<Strip<'s>> {
         let (at, target) = self.indices(x, STRIP as i32, first)?;
         let &[a, b, c, d, e, f, g, h] = reference.get(at..)?.first_chunk::<STRIP>()?;
         Some(Strip { reference: [h, g, f, e, d, c, b, a], other: other.get(target..)? })
     }
 
-    /// The census code at `(x, y)` of the left image, and the codes it is compared with from disparity `first` on.
+    /// The census code at `(x, y)` of the left image, and the codes it is compared with from
+    /// disparity `first` on.
     #[inline]
     pub(crate) fn census(&self, x: i32, y: i32, first: i32) -> Option<(u8, &[u8])> {
         if !self.holds(y) || x < 0 || x >= self.width as i32 {
@@ -212,6 +258,7 @@ impl<'a> Band<'a> {
         Some((code, other.get(target..)?))
     }
 
+    #[inline(always)] // called once
     fn left_code(&self, x: i32, y: i32) -> u8 {
         let [left, _] = self.images;
         let (pixels, stride) = left.as_slice();
@@ -219,13 +266,7 @@ impl<'a> Band<'a> {
             let first = (y as usize - 2).wrapping_mul(stride).wrapping_add(x as usize - 2);
             return census_code(pixels, first, stride).unwrap_or(0);
         }
-        // Rows outside the image repeat the nearest one.
-        let mut patch = [0; 25];
-        for (five, y) in patch.as_chunks_mut::<5>().0.iter_mut().zip(y - 2..) {
-            let row = clamped_row(left, y).get(x as usize - 2..).and_then(|row| row.first_chunk());
-            *five = row.copied().unwrap_or_default();
-        }
-        census_code(&patch, 0, 5).unwrap_or(0)
+        border_code(left, x, y)
     }
 
     #[inline]
@@ -243,7 +284,8 @@ impl<'a> Band<'a> {
         Some((left, right))
     }
 
-    /// Index of the `length` pixels from column `x` on in the left row, and of those at disparity `first` in the mirrored right one.
+    /// Index of the `length` pixels from column `x` on in the left row, and of those at disparity
+    /// `first` in the mirrored right one.
     #[inline(always)]
     fn indices(&self, x: i32, length: i32, first: i32) -> Option<(usize, usize)> {
         let mirrored = PAD as i32 + self.width as i32 - length - x;
@@ -253,6 +295,18 @@ impl<'a> Band<'a> {
 
 fn join(a: Span, b: Span) -> Span {
     Span { start: a.start.min(b.start), end: a.end.max(b.end) }
+}
+
+/// The census code of a pixel near the top or the bottom: rows outside the image repeat the nearest
+/// one.
+#[cold]
+fn border_code(image: Gray<'_>, x: i32, y: i32) -> u8 {
+    let mut patch = [0; 25];
+    for (five, y) in patch.as_chunks_mut::<5>().0.iter_mut().zip(y - 2..) {
+        let row = clamped_row(image, y).get(x as usize - 2..).and_then(|row| row.first_chunk());
+        *five = row.copied().unwrap_or_default();
+    }
+    portable::census_code(&patch, 0, 5).unwrap_or(0)
 }
 
 fn clamped_row(image: Gray<'_>, y: i32) -> &[u8] {
@@ -272,7 +326,11 @@ impl SampledRows {
     /// At most `most` rows of `first ..= last`.
     pub(crate) fn new((first, last): (i32, i32), most: i32) -> Self {
         let there = quotient(last - first + ROW_STEP, ROW_STEP);
-        Self { next: on_band(first + ROW_STEP - 1), last, step: ROW_STEP * quotient(there + most - 1, most).max(1) }
+        Self {
+            next: on_band(first + ROW_STEP - 1),
+            last,
+            step: ROW_STEP * quotient(there + most - 1, most).max(1),
+        }
     }
 
     /// Mean row, in half rows.

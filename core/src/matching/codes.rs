@@ -1,12 +1,14 @@
 //! Gradients and census codes of a part of a row.
 //!
-//! In: an image, a row and columns of it. Out: a byte per column. Rows outside the image repeat the nearest one; columns outside are flat, and so
-//! are pixels that are not valid.
+//! In: an image, a row and columns of it. Out: a byte per column. Rows outside the image repeat the
+//! nearest one; columns outside are flat, and so are pixels that are not valid.
 //!
-//! The first and last column computed (two, of census) are treated like the image's border: request two more columns on both sides than needed.
+//! The first and last column computed (two, of census) are treated like the image's border: request
+//! two more columns on both sides than needed.
 //!
 //! # Cost
-//! A pass over the columns by a kernel, and one over the border's: 4 instructions a gradient, 8 a census code (Armv7E-M).
+//! A pass over the columns by a kernel, and one over the border's: 4 instructions a gradient, 8 a
+//! census code (Armv7E-M).
 
 use crate::image::{Gray, Span};
 use crate::kernel::{FLAT, census_row, gradient_row};
@@ -14,7 +16,9 @@ use core::ops::Range;
 
 /// Horizontal gradients; `out` has a byte for each column.
 pub(crate) fn gradients(image: Gray<'_>, y: i32, columns: Range<i32>, out: &mut [u8]) {
-    fill(image, [y - 1, y, y + 1], columns, out, |[above, row, below], out| gradient_row(above, row, below, out));
+    fill(image, [y - 1, y, y + 1], columns, out, |[above, row, below], out| {
+        gradient_row(above, row, below, out)
+    });
 }
 
 /// Census codes; `out` has a byte for each column.
@@ -24,7 +28,13 @@ pub(crate) fn census(image: Gray<'_>, y: i32, columns: Range<i32>, out: &mut [u8
 
 /// Both kernels share one copy of it.
 #[inline(never)]
-fn fill(image: Gray<'_>, rows: [i32; 3], columns: Range<i32>, out: &mut [u8], kernel: fn([&[u8]; 3], &mut [u8])) {
+fn fill(
+    image: Gray<'_>,
+    rows: [i32; 3],
+    columns: Range<i32>,
+    out: &mut [u8],
+    kernel: fn([&[u8]; 3], &mut [u8]),
+) {
     let dims = image.dims();
     let inside = |x: i32| x.max(0).min(dims.width.into());
     let (from, to) = (inside(columns.start), inside(columns.end));
@@ -35,18 +45,19 @@ fn fill(image: Gray<'_>, rows: [i32; 3], columns: Range<i32>, out: &mut [u8], ke
     let [above, y, below] = rows;
     let last = i32::from(dims.height) - 1;
     let row = |y: i32| {
-        let row = image.row(y.max(0).min(last) as usize).unwrap_or(&[]);
-        row.get(from as usize..to as usize).unwrap_or(&[])
+        let row = image.row(y.max(0).min(last) as usize);
+        row.and_then(|row| row.get(from as usize..to as usize)).unwrap_or(&[])
     };
     if let Some(inner) = out.get_mut(index(from)..index(to)) {
         kernel([row(above), row(y), row(below)], inner);
     }
     let Span { start, end } = image.valid_columns(y);
     let at = |x: u16| index(i32::from(x).max(from).min(to));
-    if let Some(before) = out.get_mut(..at(start)) {
+    // Most often both are empty: a call less each.
+    if let Some(before) = out.get_mut(..at(start)).filter(|before| !before.is_empty()) {
         before.fill(FLAT);
     }
-    if let Some(after) = out.get_mut(at(end)..) {
+    if let Some(after) = out.get_mut(at(end)..).filter(|after| !after.is_empty()) {
         after.fill(FLAT);
     }
 }
@@ -67,7 +78,8 @@ mod tests {
             let mut out = [0xaa; 10];
             gradients(image, 1, first..first + 10, &mut out);
             for (&found, x) in out.iter().zip(first..) {
-                // Steps of 12 grey levels a pixel, but for the first and last column computed inside.
+                // Steps of 12 grey levels a pixel, but for the first and last column computed
+                // inside.
                 let inside = (first.max(0) + 1..(first + 10).min(20) - 1).contains(&x);
                 assert_eq!(found, if inside { FLAT + 24 } else { FLAT }, "column {x} of {first}..");
             }

@@ -1,20 +1,25 @@
 //! Agreement and contradiction among the hypotheses of segments.
 //!
-//! In: position and disparity of every hypothesis. Out: evidence of agreement for each; the pairs that match the same position in the right
-//! image with different disparities, of which at most one is right.
+//! In: position and disparity of every hypothesis. Out: evidence of agreement for each; the pairs
+//! that match the same position in the right image with different disparities, of which at most one
+//! is right.
 //!
 //! ```text
 //! agreement = log2(1 + sum of weight * nearness over the neighbours that agree)
 //! ```
-//! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance: surfaces that slant up to that much. This
-//! evidence matters most for objects too thin for support points: both edges of a pole, piece by piece.
+//! A neighbour agrees when its disparity differs by at most 1 px plus 0.06 px per px of distance:
+//! surfaces that slant up to that much. This evidence matters most for objects too thin for support
+//! points: both edges of a pole, piece by piece.
 //!
 //! # Bounds
-//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200 neighbours at distance 0.
+//! Weight is at most 256, nearness 40: 320 a neighbour; sums of 16 bits saturate beyond 200
+//! neighbours at distance 0.
 //!
 //! # Cost
-//! Some 10 instructions for every two candidates within [`TOPS_REACH`] rows, 100 where they are neighbours, each with at most [`MOST_NEIGHBOURS`] after it.
-//! A candidate has a square of its own: with squares of 20 px at most 80 are within those rows of 320 px, 20 within reach; captured pairs have 54 and 9.
+//! Some 10 instructions for every two candidates within [`TOPS_REACH`] rows, 100 where they are
+//! neighbours, each with at most [`MOST_NEIGHBOURS`] after it. A candidate has a square of its own:
+//! with squares of 20 px at most 80 are within those rows of 320 px, 20 within reach; captured
+//! pairs have 54 and 9.
 
 use super::{Candidate, Side};
 use crate::evidence::log2_mean_q8;
@@ -24,9 +29,11 @@ use crate::units::narrow;
 
 /// Distance from which a neighbour has no weight, px.
 const REACH: i32 = 40;
-/// Rows between the tops of two segments beyond which their hypotheses are out of [`REACH`]: half of the taller one on top.
+/// Rows between the tops of two segments beyond which their hypotheses are out of [`REACH`]: half
+/// of the taller one on top.
 const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
-/// Most neighbours that follow a candidate in the list and are weighed: three times as many as captured pairs have.
+/// Most neighbours that follow a candidate in the list and are weighed: three times as many as
+/// captured pairs have.
 const MOST_NEIGHBOURS: u16 = 32;
 /// Agreement of a neighbour at distance 0 with full weight.
 const FULL: i32 = (256 * REACH) >> 5;
@@ -39,7 +46,8 @@ const SAME_COLUMNS_Q6: i32 = 2 << 6;
 /// Difference of disparity above which they contradict each other, 1/64 px.
 const OTHER_SURFACE_Q6: i32 = 2 << 6;
 
-/// A candidate reduced to its middle, px, and the hypotheses of its sides, as its neighbours use it.
+/// A candidate reduced to its middle, px, and the hypotheses of its sides, as its neighbours use
+/// it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neighbour {
     pub(crate) x: i16,
@@ -57,8 +65,9 @@ pub(crate) struct SideHypothesis {
     pub(crate) d_q6: i16,
     /// Weight as a neighbour, Q8; 0 = no hypothesis.
     pub(crate) weight_q8: u16,
-    /// Support by the neighbours that agree: sum of weight times nearness, 320 for one at distance 0 with full weight. In a region (`objects`): the
-    /// weight by which the surface is selected, which falls to the border of a box.
+    /// Support by the neighbours that agree: sum of weight times nearness, 320 for one at distance
+    /// 0 with full weight. In a region (`objects`): the weight by which the surface is selected,
+    /// which falls to the border of a box.
     pub(crate) support: u16,
 }
 
@@ -68,7 +77,8 @@ impl Neighbour {
 
     pub(crate) fn new(candidate: &Candidate) -> Self {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
-        let hypothesis = |side: &Option<Side>| side.as_ref().map_or(SideHypothesis::EMPTY, SideHypothesis::new);
+        let hypothesis =
+            |side: &Option<Side>| side.as_ref().map_or(SideHypothesis::EMPTY, SideHypothesis::new);
         let [left, right] = &candidate.sides;
         Self {
             x: narrow((x0 + x1) >> 6),
@@ -81,11 +91,13 @@ impl Neighbour {
 
     /// A neighbour with the hypothesis of a support point.
     pub(crate) fn of_point(x: i32, y: i32, d_q6: i16, weight_q8: u16) -> Self {
-        let hypotheses = [SideHypothesis { d_q6, weight_q8, ..SideHypothesis::EMPTY }, SideHypothesis::EMPTY];
+        let hypotheses =
+            [SideHypothesis { d_q6, weight_q8, ..SideHypothesis::EMPTY }, SideHypothesis::EMPTY];
         Self { x: narrow(x), y: narrow(y), top: narrow(y), near_horizontal: false, hypotheses }
     }
 
-    /// Adds the mutual support of the hypotheses of two segments; false when they are out of reach of each other.
+    /// Adds the mutual support of the hypotheses of two segments; false when they are out of reach
+    /// of each other.
     fn weigh(&mut self, other: &mut Self) -> bool {
         let dx = i32::from(other.x - self.x);
         if dx.abs() >= REACH {
@@ -143,16 +155,22 @@ impl SideHypothesis {
     }
 }
 
-/// Fills `neighbours`, one per candidate (candidates in the order of their tops), and sets every side's agreement with other segments. Returns the
-/// number of candidates with [`MOST_NEIGHBOURS`] or more.
-pub(crate) fn accumulate_support(candidates: &mut [Candidate], neighbours: &mut [Neighbour]) -> u16 {
+/// Fills `neighbours`, one per candidate (candidates in the order of their tops), and sets every
+/// side's agreement with other segments. Returns the number of candidates with [`MOST_NEIGHBOURS`]
+/// or more.
+pub(crate) fn accumulate_support(
+    candidates: &mut [Candidate],
+    neighbours: &mut [Neighbour],
+) -> u16 {
     for (candidate, neighbour) in candidates.iter().zip(neighbours.iter_mut()) {
         *neighbour = Neighbour::new(candidate);
     }
     let neighbours = neighbours.get_mut(..candidates.len()).unwrap_or(&mut []);
     let mut cut = 0_u16;
     for i in 0..neighbours.len() {
-        let Some((first, after)) = neighbours.get_mut(i..).and_then(<[_]>::split_first_mut) else { break };
+        let Some((first, after)) = neighbours.get_mut(i..).and_then(<[_]>::split_first_mut) else {
+            break;
+        };
         let mut weighed = 0;
         for neighbour in after {
             if i32::from(neighbour.top - first.top) > TOPS_REACH {
@@ -179,11 +197,13 @@ pub(crate) fn accumulate_support(candidates: &mut [Candidate], neighbours: &mut 
     cut
 }
 
-/// Rows between the tops of two segments beyond which their hypotheses cannot contradict each other.
+/// Rows between the tops of two segments beyond which their hypotheses cannot contradict each
+/// other.
 const CONTRADICTION_REACH: i32 = SAME_ROWS + MAX_ROWS / 2;
 
-/// Calls `found` with the hypotheses `(candidate, side)` of every two of the first `count` that match the same position in the right image with
-/// different disparities: at most one of them is right.
+/// Calls `found` with the hypotheses `(candidate, side)` of every two of the first `count` that
+/// match the same position in the right image with different disparities: at most one of them is
+/// right.
 pub(crate) fn for_each_contradiction(
     neighbours: &[Neighbour],
     count: usize,
@@ -210,11 +230,14 @@ pub(crate) fn for_each_contradiction(
 }
 
 fn contradict((a, a_side): (&Neighbour, usize), (b, b_side): (&Neighbour, usize)) -> bool {
-    let (Some(hypothesis_a), Some(hypothesis_b)) = (a.hypotheses.get(a_side), b.hypotheses.get(b_side)) else {
+    let (Some(hypothesis_a), Some(hypothesis_b)) =
+        (a.hypotheses.get(a_side), b.hypotheses.get(b_side))
+    else {
         return false;
     };
     let (da, db) = (i32::from(hypothesis_a.d_q6), i32::from(hypothesis_b.d_q6));
-    (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6 && (da - db).abs() > OTHER_SURFACE_Q6
+    (a.right_q6(a_side, da) - b.right_q6(b_side, db)).abs() <= SAME_COLUMNS_Q6
+        && (da - db).abs() > OTHER_SURFACE_Q6
 }
 
 #[cfg(test)]
@@ -224,14 +247,22 @@ mod tests {
     /// Middle of an upright segment, with a hypothesis of its right side alone.
     fn neighbour(x: i16, y: i16, disparity: i16, weight_q8: u16) -> Neighbour {
         let right = SideHypothesis { d_q6: disparity << 6, weight_q8, support: 0 };
-        Neighbour { x, y, top: y - 4, near_horizontal: false, hypotheses: [SideHypothesis::EMPTY, right] }
+        Neighbour {
+            x,
+            y,
+            top: y - 4,
+            near_horizontal: false,
+            hypotheses: [SideHypothesis::EMPTY, right],
+        }
     }
 
     #[test]
     fn one_position_cannot_have_two_disparities() {
         let contradicts = |other: Neighbour| {
             let mut found = heapless::Vec::<_, 4>::new();
-            for_each_contradiction(&[neighbour(100, 50, 10, 256), other], 2, |a, b| found.push((a, b)).unwrap());
+            for_each_contradiction(&[neighbour(100, 50, 10, 256), other], 2, |a, b| {
+                found.push((a, b)).unwrap()
+            });
             assert!(found.is_empty() || found == [((0, 1), (1, 1))], "{found:?}");
             !found.is_empty()
         };

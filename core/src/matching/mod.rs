@@ -1,14 +1,17 @@
 //! Left segments -> candidates: disparities with their evidence.
 //!
-//! In: the prominent segments of the left image, support points, a moving band of rows of both images. Out: per segment a [`Candidate`], or
-//! the test that it failed as a [`Rejection`].
+//! In: the prominent segments of the left image, support points, a moving band of rows of both
+//! images. Out: per segment a [`Candidate`], or the test that it failed as a [`Rejection`].
 //!
-//! A near-vertical segment is matched as a whole (`near_vertical`), a near-horizontal one by windows above and below it (`near_horizontal`); both use the same
-//! curves of cost over disparity (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
+//! A near-vertical segment is matched as a whole (`near_vertical`), a near-horizontal one by
+//! windows above and below it (`near_horizontal`); both use the same curves of cost over disparity
+//! (`curve`), strips of a band of rows (`band`) and margin between techniques (`aggregate`).
 //!
 //! # Cost
-//! One segment of each square of the image is matched, so that their number is bounded by the area: 192 at QVGA and 20 px, at most 24 000 instructions each at 64
-//! disparities, 3.6 M in all. A picture in which every segment passes every test takes the most; [`FullSearches`] limits those of the whole range.
+//! One segment of each square of the image is matched, so that their number is bounded by the area:
+//! 192 at QVGA and 20 px, at most 24 000 instructions each at 64 disparities, 3.6 M in all. A
+//! picture in which every segment passes every test takes the most; [`FullSearches`] limits those
+//! of the whole range.
 
 pub(crate) mod aggregate;
 pub(crate) mod band;
@@ -37,7 +40,8 @@ use crate::units::{Confidence, narrow};
 use aggregate::Agreement;
 use band::Band;
 
-// The hard tests are loose: they drop hypotheses that no other evidence can make credible; the confidence model rates the rest.
+// The hard tests are loose: they drop hypotheses that no other evidence can make credible; the
+// confidence model rates the rest.
 
 /// Least number of disparities compared: with fewer there is no second-best.
 pub(crate) const MIN_RANGE: i32 = 8;
@@ -49,7 +53,8 @@ pub const MAX_WINDOW_RATIO_Q8: i32 = 230;
 pub const MAX_CENSUS_RATIO_Q8: i32 = 240;
 /// Largest uniqueness ratio, best / second-best, of a side's own window, Q8.
 pub const MAX_SIDE_RATIO_Q8: i32 = 230;
-/// Largest difference between the disparities of two sides, summed over both ends, for them to be one surface, 1/64 px.
+/// Largest difference between the disparities of two sides, summed over both ends, for them to be
+/// one surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 2 * 64;
 /// Largest difference between the disparities of both ends, 1/64 px.
 pub const MAX_SLANT_Q6: i32 = 6 << 6;
@@ -94,7 +99,8 @@ impl Candidate {
 }
 
 impl Candidate {
-    /// Difference between the two sides' disparities, summed over both ends, 1/64 px; `None` without both.
+    /// Difference between the two sides' disparities, summed over both ends, 1/64 px; `None`
+    /// without both.
     pub(crate) fn sides_apart_q6(&self) -> Option<i32> {
         let [Some(a), Some(b)] = &self.sides else { return None };
         Some((a.sum_q6() - b.sum_q6()).abs())
@@ -125,9 +131,11 @@ impl Candidate {
 pub struct Side {
     /// Disparity at the two ends, 1/64 px.
     pub disparity_q6: [i16; 2],
-    /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 unless both sides are one surface.
+    /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 unless both sides are one
+    /// surface.
     pub across_q10: i16,
-    /// Evidence by support points, Q8: [`SegmentKind::SupportAgreeing`], [`SegmentKind::SupportFarther`], [`SegmentKind::SupportNearer`]; and by other segments,
+    /// Evidence by support points, Q8: [`SegmentKind::SupportAgreeing`],
+    /// [`SegmentKind::SupportFarther`], [`SegmentKind::SupportNearer`]; and by other segments,
     /// [`SegmentKind::SegmentsAgreeing`].
     pub nearby_q8: [i16; 4],
     /// Weight of this side as a neighbour, Q8, 1 ..= 256.
@@ -141,15 +149,21 @@ pub struct Side {
     /// Probability that the edge itself has this side's disparity, Q16.
     pub(crate) edge_probability_q16: u16,
     pub(crate) rejected: bool,
-    /// True when the other side of a near-horizontal segment is nearer: an edge between two surfaces belongs to the nearer one.
+    /// True when the other side of a near-horizontal segment is nearer: an edge between two
+    /// surfaces belongs to the nearer one.
     pub(crate) is_behind: bool,
 }
 
-/// [`SegmentKind::OtherNearer`] above which the other side is nearer, Q8. Near-vertical segments are matched by the edge itself as well.
+/// [`SegmentKind::OtherNearer`] above which the other side is nearer, Q8. Near-vertical segments
+/// are matched by the edge itself as well.
 const NEARER_Q8: i32 = 144;
 
 impl Side {
-    pub(crate) fn new([d0, d1]: [i32; 2], evidence: &SegmentEvidence, (model, edge_model): (&Model, &Model)) -> Self {
+    pub(crate) fn new(
+        [d0, d1]: [i32; 2],
+        evidence: &SegmentEvidence,
+        (model, edge_model): (&Model, &Model),
+    ) -> Self {
         // A side whose second-best costs less than best / 0.8 has the least weight as a neighbour.
         let weight = 256 - evidence.get(SegmentKind::SideRatio) * 5 / 4;
         Self {
@@ -174,7 +188,8 @@ impl Side {
         i32::from(d0) + i32::from(d1)
     }
 
-    /// Probability that the disparity of the pixels next to the edge is within 1 px, neighbours included; 0 before a run has ended.
+    /// Probability that the disparity of the pixels next to the edge is within 1 px, neighbours
+    /// included; 0 before a run has ended.
     #[must_use]
     pub fn confidence(&self) -> Confidence {
         Confidence::from_bits(self.probability_q16)
@@ -190,8 +205,10 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    pub(crate) const EMPTY: Self =
-        Self { curves: [const { Curve::EMPTY }; CURVES], evidence: [const { SegmentEvidence::new() }; 2] };
+    pub(crate) const EMPTY: Self = Self {
+        curves: [const { Curve::EMPTY }; CURVES],
+        evidence: [const { SegmentEvidence::new() }; 2],
+    };
 
     /// Leaves no curve of the segment before.
     pub(crate) fn clear_curves(&mut self) {
@@ -222,7 +239,8 @@ pub(crate) struct MatchContext<'a> {
     width: i32,
     min_disparity: i32,
     max_disparity: i32,
-    /// The largest disparity of the whole range.
+    /// The smallest and the largest disparity of the whole range.
+    smallest: i32,
     largest: i32,
     support: Support<'a>,
     pub(crate) agreement: Agreement,
@@ -230,11 +248,17 @@ pub(crate) struct MatchContext<'a> {
 }
 
 impl<'a> MatchContext<'a> {
-    pub(crate) fn new(params: &Params, models: &'a Models, dims: Dims, support: Support<'a>) -> Self {
+    pub(crate) fn new(
+        params: &Params,
+        models: &'a Models,
+        dims: Dims,
+        support: Support<'a>,
+    ) -> Self {
         Self {
             width: dims.width.into(),
             min_disparity: params.min_disparity.into(),
             max_disparity: params.max_disparity.into(),
+            smallest: params.min_disparity.into(),
             largest: i32::from(params.max_disparity) - 1,
             support,
             agreement: Agreement::new(params),
@@ -242,8 +266,8 @@ impl<'a> MatchContext<'a> {
         }
     }
 
-    /// The context with the search range of one segment: the disparities of the support points around it and [`AROUND`] on both sides. `None`
-    /// where the points give no range.
+    /// The context with the search range of one segment: the disparities of the support points
+    /// around it and [`AROUND`] on both sides. `None` where the points give no range.
     fn directed(&self, segment: &Segment) -> Option<Self> {
         let (low, high) = self.support.range_around(segment.area())?;
         let (low, high) = (low - AROUND, high + 1 + AROUND);
@@ -251,7 +275,16 @@ impl<'a> MatchContext<'a> {
         let more = LANES as i32 - 1 - ((high - low - 1) & (LANES as i32 - 1));
         let (low, high) = (low - more / 2, high + more - more / 2);
         let (first, end) = (low.max(self.min_disparity), high.min(self.max_disparity));
-        (end - first >= MIN_RANGE).then_some(Self { min_disparity: first, max_disparity: end, ..*self })
+        (end - first >= MIN_RANGE).then_some(Self {
+            min_disparity: first,
+            max_disparity: end,
+            ..*self
+        })
+    }
+
+    /// First disparity and the one after the last, px.
+    pub(crate) fn disparities(&self) -> (i32, i32) {
+        (self.min_disparity, self.max_disparity)
     }
 
     /// True at the largest disparity of the whole range: a minimum may lie beyond.
@@ -259,15 +292,31 @@ impl<'a> MatchContext<'a> {
         disparity >= self.largest
     }
 
+    /// True where a minimum may lie beyond the disparities compared, a first one and their number:
+    /// at the largest, and at the smallest unless nothing is farther.
+    pub(crate) fn is_end(&self, disparity: i32, (first, len): (i32, i32)) -> bool {
+        self.is_last(disparity)
+            || disparity >= first + len - 1
+            || disparity <= first && first > self.smallest
+    }
+
     /// Detail of the left image, Q8.
     pub(crate) fn detail_q8(&self) -> i32 {
         self.support.detail_q8.into()
     }
 
-    /// First disparity and number of disparities to compare for a left window at this column, so that the match lies at columns `from .. to` of
-    /// the right image, the valid ones.
-    pub(crate) fn range_before(&self, column: i32, (from, to): (i32, i32)) -> Result<(i32, i32), Rejection> {
-        let first = if to < self.width { self.min_disparity.max(column + 1 - to) } else { self.min_disparity };
+    /// First disparity and number of disparities to compare for a left window at this column, so
+    /// that the match lies at columns `from .. to` of the right image, the valid ones.
+    pub(crate) fn range_before(
+        &self,
+        column: i32,
+        (from, to): (i32, i32),
+    ) -> Result<(i32, i32), Rejection> {
+        let first = if to < self.width {
+            self.min_disparity.max(column + 1 - to)
+        } else {
+            self.min_disparity
+        };
         let len = self.max_disparity.min(column + 1 - from) - first;
         if len < MIN_RANGE { Err(Rejection::NearBorder) } else { Ok((first, len)) }
     }
@@ -284,12 +333,15 @@ pub(crate) enum Search {
     Cut,
 }
 
-/// Searches of the whole range that a run may make, evenly down the rows, so that the bottom is not starved.
+/// Searches of the whole range that a run may make, evenly down the rows, so that the bottom is not
+/// starved.
 ///
-/// A picture in which no support point is credible, and every segment passes every test, would cost 1.4 times the median.
+/// A picture in which no support point is credible, and every segment passes every test, would cost
+/// 1.4 times the median.
 ///
 /// # Bounds
-/// One segment is kept of each square of at most 256 px: those searched, times the pixels of a square, are at most (1320 + 256)^2, 4.0e7 in Q4.
+/// One segment is kept of each square of at most 256 px: those searched, times the pixels of a
+/// square, are at most (1320 + 256)^2, 4.0e7 in Q4.
 pub(crate) struct FullSearches<'a> {
     areas: Option<&'a [Area]>,
     dims: Dims,
@@ -301,7 +353,8 @@ pub(crate) struct FullSearches<'a> {
 impl<'a> FullSearches<'a> {
     /// Searches from the start.
     const FIXED: i32 = 4;
-    /// Searches per square, 1/16. Captured pairs take up to 0.41, 0.56 where they are not rectified or the range is too small.
+    /// Searches per square, 1/16. Captured pairs take up to 0.41, 0.56 where they are not rectified
+    /// or the range is too small.
     const PER_SQUARE_Q4: i32 = 10;
 
     pub(crate) fn new(areas: Option<&'a [Area]>, dims: Dims, cell: u16) -> Self {
@@ -313,8 +366,10 @@ impl<'a> FullSearches<'a> {
         let bottom = segment.area().bottom;
         let above = |area: &Area| Area { bottom: area.bottom.min(bottom), ..*area }.pixels() as i32;
         let whole = above(&Area::of(self.dims));
-        let searched = self.areas.map_or(whole, |areas| areas.iter().map(above).sum::<i32>().min(whole));
-        let is_left = ((self.taken - Self::FIXED) * self.square) << 4 < searched * Self::PER_SQUARE_Q4;
+        let searched =
+            self.areas.map_or(whole, |areas| areas.iter().map(above).sum::<i32>().min(whole));
+        let is_left =
+            ((self.taken - Self::FIXED) * self.square) << 4 < searched * Self::PER_SQUARE_Q4;
         self.taken += i32::from(is_left);
         is_left
     }

@@ -1,28 +1,35 @@
-//! Near-vertical segments: windows shaped by the segment, census along it, and the sides that own its disparity.
+//! Near-vertical segments: windows shaped by the segment, census along it, and the sides that own
+//! its disparity.
 //!
-//! In: a left segment and the band of rows around it. Out: a candidate with one line of disparity and the evidence of each side that owns it, or
-//! the test that it fails.
+//! In: a left segment and the band of rows around it. Out: a candidate with one line of disparity
+//! and the evidence of each side that owns it, or the test that it fails.
 //!
 //! ```text
-//! window:  lower of two one-sided windows (edge and left side, edge and right side), over every disparity; has to be unique
-//! census:  Hamming distances at points beside the edge, lower side; has to be unique and within the margin of the window
+//! window:  lower of two one-sided windows (edge and left side, edge and right side), over every
+//!          disparity; has to be unique
+//! census:  Hamming distances at points beside the edge, lower side; has to be unique and within
+//!          the margin of the window
 //! halves:  a disparity for each half gives the line of disparity along the segment
 //! feature: the edge in the right image, near the window's disparity
-//! owners:  sides whose own window, edge left out, is unique at this disparity; a strip narrower than that has both of its edges in the right image
+//! owners:  sides whose own window, edge left out, is unique at this disparity; a strip narrower
+//!          than that has both of its edges in the right image
 //! ```
 //!
 //! # Bounds
-//! Gradients differ by at most 62, so a strip costs at most 8 * 62 a row; two rows a half, two halves, two strips: sums stay below 2^12.
-//! All other numbers are disparities in 1/64 px (below 2^15) and ratios in Q8 (at most 768).
+//! Gradients differ by at most 62, so a strip costs at most 8 * 62 a row; two rows a half, two
+//! halves, two strips: sums stay below 2^12. All other numbers are disparities in 1/64 px (below
+//! 2^15) and ratios in Q8 (at most 768).
 //!
 //! # Cost
-//! 12 strips and 16 points of census over the disparities, some 20 passes over a curve: 24 000 instructions at 64 disparities, whatever the length.
+//! 12 strips and 16 points of census over the disparities, some 20 passes over a curve: 24 000
+//! instructions at 64 disparities, whatever the length.
 
 use super::aggregate::join_sides;
 use super::band::{Band, SampledRows};
 use super::feature::{self, SteepLine};
 use super::{
-    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, MatchContext, Workspace,
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8,
+    MatchContext, Workspace,
 };
 use crate::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
 use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
@@ -32,11 +39,13 @@ use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
 
-/// Most rows of a half's window: adjacent rows are nearly redundant (leave one out: no change in any score against twice as many).
+/// Most rows of a half's window: adjacent rows are nearly redundant (leave one out: no change in
+/// any score against twice as many).
 const HALF_ROWS: i32 = 2;
 /// Most rows of a census column, likewise.
 const CENSUS_ROWS: i32 = 4;
-/// First column of the three strips of eight, relative to the edge: the left side, the edge itself, the right side.
+/// First column of the three strips of eight, relative to the edge: the left side, the edge itself,
+/// the right side.
 const STRIP_COLUMNS: [i32; 3] = [-9, -4, 2];
 /// Distance between the centres of the two sides' strips, px.
 const SIDES_APART: i32 = 11;
@@ -100,10 +109,12 @@ pub(crate) fn match_near_vertical(
 ) -> Result<Candidate, Rejection> {
     let [a, b, c, d, e, f, g, h, i, joint, census_left, census_right] = &mut work.curves;
     let extent = Extent::new(segment);
-    let mut windows = Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], rows: 0, centres_q1: [0; 2] };
+    let mut windows =
+        Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], rows: 0, centres_q1: [0; 2] };
     windows.fill(&extent, context, band)?;
     let window = windows.match_whole(joint)?;
-    if context.is_last(window.best.at) {
+    let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
+    if context.is_end(window.best.at, range) {
         return Err(Rejection::WindowNotUnique);
     }
     let census = match_census(&extent, context, band, [census_left, census_right], joint)?;
@@ -124,7 +135,10 @@ pub(crate) fn match_near_vertical(
     shared.set(SegmentKind::Slant, quotient(slant_q6.abs() << 3, count));
     shared.set(SegmentKind::Length, log2_mean_q8(count.unsigned_abs(), 1));
     shared.set(SegmentKind::NoFeature, i32::from(feature_q6.is_none()) << 8);
-    shared.set(SegmentKind::FeatureGap, feature_q6.map_or(0, |feature| (feature - middle_q6).abs().min(128) << 2));
+    shared.set(
+        SegmentKind::FeatureGap,
+        feature_q6.map_or(0, |feature| (feature - middle_q6).abs().min(128) << 2),
+    );
     shared.set(SegmentKind::Lean, extent.line.slope_q12().abs() >> 4);
     shared.set(SegmentKind::Range, log2_mean_q8(windows.range(), 1));
     shared.set(SegmentKind::Detail, context.detail_q8());
@@ -139,8 +153,10 @@ pub(crate) fn match_near_vertical(
             || !feature::lacks_other_edge(&extent.line, segment.rising, sign, line_q6, band)
     };
     let evidence = [
-        hypothesis(shared, &left, &right, census_left, at, windows.rows, -256).filter(|_| may_own(-1)),
-        hypothesis(shared, &right, &left, census_right, at, windows.rows, 256).filter(|_| may_own(1)),
+        hypothesis(shared, &left, &right, census_left, at, windows.rows, -256)
+            .filter(|_| may_own(-1)),
+        hypothesis(shared, &right, &left, census_right, at, windows.rows, 256)
+            .filter(|_| may_own(1)),
     ];
     let mut sides = work.rate(&evidence, [line_q6; 2], context.models.of(false));
     if sides.iter().all(Option::is_none) {
@@ -165,7 +181,12 @@ impl Extent {
 }
 
 impl Windows<'_> {
-    fn fill(&mut self, extent: &Extent, context: &MatchContext<'_>, band: &Band<'_>) -> Result<(), Rejection> {
+    fn fill(
+        &mut self,
+        extent: &Extent,
+        context: &MatchContext<'_>,
+        band: &Band<'_>,
+    ) -> Result<(), Rejection> {
         let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
         let (first, last) = extent.rows;
         if last - first < 2 {
@@ -196,7 +217,8 @@ impl Windows<'_> {
         u32::try_from(any.len()).unwrap_or(0)
     }
 
-    /// Matches the lower of two one-sided windows, so that a depth edge still matches on its nearer side.
+    /// Matches the lower of two one-sided windows, so that a depth edge still matches on its nearer
+    /// side.
     fn match_whole(&self, joint: &mut Curve) -> Result<WindowMatch, Rejection> {
         let [left, edge, right] = &self.whole;
         joint.set_lower_sum(left, right, edge);
@@ -210,7 +232,8 @@ impl Windows<'_> {
 
     /// The disparity of each half by its own windows, 1/64 px.
     fn match_halves(&self, at: i32) -> Result<(i32, i32), Rejection> {
-        // One side throughout: the lower of two sides at each disparity would be no curve of absolute differences.
+        // One side throughout: the lower of two sides at each disparity would be no curve of
+        // absolute differences.
         let [left, _, right] = &self.whole;
         let left_is_better = left.at(at) <= right.at(at);
         let [upper, lower] = self.halves.each_ref().map(|[left, edge, right]| {
@@ -218,10 +241,15 @@ impl Windows<'_> {
             let cost = |d| Some(side.at(d)?.saturating_add(edge.at(d)?));
             subpixel_q6(minimum_near(at, HALF_REACH, cost).at, cost)
         });
-        if (lower - upper).abs() > MAX_SLANT_Q6 / 2 { Err(Rejection::Slant) } else { Ok((upper, lower)) }
+        if (lower - upper).abs() > MAX_SLANT_Q6 / 2 {
+            Err(Rejection::Slant)
+        } else {
+            Ok((upper, lower))
+        }
     }
 
-    /// The line through the halves' disparities, each at the mean of its rows: values at the first and the last row, 1/64 px.
+    /// The line through the halves' disparities, each at the mean of its rows: values at the first
+    /// and the last row, 1/64 px.
     fn line_q6(&self, upper_q6: i32, lower_q6: i32, (first, last): (i32, i32)) -> [i32; 2] {
         let [upper, lower] = self.centres_q1;
         let slant_q6 = lower_q6 - upper_q6;
@@ -234,32 +262,36 @@ impl Windows<'_> {
         ratio_q8(edge.minimum_near(at, 1).cost, edge.second_best(at))
     }
 
-    /// Evaluates the left and the right side's own windows, edge left out, at the disparity `at`; each half moved by its own slant.
+    /// Evaluates the left and the right side's own windows, edge left out, at the disparity `at`;
+    /// each half moved by its own slant.
     fn evaluate_sides(&mut self, at: i32, upper_q6: i32, lower_q6: i32) -> [Ownership; 2] {
         let [upper_shift, lower_shift] = [upper_q6, lower_q6].map(|q6| (q6 - (at << 6) + 32) >> 6);
         let [[upper_left, _, upper_right], [lower_left, _, lower_right]] = &self.halves;
         let [left, _, right] = &mut self.whole;
-        [(left, upper_left, lower_left), (right, upper_right, lower_right)].map(|(curve, upper, lower)| {
-            if (upper_shift, lower_shift) != (0, 0) {
-                curve.set_shifted_sum(upper, upper_shift, lower, lower_shift);
-            }
-            let near = curve.minimum_near(at, 1);
-            let second_best = curve.second_best(at);
-            Ownership {
-                cost: near.cost,
-                second_best,
-                ratio_q8: ratio_q8(near.cost, second_best),
-                preferred: curve.minimum().at,
-                disparity_q6: curve.subpixel_q6(near.at),
-            }
-        })
+        [(left, upper_left, lower_left), (right, upper_right, lower_right)].map(
+            |(curve, upper, lower)| {
+                if (upper_shift, lower_shift) != (0, 0) {
+                    curve.set_shifted_sum(upper, upper_shift, lower, lower_shift);
+                }
+                let near = curve.minimum_near(at, 1);
+                let second_best = curve.second_best(at);
+                Ownership {
+                    cost: near.cost,
+                    second_best,
+                    ratio_q8: ratio_q8(near.cost, second_best),
+                    preferred: curve.minimum().at,
+                    disparity_q6: curve.subpixel_q6(near.at),
+                }
+            },
+        )
     }
 }
 
 /// Most strips of one column.
 const STRIPS: usize = HALF_ROWS as usize;
 
-/// Lists strips of eight columns that follow the line over `rows`, one list per offset from it in `columns`, searched from disparity `first` on.
+/// Lists strips of eight columns that follow the line over `rows`, one list per offset from it in
+/// `columns`, searched from disparity `first` on.
 fn gather<'b>(
     line: &SteepLine,
     rows: SampledRows,
@@ -278,7 +310,8 @@ fn gather<'b>(
     }
 }
 
-/// Matches by census, over two columns of points on each side of the edge, the lower side at each disparity.
+/// Matches by census, over two columns of points on each side of the edge, the lower side at each
+/// disparity.
 fn match_census(
     extent: &Extent,
     context: &MatchContext<'_>,
@@ -330,11 +363,18 @@ fn hypothesis(
     let mut evidence = shared;
     evidence.set(SegmentKind::SideRatio, own.ratio_q8);
     evidence.set(SegmentKind::SideCost, log2_mean_q8(own.cost.into(), rows * 8));
-    evidence.set(SegmentKind::SideMargin, log2_mean_q8(own.second_best.saturating_sub(own.cost).into(), rows * 8));
-    evidence.set(SegmentKind::CensusSideRatio, ratio_q8(census.minimum_near(at, 1).cost, census.second_best(at)));
+    evidence.set(
+        SegmentKind::SideMargin,
+        log2_mean_q8(own.second_best.saturating_sub(own.cost).into(), rows * 8),
+    );
+    evidence.set(
+        SegmentKind::CensusSideRatio,
+        ratio_q8(census.minimum_near(at, 1).cost, census.second_best(at)),
+    );
     evidence.set(SegmentKind::OtherRatio, other.ratio_q8);
     evidence.set(SegmentKind::OtherDiffers, i32::from((other.preferred - at).abs() > 2) << 8);
-    let other_nearer = if other.preferred > at + 2 { (other.ratio_q8 - 256).clamp(0, 256) } else { 0 };
+    let other_nearer =
+        if other.preferred > at + 2 { (other.ratio_q8 - 256).clamp(0, 256) } else { 0 };
     evidence.set(SegmentKind::OtherNearer, other_nearer);
     evidence.set(SegmentKind::SideDiffers, i32::from((own.preferred - at).abs() > 1) << 8);
     evidence.set(SegmentKind::WhichSide, which_side);

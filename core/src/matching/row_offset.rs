@@ -1,16 +1,21 @@
 //! Row offset of a pair, by the near-horizontal segments of both images.
 //!
-//! In: the segments of both images. Out: offset to add to a left row for the matching right row, 1/32 px.
+//! In: the segments of both images. Out: offset to add to a left row for the matching right row,
+//! 1/32 px.
 //!
 //! ```text
-//! for every left and right near-horizontal segment that could be the same edge: a vote for the difference of their rows
-//! the offset is the largest cluster of votes within +-2 px, if it has enough of them; else 0
+//! for every left and right near-horizontal segment that could be the same edge: a vote for the
+//!     difference of their rows
+//! the offset is the largest cluster of votes within +-2 px, if it has enough of them; else it is
+//! not known
 //! ```
-//! Votes of true pairs agree, those of false ones spread evenly over the interval. No pixels are read.
+//! Votes of true pairs agree, those of false ones spread evenly over the interval. No pixels are
+//! read.
 //!
 //! # Cost
-//! Some 20 instructions a comparison of a left segment with a right one on its rows; one in [`PIXELS_A_COMPARISON`] px at most, half of them from the
-//! start, the rest evenly over the left segments. Captured pairs make up to 0.7 of those, gratings had three times as many.
+//! Some 20 instructions a comparison of a left segment with a right one on its rows; one in
+//! [`PIXELS_A_COMPARISON`] px at most, half of them from the start, the rest evenly over the left
+//! segments. Captured pairs make up to 0.7 of those, gratings had three times as many.
 
 use crate::lines::Segment;
 use crate::units::quotient;
@@ -24,9 +29,15 @@ const PIXELS_A_COMPARISON: u32 = 6;
 /// Least votes in the cluster.
 const MIN_VOTES: u32 = 8;
 
-/// Row offset of the right image against the left, 1/32 px, 0 when the votes do not determine it; and the number of left segments that were not
-/// compared, because an image of so many `pixels` had enough of them.
-pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i32), pixels: u32) -> (i16, u16) {
+/// Row offset of the right image against the left, 1/32 px, `None` when the votes do not determine
+/// it; and the number of left segments that were not compared, because an image of so many `pixels`
+/// had enough of them.
+pub(crate) fn estimate(
+    left: &[Segment],
+    right: &[Segment],
+    disparities: (i32, i32),
+    pixels: u32,
+) -> (Option<i16>, u16) {
     let limit_q5 = i32::from(LIMIT_Q5);
     let mut votes = [0_u32; BINS];
     let flat = || left.iter().filter(|s| s.near_horizontal);
@@ -40,7 +51,8 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i
             continue;
         }
         let (x0, y0, x1, y1) = segment.ends_q5();
-        let first = right.partition_point(|s| s.ends_q5().1.min(s.ends_q5().3) < y0.min(y1) - limit_q5 - 32);
+        let first = right
+            .partition_point(|s| s.ends_q5().1.min(s.ends_q5().3) < y0.min(y1) - limit_q5 - 32);
         for other in right.get(first..).unwrap_or(&[]) {
             let (u0, v0, u1, v1) = other.ends_q5();
             if v0.min(v1) > y0.min(y1) + limit_q5 + 32 {
@@ -60,11 +72,12 @@ pub(crate) fn estimate(left: &[Segment], right: &[Segment], disparities: (i32, i
             }
         }
     }
-    (crate::units::narrow(peak(&votes)), cut)
+    (peak(&votes).map(crate::units::narrow), cut)
 }
 
-/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the votes of an even spread; else 0.
-fn peak(votes: &[u32; BINS]) -> i32 {
+/// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the
+/// votes of an even spread.
+fn peak(votes: &[u32; BINS]) -> Option<i32> {
     let total: u32 = votes.iter().sum();
     let mut best = (0, 0_i32);
     for (window, start) in votes.windows(5).zip(0_i32..) {
@@ -75,7 +88,7 @@ fn peak(votes: &[u32; BINS]) -> i32 {
         }
     }
     let (weight, centre_q5) = best;
-    if weight >= MIN_VOTES && weight * BINS as u32 >= total * 5 * 3 / 2 { centre_q5 } else { 0 }
+    (weight >= MIN_VOTES && weight * BINS as u32 >= total * 5 * 3 / 2).then_some(centre_q5)
 }
 
 #[cfg(test)]
@@ -85,20 +98,29 @@ mod tests {
 
     #[test]
     fn votes_that_agree_are_an_offset_and_spread_ones_are_none() {
-        assert_eq!(peak(&[3; BINS]), 0);
+        assert_eq!(peak(&[3; BINS]), None);
         for (middle, offset_q5) in [(25, 36), (7, -36)] {
             let mut votes = [1; BINS];
-            votes.iter_mut().skip(middle - 2).zip([2, 6, 9, 6, 2]).for_each(|(slot, count)| *slot = count);
-            assert_eq!(peak(&votes), offset_q5);
+            votes
+                .iter_mut()
+                .skip(middle - 2)
+                .zip([2, 6, 9, 6, 2])
+                .for_each(|(slot, count)| *slot = count);
+            assert_eq!(peak(&votes), Some(offset_q5));
         }
         let alone = |count| peak(&core::array::from_fn(|bin| if bin == 20 { count } else { 0 }));
-        assert_eq!([MIN_VOTES - 1, MIN_VOTES].map(alone), [0, 16]);
+        assert_eq!([MIN_VOTES - 1, MIN_VOTES].map(alone), [None, Some(16)]);
     }
 
     /// From `x` on, px; the row in 1/32 px.
     fn flat(x: u16, row_q5: u16, length: u16) -> Segment {
         let end = |x| ImagePosition { x: Position::from_num(x), y: Position::from_bits(row_q5) };
-        Segment { ends: [end(x), end(x + length)], rising: true, contrast: 40, near_horizontal: true }
+        Segment {
+            ends: [end(x), end(x + length)],
+            rising: true,
+            contrast: 40,
+            near_horizontal: true,
+        }
     }
 
     #[test]
@@ -123,7 +145,7 @@ mod tests {
                     three.copy_from_slice(&[edge(row, 0), another, another]);
                 }
                 right.sort_unstable_by_key(|segment| segment.ends_q5().1);
-                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (moved_q5, 0));
+                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (Some(moved_q5), 0));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! A region's pixels as a bit mask: membership of a pixel in constant time.
 //!
-//! In: a region, and words for a bit per pixel of the image. Out: membership of a pixel, the region's centre, half size, and thinness.
+//! In: a region, and words for a bit per pixel of the image. Out: membership of a pixel, the
+//! region's centre, half size, and thinness.
 //!
 //! # Bounds
 //! Sums of columns and rows over at most 2^21 pixels of at most 2^12: below 2^34, `i64`.
@@ -23,7 +24,8 @@ pub(crate) struct Cover<'a> {
     pub(crate) centre: [i32; 2],
     /// Half of the area's width and height, px, at least 1.
     pub(crate) half_size: [i32; 2],
-    /// True for a mask of at most [`THIN`] px a row on average: no window beside an edge lies in it.
+    /// True for a mask of at most [`THIN`] px a row on average: no window beside an edge lies in
+    /// it.
     pub(crate) is_thin: bool,
 }
 
@@ -40,7 +42,15 @@ impl<'a> Cover<'a> {
         let half = |from: u16, to: u16| ((i32::from(to) - i32::from(from) + 1) >> 1).max(1);
         let half_size = [half(area.left, area.right), half(area.top, area.bottom)];
         let Shape::Mask(runs) = region.shape() else {
-            return Self { area, width, bits: None, pixels: area.pixels(), centre, half_size, is_thin: false };
+            return Self {
+                area,
+                width,
+                bits: None,
+                pixels: area.pixels(),
+                centre,
+                half_size,
+                is_thin: false,
+            };
         };
 
         let words = (usize::from(area.top) * width) >> 5..=(usize::from(area.bottom) * width) >> 5;
@@ -50,7 +60,9 @@ impl<'a> Cover<'a> {
         let (mut pixels, mut columns, mut rows) = (0_i64, 0_i64, 0_i64);
         let first = runs.partition_point(|run| run.y < area.top);
         let last = runs.partition_point(|run| run.y < area.bottom);
-        for run in runs.get(first..last).unwrap_or(&[]).iter().filter(|run| run.label == region.label()) {
+        for run in
+            runs.get(first..last).unwrap_or(&[]).iter().filter(|run| run.label == region.label())
+        {
             paint(run, width, marks);
             let [start, end] = [run.span.start, run.span.end].map(i64::from);
             pixels += end - start;
@@ -84,7 +96,8 @@ impl<'a> Cover<'a> {
 /// Sets the bits of a run.
 fn paint(run: &Run, width: usize, marks: &mut [u32]) {
     let row = usize::from(run.y) * width;
-    let (start, last) = (row + usize::from(run.span.start), row + usize::from(run.span.end).saturating_sub(1));
+    let (start, last) =
+        (row + usize::from(run.span.start), row + usize::from(run.span.end).saturating_sub(1));
     let words = start >> 5..=last >> 5;
     for (word, index) in marks.iter_mut().skip(*words.start()).zip(words.clone()) {
         let from = if index == *words.start() { u32::MAX << (start & 31) } else { u32::MAX };

@@ -1,25 +1,32 @@
 //! Regions of a detector -> the depth of each, or the reason why there is none.
 //!
-//! In: the candidates and support points of the last run, and regions. Out: an [`ObjectDepth`] each.
+//! In: the candidates and support points of the last run, and regions. Out: an [`ObjectDepth`]
+//! each.
 //!
 //! ```text
 //! cover:   the region's pixels, its centre
-//! region_support: hypotheses whose windows lie in it, or whose edges where it is thinner than windows, each with a weight
-//! surface: the plane of disparity with the largest support (in a box: the nearest one with enough support)
-//! refusal: where its weight is small, where it lies on the outline only, where a second surface or the support points contradict it, where it has
-//!          no parallax
-//! answer:  its value at the region's centre, limited to the range of its hypotheses and 1/4 px more
-//! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the hypotheses' middle from the region's / 48)^2 + (range of their disparities / 8)^2
+//! region_support: hypotheses whose windows lie in it, or whose edges where it is thinner than
+//!                 windows, each with a weight
+//! surface: the plane of disparity with the largest support (in a box: the nearest one with
+//!     enough support)
+//! refusal: where its weight is small, where it lies on the outline only, where a second surface or
+//!          the support points contradict it, where it has no parallax
+//! answer:  its value at the region's centre, limited to the range of its hypotheses and 1/4 px
+//!          more
+//! sigma^2 = 1/8^2 + 0.4^2 / weight + (distance of the hypotheses' middle from the region's /
+//!     48)^2 + (range of their disparities / 8)^2
 //! ```
-//! In a box 0.8^2 and range / 4: its hypotheses and its centre need not be the object's.
-//! Real surfaces bend: a plane is less accurate away from its hypotheses and for a wide range of disparities. The constants are rounded from a
-//! fit of the errors on 14 QVGA scenes left one out and on the same scenes at 1.3 and 2 times the size.
+//! In a box 0.8^2 and range / 4: its hypotheses and its centre need not be the object's. Real
+//! surfaces bend: a plane is less accurate away from its hypotheses and for a wide range of
+//! disparities. The constants are rounded from a fit of the errors on 14 QVGA scenes left one out
+//! and on the same scenes at 1.3 and 2 times the size.
 //!
-//! The answer depends on the region, on segments within `OBJECT_REACH`, 6 px, of it and on the support points around these; not on other
-//! regions, or the order of lists.
+//! The answer depends on the region, on segments within `OBJECT_REACH`, 6 px, of it and on the
+//! support points around these; not on other regions, or the order of lists.
 //!
 //! # Cost
-//! A box of a fifteenth of a QVGA image: 92 000 instructions on a Cortex-M7; at most 24 comparisons a hypothesis.
+//! A box of a fifteenth of a QVGA image: 92 000 instructions on a Cortex-M7; at most 24 comparisons
+//! a hypothesis.
 
 mod cover;
 mod refusal;
@@ -28,6 +35,7 @@ pub(crate) mod region_support;
 mod rows;
 mod surface;
 
+use crate::bars::{self, Bar};
 use crate::confidence::Models;
 use crate::image::Dims;
 use crate::matching::Candidate;
@@ -56,14 +64,20 @@ pub enum NoDepth {
     OnlyOutline,
     /// The pair is not fit to be used.
     UnhealthyPair,
-    /// Its pixels are the same in both images: it is too far for a depth, or no part of the scene (dirt, overlaid text).
+    /// Its pixels are the same in both images: it is too far for a depth, or no part of the scene
+    /// (dirt, overlaid text).
     NoParallax,
 }
 
 impl NoDepth {
     /// Every reason.
-    pub const ALL: [Self; 5] =
-        [Self::LittleSupport, Self::TwoSurfaces, Self::OnlyOutline, Self::UnhealthyPair, Self::NoParallax];
+    pub const ALL: [Self; 5] = [
+        Self::LittleSupport,
+        Self::TwoSurfaces,
+        Self::OnlyOutline,
+        Self::UnhealthyPair,
+        Self::NoParallax,
+    ];
 
     /// The reason in snake case, as in JSON and tables.
     #[must_use]
@@ -83,9 +97,13 @@ impl fmt::Display for NoDepth {
         f.write_str(match self {
             Self::LittleSupport => "too few credible hypotheses in the region",
             Self::TwoSurfaces => "two surfaces explain the region equally well",
-            Self::OnlyOutline => "hypotheses on the outline only: they may belong to what is beside the region",
+            Self::OnlyOutline => {
+                "hypotheses on the outline only: they may belong to what is beside the region"
+            }
             Self::UnhealthyPair => "the pair is not fit to be used",
-            Self::NoParallax => "the same pixels in both images: too far for a depth, or dirt, or overlaid text",
+            Self::NoParallax => {
+                "the same pixels in both images: too far for a depth, or dirt, or overlaid text"
+            }
         })
     }
 }
@@ -100,7 +118,8 @@ pub struct ObjectDepth {
     pub disparity: Result<Disparity, NoDepth>,
     /// Standard deviation of the disparity in px; 0 where there is none.
     pub sigma: Disparity,
-    /// Slope of the object's plane: change of the disparity per pixel to the right and downwards, 1/1024 px.
+    /// Slope of the object's plane: change of the disparity per pixel to the right and downwards,
+    /// 1/1024 px.
     pub slope_q10: [i16; 2],
     /// Largest distance of its hypotheses' disparities from the plane, px.
     pub spread: Disparity,
@@ -116,7 +135,8 @@ pub struct ObjectDepth {
     pub confidence: Confidence,
 }
 
-/// Results of the last run that the depth of regions is computed from, and working memory (`neighbours`, `order`, `marks`).
+/// Results of the last run that the depth of regions is computed from, and working memory
+/// (`neighbours`, `order`, `marks`).
 pub(crate) struct ObjectQuery<'a> {
     pub(crate) candidates: &'a [Candidate],
     pub(crate) support: Support<'a>,
@@ -126,6 +146,7 @@ pub(crate) struct ObjectQuery<'a> {
     pub(crate) neighbours: &'a mut [Neighbour],
     pub(crate) order: &'a mut VecView<Ranked>,
     pub(crate) marks: &'a mut [u32],
+    pub(crate) bars: &'a [Bar],
 }
 
 impl ObjectQuery<'_> {
@@ -133,6 +154,15 @@ impl ObjectQuery<'_> {
     #[inline(never)]
     pub(crate) fn depth_of(&mut self, region: &Region<'_>) -> ObjectDepth {
         let cover = Cover::new(region, self.dims.width, self.marks);
+        if !cover.is_box() {
+            let [_, row] = cover.centre;
+            let contains = |x: i32, y: i32| cover.contains(x, y);
+            if let Some((bar, d_q6)) =
+                bars::depth_of(self.bars, (region.area(), cover.pixels), row, contains)
+            {
+                return of_bar(region.label(), &bar, d_q6, self.rig.as_ref());
+            }
+        }
         let found = region_support::gather(
             (self.candidates, self.support),
             self.models,
@@ -141,15 +171,42 @@ impl ObjectQuery<'_> {
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8); // sums are below 2^22
-        let surface = surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), self.order).unwrap_or_default();
+        let surface = surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), self.order)
+            .unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
-            None => answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref()),
+            None => {
+                answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref())
+            }
         }
     }
 }
 
-fn answer(label: u16, surface: &Surface, all_q8: u32, is_box: bool, rig: Option<&Rig>) -> ObjectDepth {
+/// The depth of a mask that shows a bar.
+fn of_bar(label: u16, bar: &Bar, d_q6: i32, rig: Option<&Rig>) -> ObjectDepth {
+    let (disparity, sigma) = (disparity_from_q6(d_q6), bar.sigma());
+    let [a, b] = bar.disparity();
+    ObjectDepth {
+        label,
+        disparity: Ok(disparity),
+        sigma,
+        slope_q10: [0; 2],
+        spread: disparity_from_q6((i32::from(a.to_bits()) - i32::from(b.to_bits())).abs()),
+        depth: rig.map(|rig| rig.depth(disparity)),
+        depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
+        nearest: rig.map(|rig| rig.depth(a.max(b))),
+        support: 1,
+        confidence: bar.confidence(),
+    }
+}
+
+fn answer(
+    label: u16,
+    surface: &Surface,
+    all_q8: u32,
+    is_box: bool,
+    rig: Option<&Rig>,
+) -> ObjectDepth {
     let disparity = disparity_from_q6(surface.centre_q6);
     let (low, high) = surface.range_q6;
     let sigma = disparity_from_q6(sigma_q6(surface, is_box));
@@ -178,11 +235,13 @@ fn sigma_q6(surface: &Surface, is_box: bool) -> i32 {
     (64 + few + away * away + bent * bent).unsigned_abs().isqrt() as i32 // below 2^13
 }
 
-/// `1 - 0.01 - 0.08 / weight`, in a box less another 0.08 times the share of weight that is not on the plane: rounded above the errors observed.
+/// `1 - 0.01 - 0.08 / weight`, in a box less another 0.08 times the share of weight that is not on
+/// the plane: rounded above the errors observed.
 fn confidence(weight_q8: i32, all_q8: u32, is_box: bool) -> Confidence {
     let few = quotient(5243 << 8, weight_q8);
     let all = i32::try_from(all_q8).unwrap_or(i32::MAX);
-    let other = if is_box { (5243 * (256 - quotient(weight_q8 << 8, all)).clamp(0, 256)) >> 8 } else { 0 };
+    let other =
+        if is_box { (5243 * (256 - quotient(weight_q8 << 8, all)).clamp(0, 256)) >> 8 } else { 0 };
     Confidence::from_bits(u16::try_from(65_536 - 655 - few - other).unwrap_or(0))
 }
 
@@ -191,7 +250,8 @@ fn disparity_from_q6(d_q6: i32) -> Disparity {
 }
 
 impl ObjectDepth {
-    /// An object without depth; `support` is the number of segments and support points on the refused surface.
+    /// An object without depth; `support` is the number of segments and support points on the
+    /// refused surface.
     #[must_use]
     pub const fn refused(label: u16, reason: NoDepth, support: u16) -> Self {
         Self {
@@ -242,9 +302,15 @@ mod tests {
     }
 
     fn candidate([x0, y0, x1, y1]: [u16; 4], sides: [Option<Side>; 2]) -> Candidate {
-        let end = |x: u16, y: u16| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
+        let end =
+            |x: u16, y: u16| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         let near_horizontal = x0.abs_diff(x1) > y0.abs_diff(y1);
-        let segment = Segment { ends: [end(x0, y0), end(x1, y1)], rising: true, contrast: 40, near_horizontal };
+        let segment = Segment {
+            ends: [end(x0, y0), end(x1, y1)],
+            rising: true,
+            contrast: 40,
+            near_horizontal,
+        };
         Candidate::new(segment, sides, 0, 0, None)
     }
 
@@ -253,10 +319,14 @@ mod tests {
         let mut random = Random(seed);
         let mut list = Vec::new();
         for _ in 0..count {
-            let (x, y) = (least_x + random.below(u32::from(most_x - least_x - 24)), 10 + random.below(200));
-            let (dx, dy) = if random.below(2) == 0 { (random.below(4), 20) } else { (20, random.below(4)) };
+            let (x, y) =
+                (least_x + random.below(u32::from(most_x - least_x - 24)), 10 + random.below(200));
+            let (dx, dy) =
+                if random.below(2) == 0 { (random.below(4), 20) } else { (20, random.below(4)) };
             let d_q6 = 64 * (8 + 2 * i32::from(random.below(4))) + i32::from(random.below(40));
-            let mut one = |d_q6: i32| (random.below(4) > 0).then(|| side(d_q6, random.below(2000) as i16 - 400));
+            let mut one = |d_q6: i32| {
+                (random.below(4) > 0).then(|| side(d_q6, random.below(2000) as i16 - 400))
+            };
             let sides = [one(d_q6), one(d_q6 + 20)];
             list.push(candidate([x, y, x + dx, y + dy], sides)).unwrap();
         }
@@ -267,12 +337,27 @@ mod tests {
         evaluate_with(candidates, region, None)
     }
 
-    fn evaluate_with(candidates: &[Candidate], region: &Region<'_>, rig: Option<Rig>) -> ObjectDepth {
+    fn evaluate_with(
+        candidates: &[Candidate],
+        region: &Region<'_>,
+        rig: Option<Rig>,
+    ) -> ObjectDepth {
         let (mut neighbours, mut order, mut marks) =
             ([Neighbour::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
         let (neighbours, order, marks) = (&mut neighbours[..], &mut order, &mut marks[..]);
         let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[], 0);
-        ObjectQuery { candidates, support, models: &FITTED, dims: DIMS, rig, neighbours, order, marks }.depth_of(region)
+        ObjectQuery {
+            candidates,
+            support,
+            models: &FITTED,
+            dims: DIMS,
+            rig,
+            neighbours,
+            order,
+            marks,
+            bars: &[],
+        }
+        .depth_of(region)
     }
 
     /// A disc as runs.
@@ -346,11 +431,16 @@ mod tests {
         assert_eq!(cover.centre, [79, 99]); // columns 80 - half ..= 79 + half, rows 70 ..= 129, both means rounded down
     }
 
-    /// Hypotheses at these places of a box of 120 px, its left top at (40, 40), each with this disparity, px.
+    /// Hypotheses at these places of a box of 120 px, its left top at (40, 40), each with this
+    /// disparity, px.
     fn boxed(places: &[([u16; 2], i32)], rig: Option<Rig>) -> Result<Disparity, NoDepth> {
         let mut list = Vec::<Candidate, MOST>::new();
         for &([x, y], d) in places {
-            list.push(candidate([40 + x, 40 + y, 40 + x, 50 + y], [Some(side(d * 64, 1200)), None])).unwrap();
+            list.push(candidate(
+                [40 + x, 40 + y, 40 + x, 50 + y],
+                [Some(side(d * 64, 1200)), None],
+            ))
+            .unwrap();
         }
         let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
         evaluate_with(&list, &Region::boxed(1, area, DIMS).unwrap(), rig).disparity
@@ -358,19 +448,26 @@ mod tests {
 
     #[test]
     fn a_nearer_surface_in_a_corner_needs_most_of_the_weight() {
-        let corner = [[95, 95], [100, 105], [105, 95], [110, 105], [105, 100], [95, 100]].map(|at| (at, 30));
+        let corner =
+            [[95, 95], [100, 105], [105, 95], [110, 105], [105, 100], [95, 100]].map(|at| (at, 30));
         let own = [[60, 50], [40, 40], [70, 60]].map(|at| (at, 20));
         let both = |own: &[([u16; 2], i32)]| boxed(&[&corner[..], own].concat(), None);
         assert_eq!(both(&own), Err(NoDepth::TwoSurfaces));
         assert!(both(&own[..1]).is_ok(), "one of seven");
-        assert!(boxed(&corner.map(|([x, y], d)| ([x - 45, y - 45], d)), None).is_ok(), "in the middle");
+        assert!(
+            boxed(&corner.map(|([x, y], d)| ([x - 45, y - 45], d)), None).is_ok(),
+            "in the middle"
+        );
     }
 
     #[test]
     fn a_thin_region_has_the_depth_of_its_edge_before_what_is_behind() {
         // A pole of four columns, its left edge at 100, with its disparity on the right side.
-        let runs: [Run; 60] =
-            core::array::from_fn(|row| Run { label: 4, y: 70 + row as u16, span: Span { start: 100, end: 104 } });
+        let runs: [Run; 60] = core::array::from_fn(|row| Run {
+            label: 4,
+            y: 70 + row as u16,
+            span: Span { start: 100, end: 104 },
+        });
         let pole = Region::masked(4, &runs, DIMS).unwrap();
         let depth = |nearby_q8: [i16; 4], inner: usize, region: &Region<'_>| {
             let edge = Side { nearby_q8, edge_score_q8: 1800, ..side(20 * 64, 1200) };
@@ -379,13 +476,24 @@ mod tests {
         };
         let (before, behind) = ([0, 64, 0, 0], [0, 0, 64, 0]);
         assert_eq!(depth(before, 1, &pole), Ok(Disparity::from_num(20)));
-        assert_eq!(depth(behind, 1, &pole), Err(NoDepth::LittleSupport), "behind what is beside it");
-        assert_eq!(depth([0; 4], 1, &pole), Err(NoDepth::LittleSupport), "where what is beside it is");
+        assert_eq!(
+            depth(behind, 1, &pole),
+            Err(NoDepth::LittleSupport),
+            "behind what is beside it"
+        );
+        assert_eq!(
+            depth([0; 4], 1, &pole),
+            Err(NoDepth::LittleSupport),
+            "where what is beside it is"
+        );
         assert_eq!(depth(before, 0, &pole), Err(NoDepth::LittleSupport), "of the other side");
         let boxed = Region::boxed(4, pole.area(), DIMS).unwrap();
         assert_eq!(depth(before, 1, &boxed), Err(NoDepth::LittleSupport), "a box");
         // Wider above: the pole is a part of something else.
-        let wide = |run: Run| Run { span: Span { end: if run.y < 76 { 140 } else { 104 }, ..run.span }, ..run };
+        let wide = |run: Run| Run {
+            span: Span { end: if run.y < 76 { 140 } else { 104 }, ..run.span },
+            ..run
+        };
         let part = runs.map(wide);
         let part = Region::masked(4, &part, DIMS).unwrap();
         assert_eq!(depth(before, 1, &part), Err(NoDepth::LittleSupport), "a thin part");
@@ -403,12 +511,15 @@ mod tests {
 
     #[test]
     fn a_slanted_plane_is_followed_to_the_centre() {
-        // d = 20 px at the centre (100, 100), 0.02 px per px to the right, -0.01 downwards; hypotheses on the left half only.
+        // d = 20 px at the centre (100, 100), 0.02 px per px to the right, -0.01 downwards;
+        // hypotheses on the left half only.
         let mut list = Vec::<Candidate, MOST>::new();
         for y in [60, 80, 100, 120] {
             for x in [60_u16, 75, 90] {
-                let d_q6 = 20.0 * 64.0 + 64.0 * (0.02 * (f64::from(x) - 99.0) - 0.01 * (f64::from(y + 5) - 99.0));
-                list.push(candidate([x, y, x, y + 10], [Some(side(d_q6 as i32, 1200)), None])).unwrap();
+                let d_q6 = 20.0 * 64.0
+                    + 64.0 * (0.02 * (f64::from(x) - 99.0) - 0.01 * (f64::from(y + 5) - 99.0));
+                list.push(candidate([x, y, x, y + 10], [Some(side(d_q6 as i32, 1200)), None]))
+                    .unwrap();
             }
         }
         let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
@@ -416,20 +527,27 @@ mod tests {
         let d = found.disparity.unwrap().to_num::<f64>();
         assert!((d - 20.0).abs() < 0.3, "{found:?}");
         let [across, down] = found.slope_q10.map(|slope| f64::from(slope) / 1024.0);
-        assert!((0.01..0.021).contains(&across) && (-0.0105..-0.006).contains(&down), "{across} {down}");
+        assert!(
+            (0.01..0.021).contains(&across) && (-0.0105..-0.006).contains(&down),
+            "{across} {down}"
+        );
         assert_eq!(found.support, 12);
     }
 
     #[test]
     fn a_narrow_steep_wall_has_the_depth_of_its_centre() {
         // d = 12 px at the centre, 0.18 px per px to the right; most hypotheses on the right half.
-        let runs: [Run; 60] =
-            core::array::from_fn(|row| Run { label: 4, y: 70 + row as u16, span: Span { start: 100, end: 132 } });
+        let runs: [Run; 60] = core::array::from_fn(|row| Run {
+            label: 4,
+            y: 70 + row as u16,
+            span: Span { start: 100, end: 132 },
+        });
         let wall = Region::masked(4, &runs, DIMS).unwrap();
         let at = |x: u16, rows: &[u16], list: &mut Vec<Candidate, MOST>| {
             for &y in rows {
                 let d_q6 = 64.0 * (12.0 + 0.18 * (f64::from(x) - 116.0));
-                list.push(candidate([x, y, x, y + 8], [Some(side(d_q6 as i32, 1200)), None])).unwrap();
+                list.push(candidate([x, y, x, y + 8], [Some(side(d_q6 as i32, 1200)), None]))
+                    .unwrap();
             }
         };
         let mut list = Vec::new();

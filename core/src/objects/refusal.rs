@@ -1,13 +1,19 @@
 //! Tests that a region's surface has to pass before its depth is answered.
 //!
-//! In: the surface, the weights of the region's hypotheses, the support points in and around the region. Out: the reason why it is refused, or none.
+//! In: the surface, the weights of the region's hypotheses, the support points in and around the
+//! region. Out: the reason why it is refused, or none.
 //!
 //! ```text
-//! weight:      one hypothesis of high probability whose window lies in the region, without what outlines lost
-//! others:      mask: a second surface with 7/8 of the weight.  box: surface in a corner with less than 3/4 of all weight
-//! support points, by p, within 1.5 px of the plane (on it) or more than 3 px off (nearer, farther); all matched ones, not credible ones alone:
-//!     contradicted   nearer + farther > 1.5 on, in the region; in a box, which holds background, 3 on
-//!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of that: the surface is what stands beside the region
+//! weight:      one hypothesis of high probability whose window lies in the region, without what
+//!              outlines lost
+//! others:      mask: a second surface with 7/8 of the weight.  box: surface in a corner with less
+//!              than 3/4 of all weight
+//! support points, by p, within 1.5 px of the plane (on it) or more than 3 px off (nearer,
+//!     farther); all matched ones, not credible ones alone:
+//!     contradicted   nearer + farther > 1.5 on, in the region; in a box, which holds background, 3
+//!                    on
+//!     surroundings   share on the plane < 7/8 in the region, and up to 24 px around it > 3/4 of
+//!                    that: the surface is what stands beside the region
 //!     beside         a third of what surrounds the region is on the plane, and in it less than
 //!                    0.2 a point: paths carry the disparity beside a blank face over its border
 //!     blank          thrice as much on the plane around the region as in it, and in it less than
@@ -19,8 +25,9 @@
 //!     none of them for a mask of at most 4 px a row: points in it show what is behind
 //! parallax:    at least 0.75 px
 //! ```
-//! Constants are round numbers at which no right answer of 14 undamaged QVGA scenes is lost; tried on the same at 224 px, on eight scenes at a third of
-//! Middlebury's size and three at 480 px (`linestereo-lab faults`).
+//! Constants are round numbers at which no right answer of 14 undamaged QVGA scenes is lost; tried
+//! on the same at 224 px, on eight scenes at a third of Middlebury's size and three at 480 px
+//! (`linestereo-lab faults`).
 //!
 //! # Cost
 //! Some 30 instructions a support point in or within 24 px of the region.
@@ -34,10 +41,12 @@ use crate::image::Dims;
 use crate::support::{SUPPORT_PITCH, SURROUNDINGS, Support};
 use crate::units::quotient;
 
-/// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is as large as the depth. With the offset of a rig
-/// it is a thin slice of near depths instead, which is given up: what stays at its pixel is rather dirt, overlaid text or the pattern of a sensor.
+/// Least disparity of an answer, 1/64 px: the range of depths that one standard deviation spans is
+/// as large as the depth. With the offset of a rig it is a thin slice of near depths instead, which
+/// is given up: what stays at its pixel is rather dirt, overlaid text or the pattern of a sensor.
 const STILL_Q6: i32 = 48;
-/// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the region.
+/// Least weight of an answer, Q8: one hypothesis of high probability whose window lies in the
+/// region.
 const LEAST_WEIGHT_Q8: i32 = 282;
 /// Largest distance of a support point on the plane, and least of one that contradicts it, 1/64 px.
 const ON_Q6: i32 = 96;
@@ -60,13 +69,15 @@ pub(super) fn refusal(
         .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(NoDepth::NoParallax))
         .or_else(|| {
             // The windows of points in a thin region show what is behind it.
-            let agreement = || Agreement::of(surface, cover, support, (area, dims)).refusal(cover.is_box());
+            let agreement =
+                || Agreement::of(surface, cover, support, (area, dims)).refusal(cover.is_box());
             if cover.is_thin { None } else { agreement() }
         })
 }
 
 fn by_weight(surface: &Surface, found: &RegionSupport) -> Option<NoDepth> {
-    let with_outline = i32::try_from(found.weight_q8.saturating_add(found.outline_weight_q8)).unwrap_or(i32::MAX);
+    let with_outline =
+        i32::try_from(found.weight_q8.saturating_add(found.outline_weight_q8)).unwrap_or(i32::MAX);
     let is_outline = found.outline_weight_q8 > 0 && with_outline >= LEAST_WEIGHT_Q8;
     let reason = if is_outline { NoDepth::OnlyOutline } else { NoDepth::LittleSupport };
     (surface.weight_q8 < LEAST_WEIGHT_Q8).then_some(reason)
@@ -76,23 +87,27 @@ fn by_weight(surface: &Surface, found: &RegionSupport) -> Option<NoDepth> {
 fn has_equal(surface: &Surface, found: &RegionSupport, cover: &Cover<'_>) -> bool {
     let weight = surface.weight_q8;
     if cover.is_box() {
-        // The nearest surface may be another object that reaches into a corner, above all where the own one has little texture.
-        i64::from(weight) * 4 < i64::from(found.weight_q8) * 3 && is_in_a_corner(surface, cover.half_size)
+        // The nearest surface may be another object that reaches into a corner, above all where the
+        // own one has little texture.
+        i64::from(weight) * 4 < i64::from(found.weight_q8) * 3
+            && is_in_a_corner(surface, cover.half_size)
     } else {
         u64::from(surface.second_weight_q8) * 8 >= u64::from(weight.unsigned_abs()) * 7
     }
 }
 
-/// True when the mean position of its hypotheses is more than 0.6 from the centre and their standard deviation less than 0.3, in half sizes of
-/// the region.
+/// True when the mean position of its hypotheses is more than 0.6 from the centre and their
+/// standard deviation less than 0.3, in half sizes of the region.
 fn is_in_a_corner(surface: &Surface, half_size: [i32; 2]) -> bool {
     let part_q8 = |value: i32, of: i32| quotient(value.min(1 << 22) << 8, of);
     let [width2, height2] = half_size.map(|half| half * half);
     let ([u, v], [uu, vv]) = (surface.middle, surface.extent2);
-    part_q8(u * u, width2) + part_q8(v * v, height2) > 92 && part_q8(uu, width2).max(part_q8(vv, height2)) < 23
+    part_q8(u * u, width2) + part_q8(v * v, height2) > 92
+        && part_q8(uu, width2).max(part_q8(vv, height2)) < 23
 }
 
-/// Probabilities of support points, Q8, summed by where these lie relative to the plane. Below 2^23: 2^15 points.
+/// Probabilities of support points, Q8, summed by where these lie relative to the plane. Below
+/// 2^23: 2^15 points.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     points: u32,
@@ -128,7 +143,12 @@ struct Agreement {
 }
 
 impl Agreement {
-    fn of(surface: &Surface, cover: &Cover<'_>, support: Support<'_>, (area, dims): (Area, Dims)) -> Self {
+    fn of(
+        surface: &Surface,
+        cover: &Cover<'_>,
+        support: Support<'_>,
+        (area, dims): (Area, Dims),
+    ) -> Self {
         let (mut inside, mut around) = (Sums::default(), Sums::default());
         let [x0, y0] = cover.centre;
         for (x, y, point) in support.within(area.grown(SURROUNDINGS, dims)) {
@@ -150,7 +170,8 @@ impl Agreement {
         }
         let is_part = 8 * inside.on < 7 * inside.all;
         let product = |of: u32, by: u32| u64::from(of) * u64::from(by);
-        let is_beside = is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
+        let is_beside =
+            is_part && 4 * product(around.on, inside.all) > 3 * product(inside.on, around.all);
         let off = inside.nearer + inside.farther;
         let is_poor = 5 * inside.on < 256 * inside.points;
         let is_blank = 6 * inside.on < 256 * (pixels / POINT_PIXELS) && around.on > 3 * inside.on;
@@ -185,7 +206,8 @@ mod tests {
     /// Of a region of so many points of the grid.
     fn refused_of(places: u32, inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
         let pixels = places * POINT_PIXELS;
-        [false, true].map(|is_box| Agreement { pixels, repeating: 0, inside, around }.refusal(is_box))
+        [false, true]
+            .map(|is_box| Agreement { pixels, repeating: 0, inside, around }.refusal(is_box))
     }
 
     #[test]
@@ -220,7 +242,10 @@ mod tests {
 
     #[test]
     fn a_region_with_few_matched_points_has_not_one_of_several_surfaces_around_it() {
-        assert_eq!(refused_of(7, points(1, 0, 0), points(4, 0, 30)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(
+            refused_of(7, points(1, 0, 0), points(4, 0, 30)),
+            [Some(NoDepth::OnlyOutline); 2]
+        );
         assert_eq!(refused_of(7, points(1, 0, 0), points(3, 0, 30)), [None, None]);
         assert_eq!(refused_of(6, points(1, 0, 0), points(4, 0, 30)), [None, None]);
     }

@@ -1,9 +1,11 @@
 //! Pixels of one detected object: a box, or a mask as runs of pixels.
 //!
-//! In: a box or the runs of a mask, and the size of the images. Out: a [`Region`] with at least one pixel in the image.
+//! In: a box or the runs of a mask, and the size of the images. Out: a [`Region`] with at least one
+//! pixel in the image.
 //!
 //! # Cost
-//! A box is eight bytes; a mask eight bytes per run, at least one run per row. No image-sized mask is ever needed.
+//! A box is eight bytes; a mask eight bytes per run, at least one run per row. No image-sized mask
+//! is ever needed.
 
 use crate::area::Area;
 use crate::image::{Dims, Span};
@@ -25,7 +27,8 @@ pub struct Run {
 pub enum Shape<'a> {
     /// All of an area.
     Box,
-    /// The runs with the region's label, sorted by row and column; runs with other labels may lie between them.
+    /// The runs with the region's label, sorted by row and column; runs with other labels may lie
+    /// between them.
     Mask(&'a [Run]),
 }
 
@@ -56,7 +59,8 @@ pub enum RegionError {
     /// None of its pixels lies in the image.
     #[error("a region outside of the image")]
     Outside,
-    /// The run at this position of the mask starts after its end, does not lie behind the one before, or ends outside of the image.
+    /// The run at this position of the mask starts after its end, does not lie behind the one
+    /// before, or ends outside of the image.
     #[error("run {0} of the mask is empty, outside of the image, or not behind the run before it")]
     Run(u32),
 }
@@ -68,10 +72,15 @@ impl<'a> Region<'a> {
             return Err(RegionError::Empty);
         }
         let area = area.common(Area::of(dims));
-        if area.is_empty() { Err(RegionError::Outside) } else { Ok(Self { label, area, shape: Shape::Box }) }
+        if area.is_empty() {
+            Err(RegionError::Outside)
+        } else {
+            Ok(Self { label, area, shape: Shape::Box })
+        }
     }
 
-    /// The pixels of a mask that have this label. Its runs are sorted by row, then by column, and do not overlap.
+    /// The pixels of a mask that have this label. Its runs are sorted by row, then by column, and
+    /// do not overlap.
     pub fn masked(label: u16, runs: &'a [Run], dims: Dims) -> Result<Self, RegionError> {
         let mut area = Area::default();
         let mut before = None::<Run>;
@@ -86,7 +95,11 @@ impl<'a> Region<'a> {
                 area = area.joined(Area { left: start, top: y, right: end, bottom: y + 1 });
             }
         }
-        if area.is_empty() { Err(RegionError::Empty) } else { Ok(Self { label, area, shape: Shape::Mask(runs) }) }
+        if area.is_empty() {
+            Err(RegionError::Empty)
+        } else {
+            Ok(Self { label, area, shape: Shape::Mask(runs) })
+        }
     }
 
     /// Label given by the detector.
@@ -115,7 +128,11 @@ impl<'a> Region<'a> {
                 Shape::Box => true,
                 Shape::Mask(runs) => {
                     let first = runs.partition_point(|run| i32::from(run.y) < y);
-                    let row = runs.get(first..).unwrap_or(&[]).iter().take_while(|run| i32::from(run.y) == y);
+                    let row = runs
+                        .get(first..)
+                        .unwrap_or(&[])
+                        .iter()
+                        .take_while(|run| i32::from(run.y) == y);
                     row.into_iter().any(|run| run.label == self.label && run.span.contains(x))
                 }
             }

@@ -1,19 +1,26 @@
-//! Hypotheses for the depth of a region: support points in it, segments in and just around it, each with a weight.
+//! Hypotheses for the depth of a region: support points in it, segments in and just around it, each
+//! with a weight.
 //!
-//! In: the candidates and support points of a run, a region. Out: a [`Neighbour`] per support point, and per segment with at least one hypothesis
-//! that counts; the weight of both, and the weight that outlines lost.
+//! In: the candidates and support points of a run, a region. Out: a [`Neighbour`] per support
+//! point, and per segment with at least one hypothesis that counts; the weight of both, and the
+//! weight that outlines lost.
 //!
 //! ```text
-//! a side's hypothesis is evaluated at three pixels in the middle of its window (4 or 5 px off the edge):
+//! a side's hypothesis is evaluated at three pixels in the middle of its window (4 or 5 px off
+//!     the edge):
 //!     fewer than two of them in the region: it is left out
-//! weight = (2 p - 0.6, 0.05 ..= 1.2) * share of the three;  p by the side's own evidence and the support points around it
-//! both sides have the disparity and the other side lies outside: a quarter. Such an edge is the outline, and its inner side, most often
+//! weight = (2 p - 0.6, 0.05 ..= 1.2) * share of the three;  p by the side's own evidence and
+//!     the support points around it
+//! both sides have the disparity and the other side lies outside: a quarter. Such an edge is
+//!     the outline, and its inner side, most often
 //!     blank, is matched at the disparity of the surface beside the region
 //! the other side lies outside, and no support point in the region agrees: a half
-//! a mask too thin for any window, at most 4 px wide on average: its upright edges, 2 but not 4 px inside of which it lies, where they are before
+//! a mask too thin for any window, at most 4 px wide on average: its upright edges, 2 but not 4
+//!     px inside of which it lies, where they are before
 //!     the support points beside them
 //! support points: p >= 0.8, and 5 px around them in the region: half of a segment's weight
-//! in a box, surfaces near its centre are preferred: a second weight, by which the surface is selected, falls to 3/8 at the border
+//! in a box, surfaces near its centre are preferred: a second weight, by which the surface is
+//!     selected, falls to 3/8 at the border
 //! ```
 //!
 //! # Cost
@@ -32,15 +39,18 @@ use crate::support::Support;
 /// Largest distance from a region's area at which a segment has an influence, px.
 pub(crate) const OBJECT_REACH: u16 = 6;
 
-/// Least weight of a hypothesis, Q8: up to twice as much supports a surface, but does not count in the region's total.
+/// Least weight of a hypothesis, Q8: up to twice as much supports a surface, but does not count in
+/// the region's total.
 const LEAST_WEIGHT: u16 = 13;
 /// Least number of the three pixels that have to lie in the region.
 const LEAST_INSIDE: u16 = 2;
-/// Distance from the edge to the middle of a side's window, px; one more beside near-horizontal edges.
+/// Distance from the edge to the middle of a side's window, px; one more beside near-horizontal
+/// edges.
 const WINDOW_MIDDLE: i32 = 4;
 /// Distance from the edge to the pixel next to it that shows one surface alone, px.
 const NEXT_TO_EDGE: i32 = 2;
-/// Share of support points that say farther, less that of those that say nearer, above which an outline is before what surrounds it, Q8.
+/// Share of support points that say farther, less that of those that say nearer, above which an
+/// outline is before what surrounds it, Q8.
 const BEFORE_Q8: i16 = 16;
 /// Most support points of a region that are used.
 const MOST_POINTS: usize = OBJECT_POINTS;
@@ -62,7 +72,8 @@ pub(crate) struct RegionSupport {
     pub(crate) outline_weight_q8: u32,
 }
 
-/// Lists the hypotheses of the region at the front of `neighbours`: support points in it, then segments.
+/// Lists the hypotheses of the region at the front of `neighbours`: support points in it, then
+/// segments.
 pub(crate) fn gather(
     (candidates, support): (&[Candidate], Support<'_>),
     models: &Models,
@@ -117,7 +128,8 @@ pub(crate) fn gather(
     found
 }
 
-/// Lists the support points whose windows lie in the region; of more than [`MOST_POINTS`] every second, third, ...
+/// Lists the support points whose windows lie in the region; of more than [`MOST_POINTS`] every
+/// second, third, ...
 fn list_points(
     support: Support<'_>,
     (cover, area): (&Cover<'_>, Area),
@@ -132,7 +144,8 @@ fn list_points(
                 (-WINDOW_HALF, WINDOW_HALF),
                 (WINDOW_HALF, WINDOW_HALF),
             ];
-            let corners = corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
+            let corners =
+                corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
             point.probability_q16 > LEAST_PROBABILITY && cover.contains(*x, *y) && corners >= 4
         })
     };
@@ -163,13 +176,18 @@ fn probability(model: &Model, side: &Side) -> u16 {
     model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby_q8))
 }
 
-/// The side of an upright edge on which a thin region lies, and its index, where the edge lies before what is beside it. One that
-/// does not is rather mistaken for the surface behind.
-fn thin_side<'a>(candidate: &'a Candidate, windows: [u16; 2], cover: &Cover<'_>) -> Option<(usize, &'a Side)> {
+/// The side of an upright edge on which a thin region lies, and its index, where the edge lies
+/// before what is beside it. One that does not is rather mistaken for the surface behind.
+fn thin_side<'a>(
+    candidate: &'a Candidate,
+    windows: [u16; 2],
+    cover: &Cover<'_>,
+) -> Option<(usize, &'a Side)> {
     if !cover.is_thin || candidate.segment.near_horizontal || windows != [0; 2] {
         return None;
     }
-    let index = match pixels_inside(&candidate.segment, NEXT_TO_EDGE, &|x, y| cover.contains(x, y)) {
+    let index = match pixels_inside(&candidate.segment, NEXT_TO_EDGE, &|x, y| cover.contains(x, y))
+    {
         [3, 0] => 0,
         [0, 3] => 1,
         _ => return None,
@@ -179,7 +197,8 @@ fn thin_side<'a>(candidate: &'a Candidate, windows: [u16; 2], cover: &Cover<'_>)
     (farther - nearer > BEFORE_Q8).then_some((index, side))
 }
 
-/// Probability that the edge itself has the side's disparity, by its own evidence and the support points around it, Q16.
+/// Probability that the edge itself has the side's disparity, by its own evidence and the support
+/// points around it, Q16.
 fn edge_probability(edge_model: &Model, side: &Side) -> u16 {
     edge_model.probability_q16(edge_model.with_nearby_q8(side.edge_score_q8, side.nearby_q8))
 }
@@ -187,17 +206,22 @@ fn edge_probability(edge_model: &Model, side: &Side) -> u16 {
 /// True when the segment's bounding box meets the area.
 fn touches(segment: &Segment, area: Area) -> bool {
     let (x0, y0, x1, y1) = segment.ends_q5();
-    let common = |from: u16, to: u16, a: i32, b: i32| a.min(b) >> 5 < i32::from(to) && a.max(b) >> 5 >= i32::from(from);
+    let common = |from: u16, to: u16, a: i32, b: i32| {
+        a.min(b) >> 5 < i32::from(to) && a.max(b) >> 5 >= i32::from(from)
+    };
     // Rows first: most candidates lie above or below.
     common(area.top, area.bottom, y0, y1) && common(area.left, area.right, x0, x1)
 }
 
 /// True when a window of the segment can count for a region with this area.
 pub(crate) fn supports_area(segment: &Segment, area: Area) -> bool {
-    pixels_inside(segment, WINDOW_MIDDLE, &|x, y| area.contains(x, y)).into_iter().any(|inside| inside >= LEAST_INSIDE)
+    pixels_inside(segment, WINDOW_MIDDLE, &|x, y| area.contains(x, y))
+        .into_iter()
+        .any(|inside| inside >= LEAST_INSIDE)
 }
 
-/// Number, 0 ..= 3, of pixels on each side, so far away from the edge, one more beside near-horizontal edges, that belong to the region.
+/// Number, 0 ..= 3, of pixels on each side, so far away from the edge, one more beside
+/// near-horizontal edges, that belong to the region.
 #[inline(never)]
 fn pixels_inside(segment: &Segment, away: i32, contains: &dyn Fn(i32, i32) -> bool) -> [u16; 2] {
     let (x0, y0, x1, y1) = segment.ends_q5();
@@ -224,12 +248,14 @@ fn weigh(probability_q16: u16, inside: u16) -> u16 {
     share as u16 // 8 ..= 307
 }
 
-/// Factor from 1 at the centre of the area to 3/8 at its border, Q8; below that outside, at least 1/256.
+/// Factor from 1 at the centre of the area to 3/8 at its border, Q8; below that outside, at least
+/// 1/256.
 fn nearness_q8(neighbour: &Neighbour, cover: &Cover<'_>) -> u32 {
     let [half_width, half_height] = cover.half_size;
     let [x, y] = cover.centre;
     let part = |d: i32, half: i32| crate::units::quotient(d.abs() << 8, half);
-    let out_q8 =
-        part(i32::from(neighbour.x) - x, half_width).max(part(i32::from(neighbour.y) - y, half_height)).min(409);
+    let out_q8 = part(i32::from(neighbour.x) - x, half_width)
+        .max(part(i32::from(neighbour.y) - y, half_height))
+        .min(409);
     (256 - ((out_q8 * 5) >> 3)).unsigned_abs()
 }

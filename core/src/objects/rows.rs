@@ -1,6 +1,7 @@
 //! Label rows as a segmentation streams them -> runs: no image-sized mask is stored.
 //!
-//! In: the labels of one row after the other, 0 = nothing. Out: the runs that [`Region::masked`](super::Region::masked) takes, as many as fit.
+//! In: the labels of one row after the other, 0 = nothing. Out: the runs that
+//! [`Region::masked`](super::Region::masked) takes, as many as fit.
 //!
 //! # Cost
 //! Three instructions a pixel, 20 a run.
@@ -37,7 +38,8 @@ impl<'a> LabelRows<'a> {
         Self { dims, runs, row: 0, dropped: 0 }
     }
 
-    /// Takes the next row. Labels beyond the image's width and rows below it are left out; pixels that a short row lacks have no label.
+    /// Takes the next row. Labels beyond the image's width and rows below it are left out; pixels
+    /// that a short row lacks have no label.
     pub fn push(&mut self, labels: &[u16]) {
         let y = self.row;
         self.row = self.row.saturating_add(1);
@@ -49,7 +51,11 @@ impl<'a> LabelRows<'a> {
             match &mut open {
                 Some(run) if run.label == label => run.span.end = x + 1,
                 _ => {
-                    let next = (label != 0).then_some(Run { label, y, span: Span { start: x, end: x + 1 } });
+                    let next = (label != 0).then_some(Run {
+                        label,
+                        y,
+                        span: Span { start: x, end: x + 1 },
+                    });
                     self.keep(core::mem::replace(&mut open, next));
                 }
             }
@@ -73,7 +79,8 @@ impl<'a> LabelRows<'a> {
 
     /// Every label that has a run, smallest first. Each step scans all runs.
     pub fn labels(&self) -> impl Iterator<Item = u16> {
-        let next = |after: u16| self.runs.iter().map(|run| run.label).filter(|&label| label > after).min();
+        let next =
+            |after: u16| self.runs.iter().map(|run| run.label).filter(|&label| label > after).min();
         core::iter::successors(next(0), move |&label| next(label))
     }
 

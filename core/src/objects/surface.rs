@@ -1,22 +1,29 @@
 //! The surface with the largest support among a region's hypotheses, as a plane of disparity.
 //!
-//! In: the region's hypotheses. Out: a plane with its support and that of a second surface, or nothing without a hypothesis.
+//! In: the region's hypotheses. Out: a plane with its support and that of a second surface, or
+//! nothing without a hypothesis.
 //!
 //! ```text
-//! two hypotheses agree when their disparities differ by at most 1 px plus 0.04 px per px between them
+//! two hypotheses agree when their disparities differ by at most 1 px plus 0.04 px per px
+//!     between them
 //! weight of agreement: sum of the weights of the hypotheses that agree with one
-//! mask: the hypothesis with the largest.  box: the nearest hypothesis with at least a third of the largest selects the surface, of which the
+//! mask: the hypothesis with the largest.  box: the nearest hypothesis with at least a third of the
+//!                                         largest selects the surface, of which the
 //!     largest counts: a box contains background, and more of it than of a thin object
-//! plane: least squares over those that agree, then over all within 1 px of that plane; slopes are regularised towards 0
-//! mask: of a plane with a quarter of that regularisation, if it explains an eighth more: a narrow wall that the cameras see along
+//! plane: least squares over those that agree, then over all within 1 px of that plane; slopes are
+//!        regularised towards 0
+//! mask: of a plane with a quarter of that regularisation, if it explains an eighth more: a
+//!     narrow wall that the cameras see along
 //! ```
 //!
 //! # Bounds
-//! Weights are at most 307, hypotheses 2 * 4096: sums below 2^22. Products with columns or disparities below 2^36, with squares below 2^48, `i64`;
-//! scaled to 26 bits before they are multiplied with each other.
+//! Weights are at most 307, hypotheses 2 * 4096: sums below 2^22. Products with columns or
+//! disparities below 2^36, with squares below 2^48, `i64`; scaled to 26 bits before they are
+//! multiplied with each other.
 //!
 //! # Cost
-//! [`HYPOTHESES`] comparisons a hypothesis at 12 instructions, and four passes at 40, three more for a steeper plane.
+//! [`HYPOTHESES`] comparisons a hypothesis at 12 instructions, and four passes at 40, three more
+//! for a steeper plane.
 
 use crate::matching::consistency::Neighbour;
 use crate::report::Ranked;
@@ -25,19 +32,25 @@ use crate::units::about_length;
 use crate::units::quotient;
 use heapless::vec::VecView;
 
-/// Largest difference of disparity between hypotheses at one position, and between a hypothesis and its plane, 1/64 px.
+/// Largest difference of disparity between hypotheses at one position, and between a hypothesis and
+/// its plane, 1/64 px.
 const TOLERANCE_Q6: i32 = 64;
-/// Growth of the tolerance between hypotheses with the distance of their positions, 1/128 px per px.
+/// Growth of the tolerance between hypotheses with the distance of their positions, 1/128 px per
+/// px.
 const GROWTH_Q7: i32 = 5;
-/// Most hypotheses whose weight of agreement is computed; of more, every second, third ... in order of disparity.
+/// Most hypotheses whose weight of agreement is computed; of more, every second, third ... in order
+/// of disparity.
 const HYPOTHESES: usize = 24;
-/// Regularisation of slopes, weight (Q8) times px^2: errors of 0.8 px per hypothesis, slopes of 0.03 px per px.
+/// Regularisation of slopes, weight (Q8) times px^2: errors of 0.8 px per hypothesis, slopes of
+/// 0.03 px per px.
 const LEVEL: i64 = 711 << 8;
-/// Least weight of a surface that a steeper one replaces, Q8: what four hypotheses of high probability weigh.
+/// Least weight of a surface that a steeper one replaces, Q8: what four hypotheses of high
+/// probability weigh.
 const LEAST_SLOPED_Q8: i32 = 4 << 8;
 /// Least distance of a second surface from the plane, 1/64 px.
 const SECOND_SURFACE_Q6: i32 = 3 << 6;
-/// Largest distance of the plane's value at the region's centre from the range of its hypotheses' disparities, 1/64 px.
+/// Largest distance of the plane's value at the region's centre from the range of its hypotheses'
+/// disparities, 1/64 px.
 const BEYOND_Q6: i32 = 16;
 
 /// Plane of disparity of a region, with its support.
@@ -59,7 +72,8 @@ pub(crate) struct Surface {
     pub(crate) middle: [i32; 2],
     /// Variance of their positions along x and y, px^2.
     pub(crate) extent2: [i32; 2],
-    /// Largest weight of agreement of a hypothesis far from this plane, Q8; 0 without a second surface.
+    /// Largest weight of agreement of a hypothesis far from this plane, Q8; 0 without a second
+    /// surface.
     pub(crate) second_weight_q8: u32,
 }
 
@@ -85,7 +99,12 @@ impl Hypothesis {
     fn new(neighbour: &Neighbour) -> Self {
         let [a, b] = &neighbour.hypotheses;
         let hypothesis = if b.support > a.support { b } else { a };
-        Self { x: neighbour.x.into(), y: neighbour.y.into(), d_q6: hypothesis.d_q6.into(), weight_q8: 0 }
+        Self {
+            x: neighbour.x.into(),
+            y: neighbour.y.into(),
+            d_q6: hypothesis.d_q6.into(),
+            weight_q8: 0,
+        }
     }
 
     /// Sums up the weights of the hypotheses that agree with it.
@@ -115,7 +134,12 @@ impl Hypothesis {
 
     /// The plane of this disparity, by which hypotheses agree with this one.
     fn plane(&self) -> Plane {
-        Plane { origin: [self.x, self.y], level_q6: self.d_q6, slope_q10: [0; 2], growth_q7: GROWTH_Q7 }
+        Plane {
+            origin: [self.x, self.y],
+            level_q6: self.d_q6,
+            slope_q10: [0; 2],
+            growth_q7: GROWTH_Q7,
+        }
     }
 }
 
@@ -148,7 +172,8 @@ impl Plane {
     }
 }
 
-/// Finds the surface of the hypotheses in `neighbours`, whose weight is `all_q8`; `None` without a hypothesis of nonzero weight.
+/// Finds the surface of the hypotheses in `neighbours`, whose weight is `all_q8`; `None` without a
+/// hypothesis of nonzero weight.
 pub(crate) fn find(
     neighbours: &[Neighbour],
     (centre, is_box, all_q8): ([i32; 2], bool, i32),
@@ -167,30 +192,42 @@ pub(crate) fn find(
         }
     }
     let [x0, y0] = centre;
-    let far = sampled.iter().filter(|h| (h.d_q6 - surface.at_q6(h.x - x0, h.y - y0)).abs() > SECOND_SURFACE_Q6);
+    let far = sampled
+        .iter()
+        .filter(|h| (h.d_q6 - surface.at_q6(h.x - x0, h.y - y0)).abs() > SECOND_SURFACE_Q6);
     let second = far.max_by_key(|h| h.by_weight());
-    surface.second_weight_q8 = second.map_or(0, |second| separate_weight(neighbours, &chosen, second));
+    surface.second_weight_q8 =
+        second.map_or(0, |second| separate_weight(neighbours, &chosen, second));
     Some(surface)
 }
 
-/// The surface around the hypothesis whose plane `chosen` is, slopes regularised by `level`; `None` without a hypothesis of nonzero weight.
+/// The surface around the hypothesis whose plane `chosen` is, slopes regularised by `level`; `None`
+/// without a hypothesis of nonzero weight.
 #[inline(never)]
-fn around(neighbours: &[Neighbour], centre: [i32; 2], chosen: &Plane, level: i64) -> Option<Surface> {
+fn around(
+    neighbours: &[Neighbour],
+    centre: [i32; 2],
+    chosen: &Plane,
+    level: i64,
+) -> Option<Surface> {
     let near = Sums::of(neighbours, centre, chosen).plane(centre, level)?;
     let plane = Sums::of(neighbours, centre, &near).plane(centre, level).unwrap_or(near);
     Sums::of(neighbours, centre, &plane).surface(&plane)
 }
 
-/// Weight of agreement of `second`; 0 where an eighth of it agrees with `chosen` too: then it is one surface that bends.
+/// Weight of agreement of `second`; 0 where an eighth of it agrees with `chosen` too: then it is
+/// one surface that bends.
 fn separate_weight(neighbours: &[Neighbour], chosen: &Plane, second: &Hypothesis) -> u32 {
     let mut common = 0;
     let plane = second.plane();
-    visit(neighbours, chosen, |[x, y], [d_q6, _], w| common += if plane.holds(x, y, d_q6) { w } else { 0 });
+    visit(neighbours, chosen, |[x, y], [d_q6, _], w| {
+        common += if plane.holds(x, y, d_q6) { w } else { 0 }
+    });
     if common.unsigned_abs() * 8 >= second.weight_q8 { 0 } else { second.weight_q8 }
 }
 
-/// Computes the weight of agreement of each hypothesis, or of every n-th of many in order of disparity; returns their number. Does not depend on
-/// the order of the neighbours.
+/// Computes the weight of agreement of each hypothesis, or of every n-th of many in order of
+/// disparity; returns their number. Does not depend on the order of the neighbours.
 fn weigh_agreement(
     neighbours: &[Neighbour],
     order: &mut VecView<Ranked>,
@@ -204,7 +241,10 @@ fn weigh_agreement(
     } else {
         sort_by_disparity(neighbours, order);
         for (ranked, hypothesis) in order.iter().step_by(step).zip(hypotheses.iter_mut()) {
-            *hypothesis = neighbours.get(usize::from(ranked.candidate)).map(Hypothesis::new).unwrap_or_default();
+            *hypothesis = neighbours
+                .get(usize::from(ranked.candidate))
+                .map(Hypothesis::new)
+                .unwrap_or_default();
         }
     }
     let count = neighbours.len().div_ceil(step);
@@ -220,7 +260,9 @@ fn sort_by_disparity(neighbours: &[Neighbour], order: &mut VecView<Ranked>) {
         let disparity = (Hypothesis::new(neighbour).d_q6 + 32768) as u16;
         let _ = order.push(Ranked { probability_q16: disparity, candidate: i }); // one per candidate: it fits
     }
-    let column = |r: &Ranked| neighbours.get(usize::from(r.candidate)).map(|neighbour| (neighbour.y, neighbour.x));
+    let column = |r: &Ranked| {
+        neighbours.get(usize::from(r.candidate)).map(|neighbour| (neighbour.y, neighbour.x))
+    };
     sort_by_key(order, |r| (r.probability_q16, column(r)));
 }
 
@@ -230,15 +272,22 @@ fn choose(sampled: &[Hypothesis], is_box: bool) -> Option<&Hypothesis> {
     if !is_box {
         return Some(best);
     }
-    let nearest = sampled.iter().filter(|h| h.weight_q8 * 3 >= best.weight_q8).max_by_key(|h| h.by_disparity())?;
+    let nearest = sampled
+        .iter()
+        .filter(|h| h.weight_q8 * 3 >= best.weight_q8)
+        .max_by_key(|h| h.by_disparity())?;
     let near = nearest.plane();
     sampled.iter().filter(|h| near.holds(h.x, h.y, h.d_q6)).max_by_key(|h| h.by_weight())
 }
 
-/// Calls `visit(position, [disparity, distance from the plane], weight)` for each hypothesis that belongs to the plane; returns the number of
-/// neighbours with one.
+/// Calls `visit(position, [disparity, distance from the plane], weight)` for each hypothesis that
+/// belongs to the plane; returns the number of neighbours with one.
 #[inline]
-fn visit(neighbours: &[Neighbour], plane: &Plane, mut visit: impl FnMut([i32; 2], [i32; 2], i32)) -> u16 {
+fn visit(
+    neighbours: &[Neighbour],
+    plane: &Plane,
+    mut visit: impl FnMut([i32; 2], [i32; 2], i32),
+) -> u16 {
     let mut count = 0_u16;
     for neighbour in neighbours {
         let [x, y] = [neighbour.x, neighbour.y].map(i32::from);
@@ -258,7 +307,8 @@ fn visit(neighbours: &[Neighbour], plane: &Plane, mut visit: impl FnMut([i32; 2]
     count
 }
 
-/// Weighted sums over the hypotheses of a plane: positions relative to the centre, disparities, and their products; and what else is said of them.
+/// Weighted sums over the hypotheses of a plane: positions relative to the centre, disparities, and
+/// their products; and what else is said of them.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     weight: i32,
@@ -307,11 +357,14 @@ impl Sums {
         Some([self.per_weight(self.u)?, self.per_weight(self.v)?, self.per_weight(self.d_q6)?])
     }
 
-    /// A sum divided by the weight, limited to 32 bits. Few sums are longer, and a division of 64 bits takes hundreds of instructions.
+    /// A sum divided by the weight, limited to 32 bits. Few sums are longer, and a division of 64
+    /// bits takes hundreds of instructions.
     fn per_weight(&self, sum: i64) -> Option<i32> {
         match i32::try_from(sum) {
             Ok(sum) => sum.checked_div(self.weight),
-            Err(_) => sum.checked_div(self.weight.into()).map(|quotient| i32::try_from(quotient).unwrap_or(i32::MAX)),
+            Err(_) => sum
+                .checked_div(self.weight.into())
+                .map(|quotient| i32::try_from(quotient).unwrap_or(i32::MAX)),
         }
     }
 
@@ -324,7 +377,8 @@ impl Sums {
     fn plane(&self, centre: [i32; 2], level: i64) -> Option<Plane> {
         let [u, v, d_q6] = self.means()?;
         let [of_u, of_v, of_d] = [[u.into(), self.u], [v.into(), self.v], [d_q6.into(), self.d_q6]];
-        let (uu, vv) = (level + self.about(self.uu, of_u, of_u), level + self.about(self.vv, of_v, of_v));
+        let (uu, vv) =
+            (level + self.about(self.uu, of_u, of_u), level + self.about(self.vv, of_v, of_v));
         let uv = self.about(self.uv, of_u, of_v);
         let (ud, vd) = (self.about(self.ud, of_u, of_d), self.about(self.vd, of_v, of_d));
         // Both diagonals are above 0: 26 bits of the larger one.
@@ -358,7 +412,8 @@ impl Sums {
             range_q6: self.range_q6,
             spread_q6: self.spread_q6,
             middle: [u, v],
-            extent2: [self.about(self.uu, of_u, of_u), self.about(self.vv, of_v, of_v)].map(per_weight),
+            extent2: [self.about(self.uu, of_u, of_u), self.about(self.vv, of_v, of_v)]
+                .map(per_weight),
             second_weight_q8: 0,
         })
     }

@@ -1,46 +1,60 @@
-//! Nearest obstacle in each direction, by matched segments and support points, as autopilots take it.
+//! Nearest obstacle in each direction, by matched segments and support points, as autopilots take
+//! it.
 //!
-//! In: an [`ObstaclePlan`] (the view as sectors, computed once), the matches and support points of a pair, its health and time of capture. Out:
-//! [`Obstacles`], the state of each [`Sector`] of a full turn around the vehicle: an obstacle at a distance, free, unknown, or outside the view.
+//! In: an [`ObstaclePlan`] (the view as sectors, computed once), the matches and support points of
+//! a pair, its health and time of capture. Out: [`Obstacles`], the state of each [`Sector`] of a
+//! full turn around the vehicle: an obstacle at a distance, free, unknown, or outside the view.
 //!
 //! ```text
-//! per match, in each sector that it crosses, and per support point (with a probability of at most 0.8: errors of neighbours are correlated):
+//! per match, in each sector that it crosses, and per support point (with a probability of at
+//!     most 0.8: errors of neighbours are correlated):
 //!   within the range and the height band     one of the nearest hypotheses of the sector
 //!   behind them                              a hypothesis that the sector is free
 //! per sector, from the nearest hypothesis on:
-//!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it (up to 1 px and 1/16 of the nearness behind it), from
-//!   near to far; the obstacle is where the product falls to the limit: something is at least so near, but for that probability
-//!   no hypothesis up to 5/4 of the range, and hypotheses behind it in a quarter of the rows whose error probabilities multiply to the limit: free
+//!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it
+//!       (up to 1 px and 1/16 of the nearness behind it), from
+//!   near to far; the obstacle is where the product falls to the limit: something is at least
+//!       so near, but for that probability
+//!   those within the range, and the credible ones up to 5/4 of it, are all wrong with a
+//!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in a
+//!   quarter of the rows, have a product below the limit: free
 //!   otherwise no result
-//! a result replaces the state of the sector, unless that is an obstacle nearer by more than 1/8, which stays until it is too old
+//! a result replaces the state of the sector, unless that is an obstacle nearer by more than
+//!     1/8, which stays until it is too old
 //! ```
 //!
 //! # Terms
-//! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the depth along the optical axis), for a horizontal
+//! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the
+//!   depth along the optical axis), for a horizontal
 //!   optical axis. Sectors tilt with the camera.
 //! - **Height band**: above and below the camera. With the ground plane of the pair
 //!   ([`ObstaclePlan::on_ground`]) it is parallel to the ground, whatever pitch and roll are; what
 //!   lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it
 //!   is neither free nor one. Without the plane the band tilts with the camera.
-//! - **Free**: credible segments or support points lie *behind* the range in this sector, none within it, and the whole sector is seen by both
-//!   cameras from the near limit on. Obstacles are possible all the same: a wall without texture, a wire along the rows and anything nearer than
-//!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is unknown, not free.
+//! - **Free**: credible segments or support points lie *behind* the range in this sector, none
+//!   within it, and the whole sector is seen by both cameras from the near limit on. Obstacles are
+//!   possible all the same: a wall without texture, a wire along the rows and anything nearer than
+//!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is
+//!   unknown, not free.
 //! - **Unknown**: too few hypotheses, or too old ones.
-//! - **Outside**: never in view of this camera. Sectors partly in view can have obstacles, but are never free; nor are those near the left border,
+//! - **Outside**: never in view of this camera. Sectors partly in view can have obstacles, but are
+//!   never free; nor are those near the left border,
 //!   where near points are outside the right camera's view.
 //!
 //! # Measured
-//! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an obstacle (segments alone: 149), none of them nearer
-//! than all that is there by 10 %; 15 (37) are farther than the nearest tenth of the sector's pixels by 25 %, whose surface gives no
-//! credible hypothesis.
-//! With ranges that most of the scene lies behind, 18 (48) are free, and in 4 (26) of these at least a hundredth of the pixels is within the range.
+//! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an
+//! obstacle (segments alone: 149), none of them nearer than all that is there by 10 %; 15 (37) are
+//! farther than the nearest tenth of the sector's pixels by 25 %, whose surface gives no credible
+//! hypothesis. With ranges that most of the scene lies behind, 18 (48) are free, and in 4 (26) of
+//! these at least a hundredth of the pixels is within the range.
 //!
 //! # Bounds
-//! At most [`MAX_IN_VIEW`] sectors are in view (less than half a turn), 72 in a turn. Nearness (disparity plus offset, times the cosine of the
-//! direction) is below 2^19 in 1/64 px; f*B in Q16 times 6400 below 2^53; a height in Q16 times a disparity below 2^46.
+//! At most [`MAX_IN_VIEW`] sectors are in view (less than half a turn), 72 in a turn. Nearness
+//! (disparity plus offset, times the cosine of the direction) is below 2^19 in 1/64 px; f*B in Q16
+//! times 6400 below 2^53; a height in Q16 times a disparity below 2^46.
 //!
 //! # Cost
-//! 300 bytes of state, 2 KB of stack. Instructions: `xtask/board-numbers.toml`.
+//! 300 bytes of state, 3 KB of stack. Instructions: `xtask/board-numbers.toml`.
 
 mod plan;
 
@@ -51,15 +65,28 @@ use crate::units::{Confidence, Disparity, Position, quotient};
 use plan::{Ground, PARTS};
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 
+/// Least probability of a support point for sectors. Chosen on the rooms of `robot_world`, where
+/// 0.3, 0.5, 0.7 and 0.9 show 35, 36, 32 and 22 % of the obstacles, with 0.5 % ghosts or fewer
+/// beside a ground plane. Drives that did not choose it, points of 0.9 and 0.5: table legs 18 and
+/// 26 %, doorway 33 and 62 %; on a ramp, whose ghosts rise from 4 to 29 %, 48 and 41 %.
+pub const LEAST_CONFIDENCE: Confidence = Confidence::from_bits(0x8000);
+
 /// Number of hypotheses kept of a sector, the nearest ones.
-const KEPT: usize = 6;
+const KEPT: usize = 16;
 /// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
 const AGREE_Q6: i32 = 64;
+/// Least probability that all hypotheses within the range are wrong, for a sector to be free, Q16.
+const WEAK_Q16: u16 = 1 << 14;
+/// Largest error probability of a support point that is seen behind the range, and of a hypothesis
+/// between the range and 5/4 of it that forbids a free sector, Q16: 0.1. Surfaces behind the range
+/// are there as well.
+const STRONG_Q16: u16 = 6554;
 
 /// Largest distance from the ground of what may be a part of it, 1/64 px.
 const GROUND_Q6: i32 = 48;
 
-/// Least error probability of a support point, Q16: 0.2, since errors of neighbours, which share paths, are correlated.
+/// Least error probability of a support point, Q16: 0.2, since errors of neighbours, which share
+/// paths, are correlated.
 const LEAST_POINT_ERROR_Q16: u16 = 13107;
 
 /// Number of parts that the rows are divided into.
@@ -75,7 +102,8 @@ pub enum Sector {
     Outside,
     /// In view, but without a credible hypothesis, or with too old ones.
     Unknown,
-    /// Credible segments or support points behind the range, none within it. Obstacles without texture, such as a blank wall, are not detected.
+    /// Credible segments or support points behind the range, none within it. Obstacles without
+    /// texture, such as a blank wall, are not detected.
     Free {
         /// Probability that not all of the hypotheses behind the range are wrong.
         confidence: Confidence,
@@ -143,8 +171,10 @@ impl Obstacles {
         Self { known: [Known::NONE; MAX_IN_VIEW], is_fit: false }
     }
 
-    /// Updates the sectors by the matches of a pair and its support points among `points`; `time_us` is its time of capture, us of a monotonic
-    /// clock, `health` its [flags](crate::PairHealth::flags). A pair that is not fit to be used changes no sector but by age.
+    /// Updates the sectors by the matches of a pair and its support points among `points`;
+    /// `time_us` is its time of capture, us of a monotonic clock, `health` its
+    /// [flags](crate::PairHealth::flags). A pair that is not fit to be used changes no sector but
+    /// by age.
     #[inline(never)]
     pub fn update(
         &mut self,
@@ -168,8 +198,12 @@ impl Obstacles {
             }
             for point in points.into_iter().filter(|point| point.source == Source::Support) {
                 let (sector, ray) = plan.ray_of(&point);
-                if let (Some(hypotheses), Some(ray)) = (found.get_mut(sector), ray) {
-                    hypotheses.add(ray, (u16::MAX - point.confidence.to_bits()).max(LEAST_POINT_ERROR_Q16));
+                let error_q16 = u16::MAX - point.confidence.to_bits();
+                // Doubtful points may be an obstacle, but make nothing free.
+                let is_used = |ray: &Ray| matches!(ray, Ray::Ends(_)) || error_q16 <= STRONG_Q16;
+                if let (Some(hypotheses), Some(ray)) = (found.get_mut(sector), ray.filter(is_used))
+                {
+                    hypotheses.add(ray, error_q16.max(LEAST_POINT_ERROR_Q16));
                 }
             }
         }
@@ -179,15 +213,19 @@ impl Obstacles {
             if known.distance_cm != NOTHING && age_ms > plan.keep_ms {
                 *known = Known::NONE;
             }
-            let Some((nearness_q6, error_q16)) = hypotheses.evaluate(plan, can_be_free) else { continue };
+            let Some((nearness_q6, error_q16)) = hypotheses.evaluate(plan, can_be_free) else {
+                continue;
+            };
             let distance_cm = nearness_q6.map_or(FREE, |nearness_q6| plan.distance_cm(nearness_q6));
             if !keeps_previous(known.distance_cm, distance_cm) {
-                *known = Known { distance_cm, confidence_q16: u16::MAX - error_q16, seen_ms: now_ms };
+                *known =
+                    Known { distance_cm, confidence_q16: u16::MAX - error_q16, seen_ms: now_ms };
             }
         }
     }
 
-    /// Records that there was no pair, or a refused one: sectors age, and [`Obstacles::is_fit`] is false.
+    /// Records that there was no pair, or a refused one: sectors age, and [`Obstacles::is_fit`] is
+    /// false.
     pub fn mark_missing(&mut self) {
         self.is_fit = false;
     }
@@ -201,7 +239,9 @@ impl Obstacles {
     /// State of a direction: 0 is ahead of the vehicle, then clockwise, seen from above.
     #[must_use]
     pub fn sector(&self, plan: &ObstaclePlan, index: u8, time_us: u64) -> Sector {
-        let Some(known) = plan.in_view(index).and_then(|index| self.known.get(index)) else { return Sector::Outside };
+        let Some(known) = plan.in_view(index).and_then(|index| self.known.get(index)) else {
+            return Sector::Outside;
+        };
         let age_ms = milliseconds(time_us).wrapping_sub(known.seen_ms);
         let confidence = Confidence::from_bits(known.confidence_q16);
         match known.distance_cm {
@@ -213,13 +253,17 @@ impl Obstacles {
     }
 
     /// Every direction of the turn, from ahead on, clockwise.
-    pub fn sectors<'a>(&'a self, plan: &'a ObstaclePlan, time_us: u64) -> impl Iterator<Item = Sector> + 'a {
+    pub fn sectors<'a>(
+        &'a self,
+        plan: &'a ObstaclePlan,
+        time_us: u64,
+    ) -> impl Iterator<Item = Sector> + 'a {
         (0..plan.sectors()).map(move |index| self.sector(plan, index, time_us))
     }
 }
 
-/// True when the stored state of a sector stays: an obstacle that is nearer than the new result by more than 1/8. That it was not seen again does
-/// not prove that it is gone.
+/// True when the stored state of a sector stays: an obstacle that is nearer than the new result by
+/// more than 1/8. That it was not seen again does not prove that it is gone.
 fn keeps_previous(known_cm: u16, seen_cm: u16) -> bool {
     let is_obstacle = known_cm != NOTHING && known_cm != FREE;
     is_obstacle && u32::from(known_cm) + u32::from(known_cm) / 8 < u32::from(seen_cm)
@@ -230,7 +274,8 @@ fn milliseconds(time_us: u64) -> u32 {
     (time_us / 1000) as u32
 }
 
-/// Result of a match or a support point for one sector: its nearness, or the rows that are free before it.
+/// Result of a match or a support point for one sector: its nearness, or the rows that are free
+/// before it.
 #[derive(Clone, Copy)]
 enum Ray {
     /// Within the range and the height band; nearness, 1/64 px.
@@ -255,8 +300,9 @@ struct Seen {
 /// The nearest hypotheses of one sector, and those behind the range.
 #[derive(Clone, Copy)]
 struct Hypotheses {
-    /// Nearness (1/64 px, 0 = none) and error probability of the nearest hypotheses, nearest first.
-    near: [(i32, u16); KEPT],
+    /// Nearness (1/64 px, 0 = none, the largest for all beyond) and error probability of the
+    /// nearest hypotheses, nearest first.
+    near: [(u16, u16); KEPT],
     /// Probability that all hypotheses behind the range are wrong, Q16.
     clear_error_q16: u16,
     /// Parts of the rows with a hypothesis behind the range, a bit each.
@@ -269,12 +315,12 @@ impl Hypotheses {
     fn add(&mut self, ray: Ray, error_q16: u16) {
         match ray {
             Ray::Ends(nearness_q6) => {
-                let mut hypothesis = (nearness_q6, error_q16);
-                if self.near.last().is_some_and(|last| hypothesis.0 <= last.0) {
+                let mut hypothesis = (u16::try_from(nearness_q6).unwrap_or(u16::MAX), error_q16);
+                if self.near.last().is_some_and(|last| hypothesis <= *last) {
                     return; // most are not among the nearest
                 }
                 for slot in &mut self.near {
-                    if hypothesis.0 > slot.0 {
+                    if hypothesis > *slot {
                         core::mem::swap(slot, &mut hypothesis);
                     }
                 }
@@ -286,13 +332,16 @@ impl Hypotheses {
         }
     }
 
-    /// Nearness of the obstacle, 1/64 px, `None` for free, and the error probability, Q16; `None` where hypotheses are too few.
+    /// Nearness of the obstacle, 1/64 px, `None` for free, and the error probability, Q16; `None`
+    /// where hypotheses are too few.
     fn evaluate(&self, plan: &ObstaclePlan, can_be_free: bool) -> Option<(Option<i32>, u16)> {
-        for (first, &(nearest_q6, _)) in self.near.iter().enumerate().take_while(|(_, hypothesis)| hypothesis.0 > 0) {
-            let agree_q6 = nearest_q6 - (AGREE_Q6 + nearest_q6 / 16);
+        let near = || self.near.iter().map(|&(nearness_q6, error)| (i32::from(nearness_q6), error));
+        let near = || near().take_while(|&(nearness_q6, _)| nearness_q6 > 0);
+        for (first, (nearest_q6, _)) in near().enumerate() {
+            let least_q6 = nearest_q6 - agree_q6(nearest_q6);
             let (mut error_q16, mut found) = (u16::MAX, None);
-            for &(nearness_q6, one_error_q16) in
-                self.near.iter().skip(first).take_while(|hypothesis| hypothesis.0 >= agree_q6.max(1))
+            for (nearness_q6, one_error_q16) in
+                near().skip(first).take_while(|hypothesis| hypothesis.0 >= least_q6)
             {
                 error_q16 = both(error_q16, one_error_q16);
                 if found.is_none() && error_q16 <= plan.error_q16 {
@@ -303,7 +352,12 @@ impl Hypotheses {
                 return (nearness_q6 >= plan.far_q6).then_some((found, error_q16));
             }
         }
-        let is_free = self.near.first().is_some_and(|hypothesis| hypothesis.0 == 0);
+        let forbids = |&(nearness_q6, error_q16): &(i32, u16)| {
+            nearness_q6 >= plan.far_q6 || error_q16 <= STRONG_Q16
+        };
+        let is_free =
+            near().filter(forbids).fold(u16::MAX, |error, hypothesis| both(error, hypothesis.1))
+                > WEAK_Q16;
         // On the ground all rows in which something within the range would stand have to be seen
         // behind it.
         let is_covered = match plan.ground {
@@ -313,6 +367,11 @@ impl Hypotheses {
         (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
             .then_some((None, self.clear_error_q16))
     }
+}
+
+/// Hypotheses up to so much behind another one agree with it, 1/64 px.
+fn agree_q6(nearness_q6: i32) -> i32 {
+    AGREE_Q6 + nearness_q6 / 16
 }
 
 /// Probability that both are wrong, Q16, of independent hypotheses.
@@ -326,13 +385,19 @@ impl ObstaclePlan {
         let bits = |p: Position| i32::from(p.to_bits());
         let [a, b] = one.ends.map(|end| (bits(end.x), bits(end.y)));
         let [da, db] = one.disparity.map(|d: Disparity| i32::from(d.to_bits()) + self.offset_q6);
-        let ((x0, y0, d0), (x1, y1, d1)) =
-            if a.0 <= b.0 { ((a.0, a.1, da), (b.0, b.1, db)) } else { ((b.0, b.1, db), (a.0, a.1, da)) };
+        let ((x0, y0, d0), (x1, y1, d1)) = if a.0 <= b.0 {
+            ((a.0, a.1, da), (b.0, b.1, db))
+        } else {
+            ((b.0, b.1, db), (a.0, a.1, da))
+        };
         let (from, to) = (self.sector_of(x0), self.sector_of(x1));
         // Linear interpolation along the segment.
-        let at = |v0: i32, v1: i32, x: i32| v0.wrapping_add(quotient((v1 - v0).wrapping_mul(x - x0), x1 - x0));
+        let at = |v0: i32, v1: i32, x: i32| {
+            v0.wrapping_add(quotient((v1 - v0).wrapping_mul(x - x0), x1 - x0))
+        };
         for sector in from..=to {
-            let Some(&[left, right]) = self.edges_q5.get(sector..sector + 2).and_then(|edges| edges.first_chunk())
+            let Some(&[left, right]) =
+                self.edges_q5.get(sector..sector + 2).and_then(|edges| edges.first_chunk())
             else {
                 return;
             };
@@ -348,7 +413,8 @@ impl ObstaclePlan {
         }
     }
 
-    /// The sector of a support point, and its ray there; its rows reach half way to the next points above and below.
+    /// The sector of a support point, and its ray there; its rows reach half way to the next points
+    /// above and below.
     fn ray_of(&self, point: &Point) -> (usize, Option<Ray>) {
         let half = i32::from(SUPPORT_PITCH / 2);
         let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
@@ -370,7 +436,8 @@ impl ObstaclePlan {
         };
         let ground_q6 = plane.at_q6(x_q5 >> 5, y_q5 >> 5) + self.offset_q6;
         // Rows below the horizon, at which a level camera sees the ground at this disparity.
-        let level_q5 = self.row_q5 + quotient(ground_q6.clamp(-(1 << 15), 1 << 15) << 15, per_row_q16);
+        let level_q5 =
+            self.row_q5 + quotient(ground_q6.clamp(-(1 << 15), 1 << 15) << 15, per_row_q16);
         Seen { row_q5: y_q5, level_q5, d_q6, above_q6: Some(d_q6 - ground_q6) }
     }
 
@@ -381,7 +448,9 @@ impl ObstaclePlan {
         if points.iter().all(|point| point.above_q6.is_some_and(|above_q6| above_q6 <= GROUND_Q6)) {
             // The ground, or a hole in it: no obstacle, and nothing stands before ground that is
             // seen.
-            let is_hole = points.iter().any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
+            let is_hole = points
+                .iter()
+                .any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
             return (!is_hole).then(|| Ray::Passes(self.parts(rows)));
         }
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
@@ -404,12 +473,15 @@ impl ObstaclePlan {
         inner.partition_point(|&edge_q5| i32::from(edge_q5) <= column_q5)
     }
 
-    /// Cosine of the direction of a column (1/32 px), Q15: linear within each of 32 parts of the width.
+    /// Cosine of the direction of a column (1/32 px), Q15: linear within each of 32 parts of the
+    /// width.
     fn cosine_q15(&self, column_q5: i32) -> i32 {
         let width = i32::from(self.width);
         let part = quotient(column_q5, width).clamp(0, PARTS as i32 - 1);
         let along = column_q5 - part * width;
-        let Some(&[from, to]) = self.cosines_q15.get(part as usize..).and_then(|rest| rest.first_chunk()) else {
+        let Some(&[from, to]) =
+            self.cosines_q15.get(part as usize..).and_then(|rest| rest.first_chunk())
+        else {
             return 0;
         };
         i32::from(from) + quotient((i32::from(to) - i32::from(from)) * along, width)
@@ -420,13 +492,15 @@ impl ObstaclePlan {
         let [a, b] = points.map(|Seen { level_q5, d_q6, .. }| {
             // height = rise * B / (d + offset), compared without the division.
             let rise = i64::from(self.row_q5 - level_q5) * 2 * self.baseline_q16;
-            let [low, high] = self.heights_q16.map(|height_q16| height_q16 * i64::from(d_q6.max(1)));
+            let [low, high] =
+                self.heights_q16.map(|height_q16| height_q16 * i64::from(d_q6.max(1)));
             (rise < low, rise > high)
         });
         !(a.0 && b.0 || a.1 && b.1)
     }
 
-    /// True when the camera lies in the height band: then every ray starts in the band, and points outside of it lie behind it.
+    /// True when the camera lies in the height band: then every ray starts in the band, and points
+    /// outside of it lie behind it.
     fn band_has_camera(&self) -> bool {
         let [low, high] = self.heights_q16;
         low <= 0 && high >= 0
@@ -434,14 +508,17 @@ impl ObstaclePlan {
 
     /// Parts of the rows from one row to another, 1/32 px, a bit each.
     pub(super) fn parts(&self, rows_q5: [i32; 2]) -> u8 {
-        let [a, b] =
-            rows_q5.map(|y_q5| quotient(y_q5, i32::from(self.height) * 32 / PARTS_OF_ROWS).clamp(0, PARTS_OF_ROWS - 1));
+        let [a, b] = rows_q5.map(|y_q5| {
+            quotient(y_q5, i32::from(self.height) * 32 / PARTS_OF_ROWS).clamp(0, PARTS_OF_ROWS - 1)
+        });
         ((2_u32 << a.max(b)) - (1 << a.min(b))) as u8
     }
 
     /// Distance of a nearness (1/64 px), cm, 1 or more, below the range.
     fn distance_cm(&self, nearness_q6: i32) -> u16 {
-        let cm = (self.focal_baseline_q16 * 6400).checked_div(i64::from(nearness_q6) << 16).unwrap_or(i64::MAX);
+        let cm = (self.focal_baseline_q16 * 6400)
+            .checked_div(i64::from(nearness_q6) << 16)
+            .unwrap_or(i64::MAX);
         cm.min(i64::from(self.range_cm) - 1).max(1) as u16 // clamp may panic
     }
 }

@@ -1,10 +1,12 @@
-//! View of a camera as sectors of a turn, computed once: the only checks and floating point of `obstacles`.
+//! View of a camera as sectors of a turn, computed once: the only checks and floating point of
+//! `obstacles`.
 //!
-//! In: a rig, mounting yaw, range and height band. Out: an [`ObstaclePlan`]: the columns of the boundaries between sectors in view, and cosines
-//! of directions.
+//! In: a rig, mounting yaw, range and height band. Out: an [`ObstaclePlan`]: the columns of the
+//! boundaries between sectors in view, and cosines of directions.
 //!
-//! Sector `k` of `n` is centred at `k * 360/n` degrees clockwise from ahead, as autopilots read OBSTACLE_DISTANCE. A boundary at the angle `a`
-//! from the optical axis is the column `cx + f * tan(a)`; the tangent is micromath's, within 0.1 degrees of the angle, the same on every machine.
+//! Sector `k` of `n` is centred at `k * 360/n` degrees clockwise from ahead, as autopilots read
+//! OBSTACLE_DISTANCE. A boundary at the angle `a` from the optical axis is the column `cx + f *
+//! tan(a)`; the tangent is micromath's, within 0.1 degrees of the angle, the same on every machine.
 //!
 //! # Cost
 //! At set-up alone: a tangent for each boundary of a sector.
@@ -17,10 +19,12 @@ use crate::rig::{Rig, nearest};
 use core::f32::consts::PI;
 use micromath::F32;
 
-/// Largest number of sectors in view of a camera: half of 72, and one more where both borders cut one.
+/// Largest number of sectors in view of a camera: half of 72, and one more where both borders cut
+/// one.
 pub const MAX_IN_VIEW: usize = 37;
 
-/// Number of parts of the width within which the cosine of the direction is linear: error within 0.1 % at 100 degrees of view.
+/// Number of parts of the width within which the cosine of the direction is linear: error within
+/// 0.1 % at 100 degrees of view.
 pub(super) const PARTS: usize = 32;
 
 /// Largest number of sectors of a turn: capacity of OBSTACLE_DISTANCE, beyond which PX4 would read.
@@ -35,12 +39,15 @@ pub struct ObstacleParams {
     pub sectors: u8,
     /// Range, m: obstacles at this distance or further are ignored; 0.1 ..= 600.
     pub range_m: f32,
-    /// Lowest and highest height of obstacles, m above the camera; -1000 ..= 1000. One plan and one [`Obstacles`](super::Obstacles) for each band.
+    /// Lowest and highest height of obstacles, m above the camera; -1000 ..= 1000. One plan and one
+    /// [`Obstacles`](super::Obstacles) for each band.
     pub heights_m: [f32; 2],
-    /// Time for which a state is kept when it is not seen again, ms. Both autopilots keep a message for half a second themselves.
+    /// Time for which a state is kept when it is not seen again, ms. Both autopilots keep a message
+    /// for half a second themselves.
     pub keep_ms: u16,
-    /// Largest probability that all hypotheses for a state are wrong, taken as independent; 0.00002 ..= 0.5. At 0.01 one hypothesis is enough only
-    /// if its confidence is 0.99, otherwise two or more have to agree.
+    /// Largest probability that all hypotheses for a state are wrong, taken as independent; 0.00002
+    /// ..= 0.5. At 0.01 one hypothesis is enough only if its confidence is 0.99, otherwise two or
+    /// more have to agree.
     pub error_probability: f32,
     /// Flags of health with which a pair is not used.
     pub unfit: HealthFlags,
@@ -64,9 +71,13 @@ impl ObstacleParams {
         unfit: HealthFlags::UNFIT,
     };
 
-    /// Checks all parameters for images of this size that are matched with `params`, which need a rig: its focal length and principal point give
-    /// the directions.
-    #[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
+    /// Checks all parameters for images of this size that are matched with `params`, which need a
+    /// rig: its focal length and principal point give the directions.
+    #[expect(
+        clippy::float_arithmetic,
+        clippy::cast_possible_truncation,
+        reason = "set-up; ranges are checked before"
+    )]
     pub fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
         let rig = params.rig.ok_or(ObstacleError::NoRig)?.centred(dims);
         check("yaw (degrees)", self.yaw_deg, -180.0, 180.0)?;
@@ -83,7 +94,8 @@ impl ObstacleParams {
         let in_view = (last - first + 1).clamp(1, MAX_IN_VIEW as i32);
         let range_cm = nearest(100.0 * self.range_m) as u16;
         let most = f32::from(params.max_disparity) + rig.offset_q6() as f32 / 64.0;
-        let near = if most > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / most) } else { i64::MAX };
+        let near =
+            if most > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / most) } else { i64::MAX };
         let mut plan = ObstaclePlan {
             first: first.rem_euclid(self.sectors.into()) as u8,
             in_view: in_view as u8,
@@ -95,7 +107,8 @@ impl ObstacleParams {
             height: dims.height,
             row_q5: nearest(32.0 * view.row) as i32,
             // Nearness at the range; at least one step, so that a disparity of 0 is beyond it.
-            far_q6: nearest(focal_baseline / 1024.0 / self.range_m).clamp(1, i32::MAX.into()) as i32,
+            far_q6: nearest(focal_baseline / 1024.0 / self.range_m).clamp(1, i32::MAX.into())
+                as i32,
             offset_q6: rig.offset_q6() as i32,
             focal_baseline_q16: rig.focal_baseline_q16(),
             baseline_q16: nearest(focal_baseline / view.focal),
@@ -138,14 +151,26 @@ struct View {
     sectors: u8,
 }
 
-#[expect(clippy::float_arithmetic, clippy::cast_possible_truncation, reason = "set-up; ranges are checked before")]
+#[expect(
+    clippy::float_arithmetic,
+    clippy::cast_possible_truncation,
+    reason = "set-up; ranges are checked before"
+)]
 impl View {
     fn new(params: &ObstacleParams, rig: &Rig, dims: Dims) -> Result<Self, ObstacleError> {
-        let [column, row] = rig.principal_point_q16().unwrap_or_default().map(|v| v as f32 / 65536.0);
+        let [column, row] =
+            rig.principal_point_q16().unwrap_or_default().map(|v| v as f32 / 65536.0);
         check("principal column (px)", column, 0.0, dims.width.into())?;
         check("principal row (px)", row, 0.0, dims.height.into())?;
         let (yaw, sectors) = (params.yaw_deg / 180.0 * PI, params.sectors);
-        Ok(Self { focal: rig.focal_q16() as f32 / 65536.0, column, row, width: dims.width.into(), yaw, sectors })
+        Ok(Self {
+            focal: rig.focal_q16() as f32 / 65536.0,
+            column,
+            row,
+            width: dims.width.into(),
+            yaw,
+            sectors,
+        })
     }
 
     /// Sector that a column falls into, counted from ahead.
@@ -154,7 +179,8 @@ impl View {
         (-turn..turn).find(|sector| self.boundary(sector + 1) > column).unwrap_or(turn)
     }
 
-    /// Column of the boundary before a sector; infinite beyond a right angle from the axis, where there is none.
+    /// Column of the boundary before a sector; infinite beyond a right angle from the axis, where
+    /// there is none.
     fn boundary(&self, sector: i32) -> f32 {
         let angle = (sector as f32 - 0.5) * 2.0 * PI / f32::from(self.sectors) - self.yaw;
         if angle <= -0.5 * PI {
@@ -171,14 +197,19 @@ impl View {
         let focal_q10 = nearest(1024.0 * self.focal);
         core::array::from_fn(|part| {
             let across_q10 = nearest(32.0 * self.width * part as f32 - 1024.0 * self.column);
-            let length_q10 = (focal_q10 * focal_q10 + across_q10 * across_q10).unsigned_abs().isqrt().max(1);
+            let length_q10 =
+                (focal_q10 * focal_q10 + across_q10 * across_q10).unsigned_abs().isqrt().max(1);
             (focal_q10.unsigned_abs() << 15).checked_div(length_q10).unwrap_or(0) as u16
         })
     }
 }
 
 fn check(name: &'static str, value: f32, low: f32, high: f32) -> Result<(), ObstacleError> {
-    if (low..=high).contains(&value) { Ok(()) } else { Err(ObstacleError::OutOfRange { name, value, low, high }) }
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(ObstacleError::OutOfRange { name, value, low, high })
+    }
 }
 
 /// Checked parameters for one camera, constant over pairs.
@@ -241,14 +272,16 @@ impl ObstaclePlan {
     /// from it, and it is no obstacle.
     #[must_use]
     pub fn on_ground(self, plane: Option<GroundPlane>) -> Self {
-        let ground = plane.and_then(|plane| {
+        let ground = plane.filter(GroundPlane::is_bounded).and_then(|plane| {
             // The plane's normal, in units of baseline / height: b and c per px, and the disparity
             // on the axis per focal length.
             let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
-            let along =
-                (i64::from(axis_q6) << 10).checked_mul(self.baseline_q16)?.checked_div(self.focal_baseline_q16)?;
+            let along = (i64::from(axis_q6) << 10)
+                .checked_mul(self.baseline_q16)?
+                .checked_div(self.focal_baseline_q16)?;
             let [down, across] = [plane.down_q16, plane.across_q16].map(i64::from);
-            let length = (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
+            let length =
+                (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
             let per_row_q16 = i32::try_from(length).ok().filter(|&length| length > 0)?;
             // Rows from that of the ground at the range down.
             let at_axis_q6 = |y: i32| plane.at_q6(self.column_q5 >> 5, y) + self.offset_q6;
@@ -266,7 +299,8 @@ impl ObstaclePlan {
         self.range_cm
     }
 
-    /// Near limit, cm: depth along the optical axis below which nothing is measured; 1 or more, below the range.
+    /// Near limit, cm: depth along the optical axis below which nothing is measured; 1 or more,
+    /// below the range.
     #[must_use]
     pub fn near_cm(&self) -> u16 {
         self.near_cm
@@ -292,7 +326,7 @@ pub enum ObstacleError {
     #[error("distances need a rig (focal length and baseline)")]
     NoRig,
     /// A number outside its range.
-    #[error("{name} is {value}, allowed are {low} to {high}")]
+    #[error("{name} is {value} but must be {low} to {high}")]
     OutOfRange {
         /// Name of the parameter, with its unit.
         name: &'static str,
@@ -311,7 +345,8 @@ mod tests {
     extern crate std;
     use super::*;
 
-    /// Every boundary that 160 degrees of view can show, of every number of sectors: within 1/35 of a sector of the exact direction.
+    /// Every boundary that 160 degrees of view can show, of every number of sectors: within 1/35 of
+    /// a sector of the exact direction.
     #[test]
     fn single_precision_keeps_directions() {
         let dims = Dims { width: 320, height: 240 };
@@ -319,10 +354,15 @@ mod tests {
         let (mut worst_deg, mut worst_share) = (0.0_f64, 0.0_f64);
         for sectors in 4..=MAX_SECTORS {
             for yaw_deg in [0.0, 31.0, -90.0, 180.0] {
-                let view =
-                    View::new(&ObstacleParams { sectors, yaw_deg, ..ObstacleParams::DEFAULT }, &rig, dims).unwrap();
+                let view = View::new(
+                    &ObstacleParams { sectors, yaw_deg, ..ObstacleParams::DEFAULT },
+                    &rig,
+                    dims,
+                )
+                .unwrap();
                 for sector in -i32::from(sectors)..i32::from(sectors) {
-                    let exact = (f64::from(sector) - 0.5) * 360.0 / f64::from(sectors) - f64::from(yaw_deg);
+                    let exact =
+                        (f64::from(sector) - 0.5) * 360.0 / f64::from(sectors) - f64::from(yaw_deg);
                     if exact.abs() < 80.0 {
                         let tangent = f64::from((view.boundary(sector) - view.column) / view.focal);
                         let off = (tangent.atan().to_degrees() - exact).abs();
@@ -332,14 +372,17 @@ mod tests {
                 }
             }
         }
-        std::eprintln!("boundaries are within {worst_deg:.3} degrees, {worst_share:.4} of a sector");
+        std::eprintln!(
+            "boundaries are within {worst_deg:.3} degrees, {worst_share:.4} of a sector"
+        );
         assert!(worst_deg < 0.14 && worst_share < 1.0 / 35.0);
     }
 
     #[test]
     fn cosines_are_exact_to_the_last_bit_but_one() {
         let dims = Dims { width: 640, height: 480 };
-        let rig = Rig::new(333.25, 0.06, 0.0).unwrap().with_principal_point([301.5, 240.0]).unwrap();
+        let rig =
+            Rig::new(333.25, 0.06, 0.0).unwrap().with_principal_point([301.5, 240.0]).unwrap();
         let view = View::new(&ObstacleParams::DEFAULT, &rig, dims).unwrap();
         for (cosine, part) in view.cosines_q15().into_iter().zip(0..) {
             let tangent = (f64::from(part) * 20.0 - 301.5) / 333.25;

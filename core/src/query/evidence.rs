@@ -1,6 +1,7 @@
 //! The evidence for the disparity of a pixel: plain numbers in Q8 that a linear model weighs.
 //!
-//! In: cost curves of the local match, the disparity prior. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
+//! In: cost curves of the local match, the disparity prior. Out: one signed 16-bit number per kind,
+//! +-128 with a step of 1/256.
 
 use crate::evidence::define_evidence;
 

@@ -1,24 +1,29 @@
-//! Match on demand: dislocated windows and census around one pixel over every disparity, with a left-right check.
+//! Match on demand: dislocated windows and census around one pixel over every disparity, with a
+//! left-right check.
 //!
 //! In: the rows around the pixel, the disparity prior. Out: a disparity with its evidence.
 //!
 //! ```text
-//! windows: four of 14 columns by 5 rows, the pixel on the border row and within 4 px of the border column of each, so that one of them
-//!          covers a single surface unless the surface is thin: absolute differences of horizontal gradients, the lowest of the four
-//!          at every disparity
+//! windows: four of 14 columns by 5 rows, the pixel on the border row and within 4 px of the border
+//!          column of each, so that one of them covers a single surface unless the surface is thin:
+//!          absolute differences of horizontal gradients, the lowest of the four at every disparity
 //! census:  Hamming distances at points around the pixel
 //! joint:   their weighted sum; the minimum, or one nearly as low in the range of the prior
-//! check:   the window that matches best, searched from its match in the right image back in the left one
+//! check:   the window that matches best, searched from its match in the right image back in the
+//!          left one
 //! ```
 //!
 //! # Bounds
-//! A window has two strips in each of five rows: 10 * 8 * 62 = 4960. Census: 15 points of 8 bits, times 16: 1920. Their sum is below 2^13.
+//! A window has two strips in each of five rows: 10 * 8 * 62 = 4960. Census: 15 points of 8 bits,
+//! times 16: 1920. Their sum is below 2^13.
 //!
 //! # Cost
-//! At 64 disparities: 30 and 10 strips (13 400 instructions on Armv7E-M), 15 points (3700), some 15 passes over a curve (6000).
+//! At 64 disparities: 30 and 10 strips (13 400 instructions on Armv7E-M), 15 points (3700), some 15
+//! passes over a curve (6000).
 //!
 //! # Source
-//! Fusiello, Roberto, Trucco 1997 (windows around a pixel, the best of them counts); Hirschmueller, Innocent, Garibaldi 2002.
+//! Fusiello, Roberto, Trucco 1997 (windows around a pixel, the best of them counts); Hirschmueller,
+//! Innocent, Garibaldi 2002.
 
 use super::evidence::{PixelEvidence, PixelKind};
 use super::patch::{Patch, ROWS_REACH};
@@ -38,7 +43,8 @@ const CENSUS_COLUMNS: [i32; 5] = [-4, -2, 0, 2, 4];
 const POINTS: usize = CENSUS_ROWS.len() * CENSUS_COLUMNS.len();
 /// Weight of a census bit, in steps of gradient.
 const CENSUS_WEIGHT: u16 = 16;
-/// Largest ratio of the lowest cost in the prior's range to the lowest cost for it to be preferred, Q8.
+/// Largest ratio of the lowest cost in the prior's range to the lowest cost for it to be preferred,
+/// Q8.
 const GUIDED_Q8: u32 = 256 + 26;
 /// Disparities on both sides of the best that the second-best leaves out, px.
 const NEIGHBOURHOOD: i32 = 2;
@@ -63,8 +69,8 @@ fn add<'p>(
     sad_curve(&strips, costs);
 }
 
-/// Disparity of the pixel, 1/64 px, and its evidence. `range` holds the disparities to compare (first, number), `range_back` gives those of the
-/// left-right check from one.
+/// Disparity of the pixel, 1/64 px, and its evidence. `range` holds the disparities to compare
+/// (first, number), `range_back` gives those of the left-right check from one.
 pub(super) fn match_pixel(
     patch: &mut Patch<'_>,
     range: (i32, i32),
@@ -74,9 +80,13 @@ pub(super) fn match_pixel(
 ) -> (i32, PixelEvidence) {
     patch.fill(range, &CENSUS_ROWS);
     let [a, b, c, d, e, f, corner_a, corner_b, corner_c, corner_d, census, lower] = curves;
-    for (half, columns) in HALVES.into_iter().zip([[&mut *a, &mut *b, &mut *c], [&mut *d, &mut *e, &mut *f]]) {
+    for (half, columns) in
+        HALVES.into_iter().zip([[&mut *a, &mut *b, &mut *c], [&mut *d, &mut *e, &mut *f]])
+    {
         for (curve, column) in columns.into_iter().zip(COLUMNS) {
-            curve.fill(range, |costs| add(half, &[column], |row, at| patch.forward(row, at, range.0), costs));
+            curve.fill(range, |costs| {
+                add(half, &[column], |row, at| patch.forward(row, at, range.0), costs)
+            });
         }
     }
     corner_a.set_sum(a, b);
@@ -99,10 +109,18 @@ pub(super) fn match_pixel(
     let census_cost = census.minimum_near(at, 1).cost;
     evidence.set(PixelKind::CensusRatio, ratio_q8(census_cost, census.second_best(at)));
     evidence.set(PixelKind::JointRatio, ratio_q8(best.cost, joint.second_best(at)));
-    evidence.set(PixelKind::GuidedRatio, ratio_q8(best.cost, second_best_within(joint, at, search_range)));
+    evidence.set(
+        PixelKind::GuidedRatio,
+        ratio_q8(best.cost, second_best_within(joint, at, search_range)),
+    );
 
     let [above, below] = HALVES;
-    let corners = [(&*corner_a, above, 0), (&*corner_b, above, 1), (&*corner_c, below, 0), (&*corner_d, below, 1)];
+    let corners = [
+        (&*corner_a, above, 0),
+        (&*corner_b, above, 1),
+        (&*corner_c, below, 0),
+        (&*corner_d, below, 1),
+    ];
     let mut best_window = (Minimum { at, cost: u16::MAX }, above, 0);
     for (curve, half, column) in corners {
         let near = curve.minimum_near(at, 1);
@@ -114,7 +132,9 @@ pub(super) fn match_pixel(
     let range_back = range_back(from);
     patch.fill_back(from, range_back, half);
     let columns = COLUMNS.get(column..column + 2).unwrap_or(&[]);
-    back.fill(range_back, |costs| add(half, columns, |row, at| patch.backward(row, at, from, range_back.0), costs));
+    back.fill(range_back, |costs| {
+        add(half, columns, |row, at| patch.backward(row, at, from, range_back.0), costs)
+    });
     let returned = back.minimum().at;
     evidence.set(PixelKind::LeftRightGap, gap_q8(returned << 6, d_q6));
 

@@ -1,24 +1,28 @@
-//! Depth of a pixel that lies on no segment: by features and support points nearby, and by a match on demand around it.
+//! Depth of a pixel that lies on no segment: by features and support points nearby, and by a match
+//! on demand around it.
 //!
-//! In: a run's candidates, support points and pair, a pixel, the region that it belongs to, if one is known. Out: a [`PixelDepth`] or a
-//! [`PixelRejection`].
+//! In: a run's candidates, support points and pair, a pixel, the region that it belongs to, if one
+//! is known. Out: a [`PixelDepth`] or a [`PixelRejection`].
 //!
 //! ```text
 //! prior:  disparities of segments' sides and support points nearby, of the same region if it is known              (prior)
 //! patch:  gradients and census codes of the rows around the pixel, in the columns that the search reads            (patch)
 //! local:  windows around the pixel, not centred on it, and census, over every disparity; left-right check          (local)
-//! answer: evidence -> probability of being within 1 px and standard deviation, by a fitted linear model and its tables (evidence, fitted)
+//! answer: evidence -> probability of being within 1 px and standard deviation, by a fitted linear
+//!         model and its tables (evidence, fitted)
 //! ```
-//! Prior and match fail for different reasons: features nearby may be of another surface, a match may be a repetition of the texture. Their
-//! agreement is strong evidence.
+//! Prior and match fail for different reasons: features nearby may be of another surface, a match
+//! may be a repetition of the texture. Their agreement is strong evidence.
 //!
 //! # Cost
-//! The memory of the run's band and curves. At 64 disparities 40 000 to 53 000 instructions a pixel on a
-//! Cortex-M7 (means of the built-in pairs, QEMU), at most 65 000 where segments are dense; 6000 where there is no texture.
+//! The memory of the run's band and curves. At 64 disparities 40 000 to 53 000 instructions a pixel
+//! on a Cortex-M7 (means of the built-in pairs, QEMU), at most 65 000 where segments are dense;
+//! 6000 where there is no texture.
 //!
 //! # Source
 //! The chapter's future work: a pixel described by the closest features, dislocated kernels.
 
+mod bars;
 mod evidence;
 mod fitted;
 mod local;
@@ -36,6 +40,7 @@ use crate::row_memory::row_bytes;
 use crate::support::Support;
 use crate::units::narrow;
 use crate::units::{Confidence, Depth, Disparity};
+pub(crate) use bars::on_bars;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
 pub use fitted::FITTED_PIXEL;
 use patch::{COLUMNS_REACH, Patch};
@@ -43,9 +48,11 @@ use prior::DisparityPrior;
 
 /// Distance up to which support points show a pattern, px.
 const PATTERN_REACH: i32 = 12;
-/// Twice the mean gradient around a pixel (half a grey level per px) below which there is nothing to match.
+/// Twice the mean gradient around a pixel (half a grey level per px) below which there is nothing
+/// to match.
 const BLANK: u32 = 1;
-/// Texture below which a low confidence is reported as [`PixelRejection::NoTexture`], log2(1 + mean gradient) in Q8.
+/// Texture below which a low confidence is reported as [`PixelRejection::NoTexture`], log2(1 + mean
+/// gradient) in Q8.
 const LITTLE_TEXTURE_Q8: i32 = 256;
 /// Gap of the left-right check above which it has failed, px in Q8.
 pub const LEFT_RIGHT_GAP_Q8: i32 = 384;
@@ -149,7 +156,11 @@ pub(crate) struct Query<'a> {
 
 impl Query<'_> {
     #[inline(never)]
-    pub(crate) fn answer(self, pixel: (u16, u16), region: Option<&Region<'_>>) -> Result<PixelDepth, PixelRejection> {
+    pub(crate) fn answer(
+        self,
+        pixel: (u16, u16),
+        region: Option<&Region<'_>>,
+    ) -> Result<PixelDepth, PixelRejection> {
         let (params, model) = (self.params, self.model);
         let (d_q6, evidence) = self.evidence_of(pixel, region)?;
         let score_q8 = model.score_q8(&evidence.0);
@@ -187,10 +198,13 @@ impl Query<'_> {
         if region.is_some_and(|region| !region.contains(x, y)) {
             return Err(PixelRejection::OutsideRegion);
         }
-        let (least, most) = (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
-        let (valid, right_valid) = (left.valid_columns(y), right.valid_columns(y + self.row_offset));
+        let (least, most) =
+            (i32::from(self.params.min_disparity), i32::from(self.params.max_disparity));
+        let (valid, right_valid) =
+            (left.valid_columns(y), right.valid_columns(y + self.row_offset));
         let (start, end) = (i32::from(valid.start), i32::from(valid.end));
-        // Windows stay within the image: its border would match the other image's border, wherever the surface is.
+        // Windows stay within the image: its border would match the other image's border, wherever
+        // the surface is.
         let middle = x.min(end - 1 - COLUMNS_REACH).max(start + 1 + COLUMNS_REACH);
         let first = least.max(x + 1 - i32::from(right_valid.end));
         let len = most.min(x + 1 - i32::from(right_valid.start)) - first;
@@ -203,8 +217,8 @@ impl Query<'_> {
             return Err(PixelRejection::NotUnique);
         }
         let rows = (self.rows, row_bytes(self.dims.width));
-        let mut patch =
-            Patch::new([left, right], (middle, y), self.row_offset, rows).ok_or(PixelRejection::OtherSize)?;
+        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, rows)
+            .ok_or(PixelRejection::OtherSize)?;
         let (sum, count) = patch.gradient_sum();
         if sum * 2 < BLANK * count.unsigned_abs() {
             return Err(PixelRejection::NoTexture);

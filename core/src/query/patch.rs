@@ -1,15 +1,20 @@
-//! Rows around one pixel: gradients of both images and census codes of the right one, computed for this pixel alone.
+//! Rows around one pixel: gradients of both images and census codes of the right one, computed for
+//! this pixel alone.
 //!
-//! In: the pair, a pixel, the disparities to compare. Out: strips of eight pixels for the kernels, relative to the pixel.
+//! In: the pair, a pixel, the disparities to compare. Out: strips of eight pixels for the kernels,
+//! relative to the pixel.
 //!
-//! As in the band of a run, rows of the right image are stored mirrored, so that rising disparities lie at rising addresses. Only columns that
-//! the search reads are computed. Rows outside the image repeat the nearest one; columns outside are flat.
+//! As in the band of a run, rows of the right image are stored mirrored, so that rising disparities
+//! lie at rising addresses. Only columns that the search reads are computed. Rows outside the image
+//! repeat the nearest one; columns outside are flat.
 //!
 //! # Bounds
-//! A row has at most `len + 38` pixels for `len` disparities (whole blocks of 16), which is fewer than a padded row of the band has.
+//! A row has at most `len + 38` pixels for `len` disparities (whole blocks of 16), which is fewer
+//! than a padded row of the band has.
 //!
 //! # Cost
-//! Four planes of nine rows, in the memory of the run's band. At 64 disparities some 1500 instructions a row.
+//! Four planes of nine rows, in the memory of the run's band. At 64 disparities some 1500
+//! instructions a row.
 
 use crate::image::Gray;
 use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, reverse_row};
@@ -51,7 +56,8 @@ pub(super) struct Patch<'a> {
 }
 
 impl<'a> Patch<'a> {
-    /// A patch in `rows`, memory of four planes whose rows are `stride` bytes long; `None` when that is too little.
+    /// A patch in `rows`, memory of four planes whose rows are `stride` bytes long; `None` when
+    /// that is too little.
     pub(super) fn new(
         [left, right]: [Gray<'a>; 2],
         (x, y): (i32, i32),
@@ -86,7 +92,8 @@ impl<'a> Patch<'a> {
         let (mut sum, mut count) = (0, 0);
         for (row, slot) in (self.y - ROWS_REACH..).zip(plane.chunks_exact_mut(self.stride.max(1))) {
             fill(slot, *columns, |columns, out| gradients(self.left, row, columns, out));
-            for &gradient in slot.get(BORDER as usize..(2 * reach - BORDER) as usize).unwrap_or(&[]) {
+            for &gradient in slot.get(BORDER as usize..(2 * reach - BORDER) as usize).unwrap_or(&[])
+            {
                 sum += u32::from(gradient.abs_diff(FLAT));
                 count += 1;
             }
@@ -94,12 +101,13 @@ impl<'a> Patch<'a> {
         (sum, count)
     }
 
-    /// Computes the right rows that a search over the disparities `first .. first + len` reads; census codes of the rows `codes`, relative to the
-    /// pixel's.
+    /// Computes the right rows that a search over the disparities `first .. first + len` reads;
+    /// census codes of the rows `codes`, relative to the pixel's.
     pub(super) fn fill(&mut self, (first, len): (i32, i32), codes: &[i32]) {
         let len = whole_blocks(len);
         let reach = COLUMNS_REACH + BORDER;
-        let columns = Columns { first: self.x - reach - (first + len - 1), length: 2 * reach + len - 1 };
+        let columns =
+            Columns { first: self.x - reach - (first + len - 1), length: 2 * reach + len - 1 };
         self.target.1 = columns;
         let top = self.y - ROWS_REACH + self.row_offset;
         for (row, slot) in (top..).zip(self.target.0.chunks_exact_mut(self.stride.max(1))) {
@@ -118,7 +126,8 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// Computes the left rows `rows`, relative to the pixel's, that the left-right check of disparity `at` reads.
+    /// Computes the left rows `rows`, relative to the pixel's, that the left-right check of
+    /// disparity `at` reads.
     pub(super) fn fill_back(&mut self, at: i32, (first, len): (i32, i32), rows: (i32, i32)) {
         let len = whole_blocks(len);
         let reach = COLUMNS_REACH + BORDER;
@@ -136,7 +145,8 @@ impl<'a> Patch<'a> {
         plane.get(start..)?.get(..self.stride)
     }
 
-    /// Eight left pixels from `column` on, relative to the pixel, and the right row in which they are searched from disparity `first` on.
+    /// Eight left pixels from `column` on, relative to the pixel, and the right row in which they
+    /// are searched from disparity `first` on.
     pub(super) fn forward(&self, dy: i32, column: i32, first: i32) -> Option<Strip<'_>> {
         let at = usize::try_from(self.x + column - self.near.1.first).ok()?;
         let mut reference = *self.row(self.near.0, dy)?.get(at..)?.first_chunk::<STRIP>()?;
@@ -145,7 +155,8 @@ impl<'a> Patch<'a> {
         Some(Strip { reference, other: self.row(self.target.0, dy)?.get(start..)? })
     }
 
-    /// Eight right pixels, those of `column` at disparity `at`, and the left row in which they are searched from disparity `first` on.
+    /// Eight right pixels, those of `column` at disparity `at`, and the left row in which they are
+    /// searched from disparity `first` on.
     pub(super) fn backward(&self, dy: i32, column: i32, at: i32, first: i32) -> Option<Strip<'_>> {
         let index = self.mirrored(column, at)?;
         let mut reference = *self.row(self.target.0, dy)?.get(index..)?.first_chunk::<STRIP>()?;
@@ -154,12 +165,16 @@ impl<'a> Patch<'a> {
         Some(Strip { reference, other: self.row(self.back.0, dy)?.get(start..)? })
     }
 
-    /// Census code of a left pixel, and the right codes that it is compared with; `None` where it has none.
+    /// Census code of a left pixel, and the right codes that it is compared with; `None` where it
+    /// has none.
     pub(super) fn census(&self, dy: i32, column: i32, first: i32) -> Option<(u8, &[u8])> {
         let (x, y) = (self.x + column, self.y + dy);
         let inside = |v: i32, side: u16| v >= 2 && v + 2 < i32::from(side);
         let dims = self.left.dims();
-        if !inside(x, dims.width) || !inside(y, dims.height) || !self.left.valid_columns(y).contains(x) {
+        if !inside(x, dims.width)
+            || !inside(y, dims.height)
+            || !self.left.valid_columns(y).contains(x)
+        {
             return None;
         }
         let (pixels, stride) = self.left.as_slice();
@@ -169,7 +184,8 @@ impl<'a> Patch<'a> {
         Some((code, self.row(self.census, dy)?.get(start..)?))
     }
 
-    /// Index in a mirrored row of the eight right pixels that match those from `column` on at a disparity.
+    /// Index in a mirrored row of the eight right pixels that match those from `column` on at a
+    /// disparity.
     fn mirrored(&self, column: i32, disparity: i32) -> Option<usize> {
         let Columns { first, length } = self.target.1;
         usize::try_from(first + length - STRIP as i32 - (self.x + column) + disparity).ok()
@@ -181,7 +197,11 @@ fn whole_blocks(len: i32) -> i32 {
 }
 
 /// Fills the front of a row with `codes`.
-fn fill(slot: &mut [u8], Columns { first, length }: Columns, codes: impl FnOnce(Range<i32>, &mut [u8])) {
+fn fill(
+    slot: &mut [u8],
+    Columns { first, length }: Columns,
+    codes: impl FnOnce(Range<i32>, &mut [u8]),
+) {
     if let Some(out) = usize::try_from(length).ok().and_then(|length| slot.get_mut(..length)) {
         codes(first..first + length, out);
     }

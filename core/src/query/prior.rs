@@ -1,22 +1,27 @@
 //! Disparity prior of a pixel: by the sides of segments and the support points nearby.
 //!
-//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if any. Out: a [`DisparityPrior`]: disparities of
-//! the sides and the points nearby, with their weights.
+//! In: the candidates and the support points of a run, a pixel, the region that it belongs to, if
+//! any. Out: a [`DisparityPrior`]: disparities of the sides and the points nearby, with their
+//! weights.
 //!
 //! ```text
 //! a side counts only for pixels on its side of the edge, and only for pixels of the same region
-//! disparity = its line of disparity at the position next to the pixel, continued across the edge by its slant
+//! disparity = its line of disparity at the position next to the pixel, continued across the
+//!     edge by its slant
 //! weight    = (2 p - 1) * (1 - distance / reach)^2
 //! a support point counts for all pixels around it, with its disparity and the same weight
 //! ```
-//! A side beyond an edge, whose two sides are not known to be one surface, ends before the pixel: a match that agrees with it most likely comes
-//! from a window that covers that surface, and the pixel lies on one behind.
+//! A side beyond an edge, whose two sides are not known to be one surface, ends before the pixel: a
+//! match that agrees with it most likely comes from a window that covers that surface, and the
+//! pixel lies on one behind.
 //!
 //! # Bounds
-//! `2 p - 1` is at most 255 in Q8, nearness 48: 255 * 48^2 is below 2^20; [`MOST_SIDES`] weights of at most 255 are below 2^12.
+//! `2 p - 1` is at most 255 in Q8, nearness 48: 255 * 48^2 is below 2^20; [`MOST_SIDES`] weights of
+//! at most 255 are below 2^12.
 //!
 //! # Cost
-//! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for each within reach.
+//! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for
+//! each within reach.
 
 use crate::evidence::log2_mean_q8;
 use crate::lines::MAX_ROWS;
@@ -45,17 +50,20 @@ const ACROSS_REACH: i32 = 12;
 const ENDS: usize = 8;
 /// Difference between two sides, summed over both ends, above which they are two surfaces, 1/64 px.
 const TWO_SURFACES_Q6: i32 = 2 * 64;
-/// Largest difference to the disparity of a surface that ends before the pixel for it to agree, 1/64 px.
+/// Largest difference to the disparity of a surface that ends before the pixel for it to agree,
+/// 1/64 px.
 const SAME_SURFACE_Q6: i32 = 96;
 /// Distance from the edge at which the region of a side is determined, px.
 const OFF_EDGE: i32 = 3;
-/// Least total weight at which the prior limits the search range, Q8: a quarter of a certain feature at distance 0.
+/// Least total weight at which the prior limits the search range, Q8: a quarter of a certain
+/// feature at distance 0.
 const ENOUGH_Q8: i32 = 64;
 /// Largest difference of disparity to a side at distance 0 that agrees, 1/64 px.
 const AGREES_Q6: i32 = 64;
 /// Increase of that difference with distance, 1/64 px per px, for slanted surfaces.
 const SLANT_Q6: i32 = 3;
-/// Weight added to the denominator of the contradicting share, Q8: a small contradicting weight counts little.
+/// Weight added to the denominator of the contradicting share, Q8: a small contradicting weight
+/// counts little.
 const LITTLE_Q8: i32 = 50;
 /// Limit of the distance from the range of the prior, 1/64 px.
 const FAR_OUTSIDE_Q6: i32 = 256;
@@ -93,7 +101,8 @@ pub(super) struct PriorAgreement {
 struct Foot {
     x: i32,
     y: i32,
-    /// Distance from the first end of the segment, and the segment's length, along its main direction, px.
+    /// Distance from the first end of the segment, and the segment's length, along its main
+    /// direction, px.
     along: i32,
     length: i32,
 }
@@ -123,7 +132,8 @@ impl DisparityPrior {
         region: Option<&Region<'_>>,
     ) -> Self {
         let mut prior = Self::default();
-        let first = candidates.partition_point(|candidate| candidate.segment.top() < y - REACH - MAX_ROWS);
+        let first =
+            candidates.partition_point(|candidate| candidate.segment.top() < y - REACH - MAX_ROWS);
         for candidate in candidates.get(first..).unwrap_or(&[]) {
             if candidate.segment.top() >= y + REACH {
                 break;
@@ -139,7 +149,12 @@ impl DisparityPrior {
         prior
     }
 
-    fn add_sides(&mut self, candidate: &Candidate, (x, y): (i32, i32), region: Option<&Region<'_>>) {
+    fn add_sides(
+        &mut self,
+        candidate: &Candidate,
+        (x, y): (i32, i32),
+        region: Option<&Region<'_>>,
+    ) {
         let (x0, y0, x1, y1) = candidate.segment.ends_q5();
         let beside = x <= (x0.min(x1) >> 5) - REACH || x >= (x0.max(x1) >> 5) + REACH;
         if beside || y >= (y0.max(y1) >> 5) + REACH {
@@ -166,7 +181,11 @@ impl DisparityPrior {
                 }
                 continue;
             }
-            let (u, v) = if flat { (foot.x, foot.y + sign * OFF_EDGE) } else { (foot.x + sign * OFF_EDGE, foot.y) };
+            let (u, v) = if flat {
+                (foot.x, foot.y + sign * OFF_EDGE)
+            } else {
+                (foot.x + sign * OFF_EDGE, foot.y)
+            };
             if region.is_none_or(|region| region.contains(u, v)) {
                 self.add(NearbySide::new(side, &foot, off.abs(), distance));
             }
@@ -196,8 +215,8 @@ impl DisparityPrior {
         (each().min().unwrap_or(i32::MIN), each().max().unwrap_or(i32::MAX))
     }
 
-    /// First and last disparity to search, px: the range of the sides and points and 1 px more; all of the given range where their weight is
-    /// too small.
+    /// First and last disparity to search, px: the range of the sides and points and 1 px more; all
+    /// of the given range where their weight is too small.
     pub(super) fn search_range(&self, (first, len): (i32, i32)) -> (i32, i32) {
         let last = first + len - 1;
         let weight: i32 = self.weighted().map(|side| side.weight_q8).sum();
@@ -224,7 +243,10 @@ impl DisparityPrior {
             across_q8: log2_mean_q8(across.unsigned_abs(), ENOUGH_Q8),
             outside_q8: outside_q6 << 2,
             points_agreeing_q8: log2_mean_q8(points_agreeing.unsigned_abs(), ENOUGH_Q8),
-            points_conflicting_q8: quotient(points_conflicting << 8, points_agreeing + points_conflicting + LITTLE_Q8),
+            points_conflicting_q8: quotient(
+                points_conflicting << 8,
+                points_agreeing + points_conflicting + LITTLE_Q8,
+            ),
         }
     }
 }
@@ -233,7 +255,11 @@ impl DisparityPrior {
 fn weigh(sides: &[NearbySide], d_q6: i32) -> (i32, i32) {
     sides.iter().fold((0, 0), |(agreeing, against), side| {
         let agrees = (side.d_q6 - d_q6).abs() <= AGREES_Q6 + SLANT_Q6 * side.distance;
-        if agrees { (agreeing + side.weight_q8, against) } else { (agreeing, against + side.weight_q8) }
+        if agrees {
+            (agreeing + side.weight_q8, against)
+        } else {
+            (agreeing, against + side.weight_q8)
+        }
     })
 }
 

@@ -1,11 +1,13 @@
-//! Working memory of any capacity, carved from memory of the caller: for sizes that are known at run time only.
+//! Working memory of any capacity, carved from memory of the caller: for sizes that are known at
+//! run time only.
 //!
 //! In: words of 64 bits, capacities. Out: a [`ScratchView`] with cleared memory and empty lists.
 
 use super::{
-    BAND_ROWS, OBJECT_POINTS, PLANES, RunError, ScratchView, mark_words, most_candidates, most_support_points,
-    row_bytes,
+    BAND_ROWS, OBJECT_POINTS, PLANES, RunError, ScratchView, mark_words, most_candidates,
+    most_support_points, row_bytes,
 };
+use crate::bars::{Bar, MOST_BARS};
 use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH};
 use crate::lines::{self, Segment};
 use crate::matching::consistency::Neighbour;
@@ -33,7 +35,8 @@ pub struct Capacity {
 }
 
 impl Capacity {
-    /// Number of words of a memory with these capacities; the same on every machine with pointers of the same size.
+    /// Number of words of a memory with these capacities; the same on every machine with pointers
+    /// of the same size.
     ///
     /// ```
     /// use linestereo::{Dims, scratch::Capacity};
@@ -53,6 +56,7 @@ impl Capacity {
             + list_words::<Ranked>(candidates + OBJECT_POINTS)
             + list_words::<SupportPoint>(support)
             + list_words::<Match>(candidates)
+            + list_words::<Bar>(MOST_BARS)
             + words_of::<Workspace>(1)
     }
 
@@ -68,8 +72,10 @@ impl Capacity {
             segments => segments,
         };
         let candidates = most_candidates(dims, if self.cell < 8 { 8 } else { self.cell });
-        // A fine grid of cells would take most of the memory for candidates that images do not have.
-        let candidates = if candidates > lines::MAX_SEGMENTS { lines::MAX_SEGMENTS } else { candidates };
+        // A fine grid of cells would take most of the memory for candidates that images do not
+        // have.
+        let candidates =
+            if candidates > lines::MAX_SEGMENTS { lines::MAX_SEGMENTS } else { candidates };
         Sizes {
             row: row_bytes(dims.width),
             marks: mark_words(dims),
@@ -99,8 +105,9 @@ const fn list_words<T>(capacity: usize) -> usize {
 }
 
 impl<'a> ScratchView<'a> {
-    /// A memory of these capacities, cleared, made of at least [`Capacity::words`]. Results are those of a [`Scratch`](super::Scratch) that is large
-    /// enough: an object's hypotheses, points and segments, have room in any case.
+    /// A memory of these capacities, cleared, made of at least [`Capacity::words`]. Results are
+    /// those of a [`Scratch`](super::Scratch) that is large enough: an object's hypotheses, points
+    /// and segments, have room in any case.
     ///
     /// # Errors
     /// [`RunError::ScratchTooSmall`] with fewer words.
@@ -133,6 +140,7 @@ impl<'a> ScratchView<'a> {
             order: rest.list(sizes.candidates + OBJECT_POINTS)?,
             support: rest.list(sizes.support)?,
             matches: rest.list(sizes.candidates)?,
+            bars: rest.list(MOST_BARS)?,
             work: rest.one(Workspace::EMPTY)?,
         })
     }
@@ -170,7 +178,8 @@ impl<'a> Rest<'a> {
     fn zeros<T: Integer>(&mut self, count: usize) -> Option<&'a mut [T]> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
         let start: *mut T = self.cleared(words_of::<T>(count))?.as_ptr().cast();
-        // SAFETY: `words_of` has room for `count` of them, aligned as the assertion says, of cleared memory that nobody else has.
+        // SAFETY: `words_of` has room for `count` of them, aligned as the assertion says, of
+        // cleared memory that nobody else has.
         Some(unsafe { core::slice::from_raw_parts_mut(start, count) })
     }
 
@@ -179,7 +188,8 @@ impl<'a> Rest<'a> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
         let start: *mut T = self.take(words_of::<T>(count))?.as_ptr().cast();
         for index in 0..count {
-            // SAFETY: `words_of` has room for `count` of them, aligned as the assertion says, and nobody else has this memory.
+            // SAFETY: `words_of` has room for `count` of them, aligned as the assertion says, and
+            // nobody else has this memory.
             unsafe { start.add(index).write(value) };
         }
         // SAFETY: as above, and all of them are written.
@@ -189,7 +199,8 @@ impl<'a> Rest<'a> {
     fn one<T>(&mut self, value: T) -> Option<&'a mut T> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
         let start: *mut T = self.take(words_of::<T>(1))?.as_ptr().cast();
-        // SAFETY: there is room for one, aligned as the assertion says, and nobody else has this memory.
+        // SAFETY: there is room for one, aligned as the assertion says, and nobody else has this
+        // memory.
         unsafe { start.write(value) };
         // SAFETY: as above, and it is written.
         Some(unsafe { &mut *start })
@@ -200,11 +211,14 @@ impl<'a> Rest<'a> {
     fn list<T>(&mut self, capacity: usize) -> Option<&'a mut VecView<T>> {
         let start: *mut Vec<T, 0> = self.take(list_words::<T>(capacity))?.as_ptr().cast();
         const { assert!(align_of::<Vec<T, 0>>() <= align_of::<Word>()) };
-        // SAFETY: there is room for an empty list, aligned as the assertion says, and nobody else has this memory.
+        // SAFETY: there is room for an empty list, aligned as the assertion says, and nobody else
+        // has this memory.
         unsafe { start.write(Vec::new()) };
-        let list = core::ptr::slice_from_raw_parts_mut(start.cast::<()>(), capacity) as *mut VecView<T>;
-        // SAFETY: what coercion makes of a `Vec<T, N>` is its address and `N`: the length of every such list is where that of an empty one is, and the
-        // elements follow. There is room for `capacity` of them, which need not be written.
+        let list =
+            core::ptr::slice_from_raw_parts_mut(start.cast::<()>(), capacity) as *mut VecView<T>;
+        // SAFETY: what coercion makes of a `Vec<T, N>` is its address and `N`: the length of every
+        // such list is where that of an empty one is, and the elements follow. There is room for
+        // `capacity` of them, which need not be written.
         Some(unsafe { &mut *list })
     }
 }
@@ -227,7 +241,9 @@ mod tests {
             assert_eq!((list.len(), list.capacity(), size_of_val(list)), (0, N, size_of_val(view)));
             while list.push(value.clone()).is_ok() {}
             assert_eq!(list.len(), N);
-            let offset = |list: &VecView<T>| list.as_ptr().addr() - core::ptr::from_ref(list).cast::<u8>().addr();
+            let offset = |list: &VecView<T>| {
+                list.as_ptr().addr() - core::ptr::from_ref(list).cast::<u8>().addr()
+            };
             assert_eq!(offset(list), offset(view));
         }
         check::<u8, 7>(&3);

@@ -1,11 +1,12 @@
-//! Codes of the rows that the windows of a row of support points cover.
+//! Codes of the rows that the windows of a row of support points cover, at the size of the images
+//! or at half of it.
 //!
 //! In: both images. Out: the window of a point in the left image, and the columns of the right one
 //! from any column on; a column is four codes, of two rows each.
 //!
 //! A code says how the grey level changes to the right and downward, in units that the noise allows
-//! ([`Noise`]): a difference that is limited at some three deviations of its own noise tells more
-//! than its sign, and is not led by one pixel.
+//! ([`Noise`](super::Noise)): a difference that is limited at some three deviations of its own
+//! noise tells more than its sign, and is not led by one pixel.
 //!
 //! # Bounds
 //! Windows of two rows of points share no row of codes: four, of rows -4 to 3 of a point; they read
@@ -14,8 +15,7 @@
 //! # Cost
 //! Some 45 instructions a column of four codes (Armv7E-M), whatever the picture.
 
-use super::noise::Noise;
-use crate::image::Gray;
+use crate::image::{Gray, Span, halve_rows};
 use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, STRIP, code_columns, code_costs};
 
 /// Width of a window, px.
@@ -23,9 +23,17 @@ pub(super) const WINDOW_COLUMNS: usize = STRIP;
 /// Number of pixels at both ends of a row that have no code.
 pub(super) const BORDER: i32 = 2;
 
+/// Rows that the codes of a row of points read.
+pub(super) const ROWS: usize = 2 * CODE_ROWS + 4;
+
 /// Bytes of memory for images of this width.
 pub(super) const fn bytes(width: u16) -> usize {
     2 * CODE_ROWS * width as usize
+}
+
+/// Bytes of memory for the rows of half of an image, of this width.
+pub(super) const fn bytes_of_half(width: u16) -> usize {
+    ROWS * width as usize
 }
 
 /// Codes of the rows around a row of points, of both images.
@@ -34,22 +42,68 @@ pub(super) struct CodeRows<'a> {
     row_offset: i32,
     doublings: u32,
     columns: [&'a mut [CodeColumn]; 2],
+    /// Rows of half of the image that was coded last, where codes are of halves.
+    half: Option<&'a mut [u8]>,
 }
 
 impl<'a> CodeRows<'a> {
-    pub(super) fn new(images: [Gray<'a>; 2], row_offset: i32, noise: Noise, memory: &'a mut [u8]) -> Option<Self> {
+    /// For codes of these images, or of their halves.
+    pub(super) fn new(
+        images: [Gray<'a>; 2],
+        row_offset: i32,
+        doublings: u32,
+        is_half: bool,
+        memory: &'a mut [u8],
+    ) -> Option<Self> {
         let [left, _] = images;
-        let width = left.dims().width;
-        let (left, right) = memory.get_mut(..bytes(width))?.as_chunks_mut().0.split_at_mut_checked(width.into())?;
-        Some(Self { images, row_offset, doublings: noise.doublings(), columns: [left, right] })
+        let width = left.dims().width / if is_half { 2 } else { 1 };
+        let (codes, rows) = memory.split_at_mut_checked(bytes(width))?;
+        let (left, right) = codes.as_chunks_mut().0.split_at_mut_checked(width.into())?;
+        let half = if is_half { Some(rows.get_mut(..bytes_of_half(width))?) } else { None };
+        Some(Self { images, row_offset, doublings, columns: [left, right], half })
     }
 
     /// Computes the codes of the rows around row `y`.
     pub(super) fn code(&mut self, y: i32) {
-        let [left, right] = self.images;
-        for ((image, y), columns) in [(left, y), (right, y + self.row_offset)].into_iter().zip(&mut self.columns) {
-            code(image, y, self.doublings, columns);
+        let (offsets, scale) = ([0, self.row_offset], i32::from(self.scale()));
+        for ((image, offset), columns) in
+            self.images.into_iter().zip(offsets).zip(&mut self.columns)
+        {
+            let rows = match &mut self.half {
+                Some(half) => {
+                    fill_half(image, (y, offset), half);
+                    half_rows(half)
+                }
+                None => rows_around(image, y + offset),
+            };
+            code_columns(rows, self.doublings, columns);
+            let coded = [-3, -1, 1, 3].map(|down| scale * (y + down) + offset);
+            flatten(image, coded, scale as usize, columns);
         }
+    }
+
+    /// Pixels of the images in one of those that are coded: 2 where these are halves.
+    pub(super) fn scale(&self) -> u16 {
+        1 + u16::from(self.half.is_some())
+    }
+
+    /// Columns with valid pixels of the rows that are coded as `y`.
+    pub(super) fn valid(&self, y: i32) -> [Span; 2] {
+        let scale = self.scale();
+        [(0, 0), (1, self.row_offset)].map(|(which, offset)| {
+            let of = self
+                .images
+                .get(which)
+                .map(|image| image.valid_columns(i32::from(scale) * y + offset));
+            let Span { start, end } = of.unwrap_or_default();
+            Span { start: start.div_ceil(scale), end: end / scale }
+        })
+    }
+
+    /// Codes of the right image.
+    pub(super) fn columns_of_right(&self) -> &[CodeColumn] {
+        let [_, right] = &self.columns;
+        right
     }
 
     /// The window that begins at column `x` of the left image.
@@ -57,15 +111,24 @@ impl<'a> CodeRows<'a> {
         self.columns[0].get(usize::try_from(x).ok()?..)?.first_chunk()
     }
 
-    /// The right image, and the row of it that matches row `y` of the left one.
-    pub(super) fn right(&self, y: i32) -> (Gray<'a>, i32, u32) {
+    /// Rows of the right image, or of its half, that the codes around row `y` read, which were
+    /// coded last; how often these are doubled.
+    pub(super) fn right(&self, y: i32) -> ([&[u8]; ROWS], u32) {
         let [_, right] = self.images;
-        (right, y + self.row_offset, self.doublings)
+        let rows = match &self.half {
+            Some(half) => half_rows(half),
+            None => rows_around(right, y + self.row_offset),
+        };
+        (rows, self.doublings)
     }
 
     /// The window that begins at column `x` of the left image, and the columns of the right one
     /// from `first` on.
-    pub(super) fn windows(&self, x: i32, first: i32) -> Option<(&[CodeColumn; WINDOW_COLUMNS], &[CodeColumn])> {
+    pub(super) fn windows(
+        &self,
+        x: i32,
+        first: i32,
+    ) -> Option<(&[CodeColumn; WINDOW_COLUMNS], &[CodeColumn])> {
         let [left, right] = &self.columns;
         let window = left.get(usize::try_from(x).ok()?..)?.first_chunk()?;
         Some((window, right.get(usize::try_from(first).ok()?..)?))
@@ -76,11 +139,15 @@ impl<'a> CodeRows<'a> {
     pub(super) fn costs_in_left(&self, x: i32, away: usize, costs: &mut [u8]) -> usize {
         let end = self.columns[0].len().saturating_sub(BORDER as usize);
         let own = || self.columns[0].get(usize::try_from(x).ok()?..end);
-        let Some((window, columns)) = own().and_then(|own| Some((own.first_chunk()?, own.get(away..)?))) else {
+        let Some((window, columns)) =
+            own().and_then(|own| Some((own.first_chunk()?, own.get(away..)?)))
+        else {
             return 0;
         };
         let length = (columns.len() + 1).saturating_sub(WINDOW_COLUMNS).min(costs.len());
-        if let (Some(columns), Some(costs)) = (columns.get(..length + WINDOW_COLUMNS - 1), costs.get_mut(..length)) {
+        if let (Some(columns), Some(costs)) =
+            (columns.get(..length + WINDOW_COLUMNS - 1), costs.get_mut(..length))
+        {
             code_costs(window, columns, costs);
         }
         length
@@ -93,18 +160,41 @@ impl<'a> CodeRows<'a> {
     }
 }
 
-/// Codes of the rows around row `y`; rows outside the image repeat the nearest one. Pixels that are
-/// not valid get the code of flat ones.
-fn code(image: Gray<'_>, y: i32, doublings: u32, columns: &mut [CodeColumn]) {
+/// The rows around row `y`; outside of the image the nearest one.
+fn rows_around(image: Gray<'_>, y: i32) -> [&[u8]; ROWS] {
     let last = i32::from(image.dims().height) - 1;
-    let rows = core::array::from_fn(|row| (y - 6 + row as i32).max(0).min(last) as usize);
-    code_columns(rows.map(|row| image.row(row).unwrap_or(&[])), doublings, columns);
+    let rows: [usize; ROWS] =
+        core::array::from_fn(|row| (y - 6 + row as i32).max(0).min(last) as usize);
+    rows.map(|row| image.row(row).unwrap_or(&[]))
+}
+
+/// Sets the rows around row `y` of half of an image, means of 2 x 2 pixels; outside of the image
+/// they are the nearest ones.
+fn fill_half(image: Gray<'_>, (y, offset): (i32, i32), half: &mut [u8]) {
+    let last = i32::from(image.dims().height) - 1;
+    for (half, y) in half.chunks_exact_mut((half.len() / ROWS).max(1)).zip(y - 6..) {
+        let row = |y: i32| image.row((y + offset).max(0).min(last) as usize).unwrap_or(&[]);
+        let y = 2 * y.max(0).min(last / 2);
+        halve_rows(row(y), row(y + 1), half);
+    }
+}
+
+/// The rows that [`fill_half`] has set.
+fn half_rows(half: &[u8]) -> [&[u8]; ROWS] {
+    let width = half.len() / ROWS;
+    core::array::from_fn(|row| half.get(row * width..(row + 1) * width).unwrap_or(&[]))
+}
+
+/// Gives pixels that are not valid the code of flat ones; `scale` pixels of a row of the image are
+/// one of the columns.
+fn flatten(image: Gray<'_>, rows: [i32; CODE_ROWS], scale: usize, columns: &mut [CodeColumn]) {
     if image.valid().is_empty() {
         return;
     }
-    for (k, y) in [y - 3, y - 1, y + 1, y + 3].into_iter().enumerate() {
+    for (k, y) in rows.into_iter().enumerate() {
         let valid = image.valid_columns(y);
-        let (start, end) = (usize::from(valid.start), usize::from(valid.end));
+        let (start, end) =
+            (usize::from(valid.start).div_ceil(scale), usize::from(valid.end) / scale);
         for outside in [0..start, end..columns.len()] {
             for column in columns.get_mut(outside).unwrap_or(&mut []) {
                 if let Some(code) = column.get_mut(k) {

@@ -1,9 +1,11 @@
 //! The evidence for a support point's disparity: plain numbers in Q8 that a linear model weighs.
 //!
-//! In: the costs of a point along the disparities, later its neighbours. Out: one signed 16-bit number per kind, +-128 with a step of 1/256.
+//! In: the costs of a point along the disparities, later its neighbours. Out: one signed 16-bit
+//! number per kind, +-128 with a step of 1/256.
 //!
 //! # Cost
-//! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight neighbours another 250.
+//! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight
+//! neighbours another 250.
 
 use super::grid::Grid;
 use super::paths::PLANE_LABELS as LABELS;
@@ -20,20 +22,24 @@ use core::ops::Range;
 
 /// Disparities on both sides of the best that the second-best leaves out.
 const NEIGHBOURHOOD: usize = 2;
-/// Least uniqueness of a point, log2(second-best / best) of the paths' sum, Q8: 4 %. With less, a pattern repeats or there is none.
+/// Least uniqueness of a point, log2(second-best / best) of the paths' sum, Q8: 4 %. With less, a
+/// pattern repeats or there is none.
 const LEAST_UNIQUE_Q8: i32 = 16;
 /// [`SupportKind::Detail`] where no window was evaluated, Q8.
 pub(crate) const TYPICAL_DETAIL_Q8: i16 = 2500;
-/// Least value of [`SupportKind::Detail`] that models were fitted on, Q8; smaller ones are limited to it.
+/// Least value of [`SupportKind::Detail`] that models were fitted on, Q8; smaller ones are limited
+/// to it.
 const LEAST_DETAIL_Q8: i16 = 1800;
-/// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited to it.
+/// Largest value of [`SupportKind::Detail`] that models were fitted on, Q8; larger ones are limited
+/// to it.
 const MOST_DETAIL_Q8: i16 = 3000;
-/// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a repetition, and not a blank wall.
+/// Least increase of the window's cost 1 px to either side for an equal cost elsewhere to be a
+/// repetition, and not a blank wall.
 const LEAST_INCREASE: u8 = 4;
 /// Largest difference between the disparities of neighbours that agree, 1/64 px.
 const AGREES_Q6: i32 = 96;
 /// Largest distance from the ground plane of a point that may be of it, 1/64 px.
-const NEAR_PLANE_Q6: i32 = 96;
+pub(super) const NEAR_PLANE_Q6: i32 = 96;
 
 define_evidence! {
     /// Kinds of evidence of a support point, in the order of the model's coefficients.
@@ -51,6 +57,8 @@ define_evidence! {
     OnPlane: "label beside the ground plane",
     NearPlane: "at most 1.5 px off the ground plane",
     BelowPlane: "farther than the ground plane by more",
+    HalfSize: "log-odds of the answer at half of the size",
+    Moved: "|answer - that at half of the size|, px",
     Agreeing: "log2(1 + neighbours that agree)",
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
@@ -81,7 +89,10 @@ impl Labels {
         };
         let disparity = disparity_of(index);
         if index < first {
-            usize::try_from(beside.disparity - disparity).ok().filter(|&at| at < LABELS).map(|at| first + at)
+            usize::try_from(beside.disparity - disparity)
+                .ok()
+                .filter(|&at| at < LABELS)
+                .map(|at| first + at)
         } else {
             usize::try_from(self.last - disparity).ok().filter(|&at| at < self.disparities)
         }
@@ -98,7 +109,8 @@ pub(super) struct Found {
     pub(super) evidence: SupportEvidence,
 }
 
-/// Lowest cost outside of the neighbourhood of `at`; overwrites that neighbourhood with the largest cost.
+/// Lowest cost outside of the neighbourhood of `at`; overwrites that neighbourhood with the largest
+/// cost.
 fn second_best(costs: &mut [u8], at: usize) -> u8 {
     mask(costs, at);
     lowest_byte(costs)
@@ -144,7 +156,7 @@ impl Detail {
 }
 
 /// log2(1 + value), Q8.
-fn log2_q8(value: u8) -> i32 {
+pub(super) fn log2_q8(value: u8) -> i32 {
     log2_mean_q8(value.into(), 1)
 }
 
@@ -168,12 +180,15 @@ struct Increase {
 }
 
 impl Increase {
-    /// From the costs 2 and 1 px before, and 1 and 2 px behind it.
-    fn of(here: u8, [two_before, before, after, two_after]: [Option<u8>; 4]) -> Self {
-        let smaller = |one: Option<u8>, other: Option<u8>| {
-            one.unwrap_or(u8::MAX).min(other.unwrap_or(u8::MAX)).saturating_sub(here)
-        };
-        Self { here, one: smaller(before, after), two: smaller(before.max(two_before), after.max(two_after)) }
+    /// From the costs 2 and 1 px before, and 1 and 2 px behind it. Where there is none, a cost 2 px
+    /// away is 0, and one 1 px away the largest.
+    fn of(here: u8, [two_before, before, after, two_after]: [u8; 4]) -> Self {
+        let smaller = |one: u8, other: u8| one.min(other).saturating_sub(here);
+        Self {
+            here,
+            one: smaller(before, after),
+            two: smaller(before.max(two_before), after.max(two_after)),
+        }
     }
 
     /// The largest cost elsewhere with which the window's pattern repeats; `None` on a blank wall,
@@ -208,16 +223,19 @@ impl Found {
         if paths_q8 > -LEAST_UNIQUE_Q8 {
             return Err(Unmatched::Unclear);
         }
-        let (disparities, beside) = costs.split_at_mut_checked(labels.disparities).ok_or(Unmatched::Unclear)?;
+        let (disparities, beside) =
+            costs.split_at_mut_checked(labels.disparities).ok_or(Unmatched::Unclear)?;
         let (beside_label, first) = labels.beside.unzip();
         let first = labels.disparities + 1 + first.unwrap_or(0);
         let is_on_plane = best > labels.disparities;
         // Costs of the kind of the best label, where windows lie on valid pixels, and of the other
         // kind.
-        let (cut_off, in_range) = disparities.split_at_mut_checked(labels.range.start).ok_or(Unmatched::Unclear)?;
+        let (cut_off, in_range) =
+            disparities.split_at_mut_checked(labels.range.start).ok_or(Unmatched::Unclear)?;
         let in_range = in_range.get_mut(..labels.range.len()).ok_or(Unmatched::Unclear)?;
         let end = (labels.disparities + 1 + LABELS).min(labels.disparities + beside.len());
-        let on_plane = beside.get_mut(first - labels.disparities..end - labels.disparities).unwrap_or(&mut []);
+        let on_plane =
+            beside.get_mut(first - labels.disparities..end - labels.disparities).unwrap_or(&mut []);
         let start = if is_on_plane { first } else { labels.range.start };
         let other_start = if is_on_plane { labels.range.start } else { first };
         let (costs, others) = if is_on_plane { (on_plane, in_range) } else { (in_range, on_plane) };
@@ -225,12 +243,16 @@ impl Found {
         let is_inside = |at: &usize| *at > 0 && (!is_on_plane || at + 1 < costs.len());
         let at = best.checked_sub(start).filter(is_inside).ok_or(Unmatched::Unclear)?;
         let cost = |at: usize| costs.get(at).map(|cost| cost.saturating_sub(JUMP_PENALTY));
-        let (before, here, after) = (at.checked_sub(1).and_then(cost), cost(at).unwrap_or(u8::MAX), cost(at + 1));
-        let increase = Increase::of(here, [at.checked_sub(2).and_then(cost), before, after, cost(at + 2)]);
-        let [one, other] = [before, after].map(|side| u16::from(side.unwrap_or(here)));
-        let curvature = (one + other).saturating_sub(2 * u16::from(here)).min(u8::MAX.into()) as u8;
+        let [before, here] = [at.wrapping_sub(1), at].map(|at| cost(at).unwrap_or(u8::MAX));
+        let after = cost(at + 1);
+        let [two_before, two_after] =
+            [at.wrapping_sub(2), at + 2].map(|at| cost(at).unwrap_or_default());
+        let increase =
+            Increase::of(here, [two_before, before, after.unwrap_or(u8::MAX), two_after]);
+        let both = u16::from(before) + u16::from(after.unwrap_or(here));
+        let curvature = both.saturating_sub(2 * u16::from(here)).min(u8::MAX.into()) as u8;
         let beside = |distance: i32| match distance {
-            -1 => before,
+            -1 => Some(before),
             0 => Some(here),
             _ => after,
         };
@@ -244,13 +266,18 @@ impl Found {
         if let Some(twin) = twin.and_then(|twin| twin.checked_sub(other_start)) {
             mask(others, twin);
         }
-        let second = second_best(costs, at).min(lowest_byte(others)).saturating_sub(JUMP_PENALTY);
+        let second = second_best(costs, at);
+        let second = if others.is_empty() { second } else { second.min(lowest_byte(others)) }
+            .saturating_sub(JUMP_PENALTY);
         if let Some(most) = increase.most_of_repetition() {
             // Where nothing repeats in the range, the left image itself tells whether something
             // does where it is cut off.
-            let length = if second <= most || is_on_plane { 0 } else { costs_in_left(at + 1, cut_off) };
+            let is_whole = second <= most || is_on_plane || cut_off.is_empty();
+            let length = if is_whole { 0 } else { costs_in_left(at + 1, cut_off) };
             let in_left = cut_off.get(..length).filter(|costs| !costs.is_empty()).map(lowest_byte);
-            if second <= most || in_left.is_some_and(|cost| cost.saturating_sub(JUMP_PENALTY) <= most) {
+            if second <= most
+                || in_left.is_some_and(|cost| cost.saturating_sub(JUMP_PENALTY) <= most)
+            {
                 return Err(Unmatched::Repeats);
             }
         }
@@ -264,7 +291,8 @@ impl Found {
         evidence.set(SupportKind::Curvature, log2_q8(curvature));
         evidence.set(SupportKind::Changes, log2_mean_q8(steps.into(), 1));
         evidence.set(SupportKind::PathsRatioSquared, (paths_q8 * paths_q8) >> 8);
-        // Uniqueness of the window, not of the paths alone: these propagate the disparity of one repetition along a row.
+        // Uniqueness of the window, not of the paths alone: these propagate the disparity of one
+        // repetition along a row.
         if let Some(label) = beside_label {
             // The plane at the point's place in the grid: the label of the plane itself.
             let off_q6 = disparity_q6 - (label.plane_q6);
@@ -273,11 +301,17 @@ impl Found {
             evidence.set(SupportKind::NearPlane, set(off_q6.abs() <= NEAR_PLANE_Q6));
             evidence.set(SupportKind::BelowPlane, set(off_q6 < -NEAR_PLANE_Q6));
         }
-        Ok(Self { disparity_q6, is_on_plane, uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8, evidence })
+        Ok(Self {
+            disparity_q6,
+            is_on_plane,
+            uniqueness_q8: (-paths_q8).min(-window_q8).clamp(0, 255) as u8,
+            evidence,
+        })
     }
 }
 
-/// Evidence by neighbours and segments, known when everything is matched; entries one after the other.
+/// Evidence by neighbours and segments, known when everything is matched; entries one after the
+/// other.
 const NEARBY: [SupportKind; 5] = [
     SupportKind::Agreeing,
     SupportKind::Conflicting,
@@ -300,6 +334,28 @@ pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENC
     model.part_q8(NEARBY[0] as usize, &nearby_q8)
 }
 
+/// Weights of these three rows of points that agree with a disparity, and of all; `change_q6` gives
+/// how much the disparity of a point differs by its place, from its row and index.
+fn weights(
+    near: [&[SupportPoint]; 3],
+    d_q6: i32,
+    change_q6: impl Fn(&SupportPoint, i32, usize) -> i32,
+) -> (u32, u32) {
+    let (mut agreeing, mut all) = (0, 0);
+    for (points, row) in near.into_iter().zip(0..) {
+        for (at, point) in points.iter().enumerate() {
+            // 0 without a disparity.
+            let weight = u32::from(point.uniqueness_q8);
+            all += weight;
+            let off_q6 = i32::from(point.disparity_q6) - change_q6(point, row, at) - d_q6;
+            if off_q6.abs() <= AGREES_Q6 {
+                agreeing += weight;
+            }
+        }
+    }
+    (agreeing, all)
+}
+
 /// Evidence by the eight points around the one at `index`, and by segments, Q8.
 pub(super) fn nearby(
     points: &[SupportPoint],
@@ -313,31 +369,21 @@ pub(super) fn nearby(
     let column = index - row * columns;
     let first = column.saturating_sub(1);
     let (width, start) = ((column + 2).min(columns) - first, index + first - column);
-    let near = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
-    // Beside the plane neighbours agree along it.
-    let slope = plane.filter(|_| own.place.is_on_plane());
-    let lowest = i32::from(own.disparity_q6) - AGREES_Q6;
-    let (mut agreeing, mut all) = (0_u32, 0_u32);
-    let mut add = |start: usize, rows: i32| {
-        for (point, at) in near(start).iter().zip(first..) {
-            // 0 without a disparity.
-            let weight = u32::from(point.uniqueness_q8);
-            all += weight;
-            let change = slope.map_or(0, |plane| {
-                let dx = grid.x(at) + point.place.dx() - grid.x(column) - own.place.dx();
-                let dy = rows * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
-                plane.change_q6(dx, dy)
-            });
-            if (i32::from(point.disparity_q6) - change - lowest) as u32 <= 2 * AGREES_Q6 as u32 {
-                agreeing += weight;
-            }
-        }
+    let row = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
+    let near = [row(start.wrapping_sub(columns)), row(start), row(start.wrapping_add(columns))];
+    let d_q6 = i32::from(own.disparity_q6);
+    let (agreeing, all) = match plane.filter(|_| own.place.is_on_plane()) {
+        None => weights(near, d_q6, |_, _, _| 0),
+        // Beside the plane neighbours agree along it.
+        Some(plane) => weights(near, d_q6, |point, row, at| {
+            let dx = grid.x(first + at) + point.place.dx() - grid.x(column) - own.place.dx();
+            let dy = (row - 1) * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
+            plane.change_q6(dx, dy)
+        }),
     };
-    add(start.wrapping_sub(columns), -1);
-    add(start, 0);
-    add(start + columns, 1);
     let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
-    let [supporting, conflicting] = own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
+    let [supporting, conflicting] =
+        own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
     [
         log2_q8(agreeing.saturating_sub(own.uniqueness_q8.into())),
         log2_q8(all - agreeing),

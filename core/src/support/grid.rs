@@ -23,30 +23,52 @@ pub(crate) struct Grid {
     pub(crate) disparities: usize,
     /// Pixels from one column of points to the next.
     pitch: u16,
-    width: u16,
-    min_disparity: i16,
+    pub(super) width: u16,
+    pub(super) min_disparity: i16,
     /// Labels beside the ground plane as well.
     pub(super) has_plane: bool,
+    /// Of the halves of the images.
+    pub(super) is_half: bool,
+    /// Points are matched around those of the halves.
+    pub(crate) is_fine: bool,
 }
 
 impl Grid {
-    /// The grid of images of this size. Where the disparities of a row of points do not fit the memory of the band of rows (width 320: beyond
-    /// 192), columns are twice as far apart.
+    /// The grid of images of this size. Where the disparities of a row of points do not fit the
+    /// memory of the band of rows (width 320: beyond 192), columns are twice as far apart.
     pub(crate) fn new(params: &Params, dims: Dims) -> Self {
-        let min_disparity = params.min_disparity;
-        let disparities = usize::try_from(i32::from(params.max_disparity) - i32::from(min_disparity)).unwrap_or(0);
-        let of_pitch = |pitch: u16| Self {
+        let range = [params.min_disparity.into(), params.max_disparity.into()];
+        let close = Self::of_range(dims, range, SUPPORT_PITCH);
+        if dims.is_large() {
+            // Matched around what is known from the grid of the halves.
+            return Self { is_fine: true, ..close };
+        }
+        let there = row_bytes(dims.width) * BAND_ROWS * PLANES;
+        if close.bytes() <= there { close } else { Self::of_range(dims, range, 2 * SUPPORT_PITCH) }
+    }
+
+    /// The grid of the halves of images of this size, where they are matched first.
+    pub(crate) fn of_halves(params: &Params, dims: Dims) -> Option<Self> {
+        let half = Dims { width: dims.width / 2, height: dims.height / 2 };
+        let range =
+            [params.min_disparity.div_euclid(2).into(), params.max_disparity.div_ceil(2).into()];
+        let grid = Self { is_half: true, ..Self::of_range(half, range, SUPPORT_PITCH) };
+        dims.is_large().then_some(grid)
+    }
+
+    /// Points with these columns between them, at disparities from the first to before the second.
+    fn of_range(dims: Dims, [first, end]: [i32; 2], pitch: u16) -> Self {
+        Self {
             columns: (dims.width / pitch).into(),
             rows: (dims.height / SUPPORT_PITCH).into(),
-            disparities,
+            disparities: usize::try_from(end - first).unwrap_or(0),
             pitch,
             width: dims.width,
-            min_disparity,
+            min_disparity: first as i16,
             has_plane: false,
-        };
-        let close = of_pitch(SUPPORT_PITCH);
-        let there = row_bytes(dims.width) * BAND_ROWS * PLANES;
-        if close.bytes() <= there { close } else { of_pitch(2 * SUPPORT_PITCH) }
+            is_half: false,
+            is_fine: false,
+        }
     }
 
     /// The same with labels beside the ground plane, where these fit the memory.
@@ -63,19 +85,29 @@ impl Grid {
 
     /// Working memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let planes =
-            if self.has_plane { CODE_ROWS * usize::from(self.width) + paths::PLANE_LABELS * self.columns } else { 0 };
-        codes::bytes(self.width) + paths::bytes(self.labels(), self.columns) + planes
+        let planes = if self.has_plane {
+            CODE_ROWS * usize::from(self.width) + paths::PLANE_LABELS * self.columns
+        } else {
+            0
+        };
+        self.bytes_of_codes() + paths::bytes(self.labels(), self.columns) + planes
+    }
+
+    /// Bytes of the codes, and of the rows that they are of, if these are no image's.
+    const fn bytes_of_codes(&self) -> usize {
+        codes::bytes(self.width) + if self.is_half { codes::bytes_of_half(self.width) } else { 0 }
     }
 
     /// The memory of the codes, that of the paths, and that of labels beside the plane.
     pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<[&'m mut [u8]; 3]> {
-        let (codes, memory) = memory.split_at_mut_checked(codes::bytes(self.width))?;
-        let (paths, memory) = memory.split_at_mut_checked(paths::bytes(self.labels(), self.columns))?;
+        let (codes, memory) = memory.split_at_mut_checked(self.bytes_of_codes())?;
+        let (paths, memory) =
+            memory.split_at_mut_checked(paths::bytes(self.labels(), self.columns))?;
         Some([codes, paths, memory])
     }
 
-    /// The largest disparity compared, px: costs are stored from there down, as columns of the right image rise.
+    /// The largest disparity compared, px: costs are stored from there down, as columns of the
+    /// right image rise.
     pub(crate) fn last(&self) -> i32 {
         i32::from(self.min_disparity) + self.disparities as i32 - 1
     }
@@ -132,12 +164,18 @@ impl Grid {
         (column < self.columns && row < self.rows).then(|| row * self.columns + column)
     }
 
-    /// Columns and rows of points around an area of pixels: those in it, and its surroundings on each side.
+    /// Columns and rows of points around an area of pixels: those in it, and its surroundings on
+    /// each side.
     pub(super) fn within(&self, area: Area) -> Area {
         let beside = |pitch: u16| (SURROUNDINGS + pitch - 1).checked_div(pitch).unwrap_or(0);
-        let first = |at: u16, pitch: u16| at.checked_div(pitch).unwrap_or(0).saturating_sub(beside(pitch));
+        let first =
+            |at: u16, pitch: u16| at.checked_div(pitch).unwrap_or(0).saturating_sub(beside(pitch));
         let end = |at: u16, pitch: u16, most: usize| {
-            let end = at.saturating_add(pitch - 1).checked_div(pitch).unwrap_or(0).saturating_add(beside(pitch));
+            let end = at
+                .saturating_add(pitch - 1)
+                .checked_div(pitch)
+                .unwrap_or(0)
+                .saturating_add(beside(pitch));
             end.min(u16::try_from(most).unwrap_or(u16::MAX))
         };
         Area {
@@ -171,8 +209,11 @@ impl Axis {
     }
 }
 
-/// Indices of the points between two pixels, both included; points are `pitch` px apart, the first one at half of it.
+/// Indices of the points between two pixels, both included; points are `pitch` px apart, the first
+/// one at half of it.
 fn within(from: i32, to: i32, pitch: i32, count: usize) -> core::ops::Range<usize> {
-    let index = |pixel: i32| usize::try_from(quotient(pixel - pitch / 2 + pitch - 1, pitch)).unwrap_or(0).min(count);
+    let index = |pixel: i32| {
+        usize::try_from(quotient(pixel - pitch / 2 + pitch - 1, pitch)).unwrap_or(0).min(count)
+    };
     index(from)..index(to + 1)
 }

@@ -1,16 +1,20 @@
-//! Sparse grid of support points, matched semi-globally: the surfaces between edges, and the disparities at which segments are searched.
+//! Sparse grid of support points, matched semi-globally: the surfaces between edges, and the
+//! disparities at which segments are searched.
 //!
-//! In: both images, a row offset, a range of disparities. Out: for each point of the grid a disparity, 1/64 px, and the probability of being
-//! within 1 px.
+//! In: both images, a row offset, a range of disparities. Out: for each point of the grid a
+//! disparity, 1/64 px, and the probability of being within 1 px.
 //!
 //! ```text
 //! noise:   its deviation, by the flattest runs of pixels of both images  (noise)
 //! codes:   of each two rows, the changes to the right and downward, in units of the noise  (codes)
 //! costs:   1/64 of the sum of |code - code| over 8 columns of four rows of codes, at each
 //!          disparity
-//! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from the left, from the right, from above (paths)
+//! paths:   L(p, d) = C(p, d) + min(L(p', d), L(p', d +- 1) + P1, min L(p') + P2) - min L(p')  from
+//!          the left, from the right, from above (paths)
 //! result:  the lowest sum of the three; sub-pixel by the window's own cost; evidence  (evidence)
 //! place:   the middle of the window's texture, which was matched  (place)
+//! fine:    images wider than 450 px are matched at half of their size, then around what is known
+//!          from it  (fine)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
 //! ```
 //!
@@ -19,7 +23,8 @@
 //! three saturates at 255.
 //!
 //! # Cost
-//! Linear in the points and in the disparities. Of the cost volume one row of points is held, three planes.
+//! Linear in the points and in the disparities. Of the cost volume one row of points is held, three
+//! planes.
 //!
 //! # Source
 //! Hirschmueller 2008 (semi-global matching); codes are differences as of Sobel 1968, limited as in
@@ -27,6 +32,7 @@
 
 mod codes;
 pub(crate) mod evidence;
+mod fine;
 mod fitted;
 mod grid;
 mod nearer;
@@ -34,25 +40,27 @@ mod noise;
 mod paths;
 mod place;
 mod plane;
+mod points;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
 pub use grid::most_support_points;
 pub use nearer::RangeCheck;
 pub(crate) use noise::Noise;
+pub use points::Support;
 
 use crate::area::Area;
 use crate::confidence::Model;
 use crate::ground::GroundPlane;
-use crate::image::{Dims, Gray, Span};
+use crate::image::{Gray, Span};
 use crate::kernel::{JUMP_PENALTY, code_costs, code_steps};
-use crate::params::Params;
-use crate::result::{Point, Source};
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{Detail, Found, Labels, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby};
+use evidence::{
+    Detail, Found, Labels, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby,
+};
 use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
@@ -70,13 +78,17 @@ const UNIQUE_Q8: u8 = 32;
 const GUIDE_REACH: i32 = 12;
 /// Distance from a segment within which half of the points have to reach that uniqueness, px.
 const UNIQUE_REACH: i32 = 6;
-/// Distance around an area in which points are matched with it, px: those within it say whether an object's surface is its own.
+/// Distance around an area in which points are matched with it, px: those within it say whether an
+/// object's surface is its own.
 pub(crate) const SURROUNDINGS: u16 = 24;
 /// Least number of disparities compared at a point: with fewer there is no second-best.
 const MIN_RANGE: usize = 8;
 
 /// In place of the disparity of a point whose window repeats, 1/64 px.
 const REPEATS_Q6: i16 = i16::MIN;
+
+/// In place of the log-odds of a point that has the disparity of a bar, Q8.
+const OF_BAR_Q8: i16 = i16::MAX;
 
 /// One point of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -88,7 +100,8 @@ pub struct SupportPoint {
     pub(crate) score_q8: i16,
     /// Probability of being within 1 px, Q16, with the evidence by its neighbours.
     pub(crate) probability_q16: u16,
-    /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller, Q8, 0 ..= 255: its weight as a neighbour.
+    /// Uniqueness, log2(second-best / best) of the paths' sum or of its own window, the smaller,
+    /// Q8, 0 ..= 255: its weight as a neighbour.
     pub(crate) uniqueness_q8: u8,
     /// Where in its square of the grid it stands.
     pub(crate) place: Place,
@@ -114,6 +127,24 @@ impl SupportPoint {
     #[must_use]
     pub fn is_matched(&self) -> bool {
         self.score_q8 > i16::MIN
+    }
+
+    /// True when its own window is unique enough to guide others.
+    pub(crate) fn is_unique(&self) -> bool {
+        self.uniqueness_q8 >= UNIQUE_Q8
+    }
+
+    /// Takes the disparity of the bar that it lies on, 1/64 px.
+    pub(crate) fn take_bar(&mut self, disparity_q6: i16, confidence: Confidence) {
+        self.disparity_q6 = disparity_q6;
+        self.score_q8 = OF_BAR_Q8;
+        self.probability_q16 = confidence.to_bits();
+    }
+
+    /// True when it has the disparity of a bar: its own window says nothing of that.
+    #[must_use]
+    pub fn is_of_bar(&self) -> bool {
+        self.score_q8 == OF_BAR_Q8
     }
 
     /// True when its disparity was found beside the ground plane, along which its window was moved
@@ -154,8 +185,8 @@ pub struct SupportCurves<'a> {
 }
 
 impl<'a> SupportCurves<'a> {
-    /// Curves over the indices in `range`, where the window lies on valid pixels; `last` is the disparity of index 0. The window's entries hold P2
-    /// as well ([`OUTSIDE`]).
+    /// Curves over the indices in `range`, where the window lies on valid pixels; `last` is the
+    /// disparity of index 0. The window's entries hold P2 as well ([`OUTSIDE`]).
     fn new(costs: &'a PointCosts<'_>, range: Range<usize>, last: i32) -> Self {
         let largest = last - range.start as i32;
         let of = |costs: &'a [u8]| costs.get(range.clone()).unwrap_or(&[]);
@@ -176,11 +207,23 @@ pub struct SupportModels {
     pub upright: Model<SUPPORT_EVIDENCE>,
     /// In pairs with one.
     pub ground: Model<SUPPORT_EVIDENCE>,
+    /// At the size of images that are matched at half of it first.
+    pub fine: Model<SUPPORT_EVIDENCE>,
 }
 
 impl SupportModels {
+    /// Of points at the only size, or at half of it.
     pub(crate) const fn of(&self, has_plane: bool) -> &Model<SUPPORT_EVIDENCE> {
         if has_plane { &self.ground } else { &self.upright }
+    }
+
+    /// Of the points of a grid.
+    pub(crate) const fn of_size(
+        &self,
+        is_large: bool,
+        has_plane: bool,
+    ) -> &Model<SUPPORT_EVIDENCE> {
+        if is_large { &self.fine } else { self.of(has_plane) }
     }
 }
 
@@ -188,17 +231,22 @@ impl SupportModels {
 pub(crate) struct Matching<'a> {
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) grid: Grid,
+    /// Grid of the halves of the images, where these are matched first.
+    pub(crate) half: Option<Grid>,
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
     pub(crate) noise: Noise,
     pub(crate) plane: Option<GroundPlane>,
-    pub(crate) model: &'a Model<SUPPORT_EVIDENCE>,
+    pub(crate) models: &'a SupportModels,
 }
 
 impl Matching<'_> {
-    /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`]. Fills `points` with one per point of the grid, row
-    /// by row; calls `watch` with the index and the costs of each, then with the evidence, neighbours left out, of each that has a disparity.
-    /// Returns the detail of the left image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8, and what was found beyond the range.
+    /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`].
+    /// Fills `points` with one per point of the grid, row by row; calls `watch` with the index and
+    /// the costs of each, then with the evidence, neighbours left out, of each that has a
+    /// disparity. Returns the detail of the left image,
+    /// [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8, and what was found beyond the
+    /// range.
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
@@ -215,11 +263,39 @@ impl Matching<'_> {
             let _ = points.push(SupportPoint::none()); // they fit
         }
         let whole = [Area::of(self.images[0].dims())];
-        let (mut detail, mut nearer) = (Detail::default(), NearerSearch::new(self.grid));
-        for &area in areas.unwrap_or(&whole) {
-            self.match_area(self.grid.within(area), memory, points, (&mut detail, &mut nearer), &mut watch);
+        let areas = areas.unwrap_or(&whole);
+        let (mut detail, mut nearer) =
+            (Detail::default(), NearerSearch::new(self.half.unwrap_or(self.grid)));
+        let Some(half) = self.half else {
+            for &area in areas {
+                self.match_area(
+                    self.grid.within(area),
+                    memory,
+                    points,
+                    (&mut detail, &mut nearer),
+                    &mut watch,
+                );
+            }
+            return (detail.mean_q8(), nearer.check);
+        };
+        let plane = self.plane.map(GroundPlane::halved);
+        let grid = if plane.is_some() { half.with_plane(memory.len()) } else { half };
+        let halves = Matching { grid, half: None, plane, ..*self };
+        for &area in areas {
+            halves.match_area(
+                half.within(area.halved()),
+                memory,
+                points,
+                (&mut detail, &mut nearer),
+                &mut |_, _| (),
+            );
         }
-        (detail.mean_q8(), nearer.check)
+        let detail_q8 = detail.mean_q8();
+        if let Some(points) = points.get_mut(..half.columns * half.rows) {
+            add_nearby(points, half, (detail_q8, plane), self.models.of(plane.is_some()));
+        }
+        fine::Fine { matching: self, half }.run(areas, memory, points, watch);
+        (detail_q8, nearer.check.doubled())
     }
 
     /// Matches the points in these columns and rows of the grid.
@@ -229,16 +305,22 @@ impl Matching<'_> {
         memory: &mut [u8],
         points: &mut [SupportPoint],
         (detail, nearer): (&mut Detail, &mut NearerSearch),
-        watch: &mut impl FnMut(usize, Seen<'_>),
+        watch: &mut dyn FnMut(usize, Seen<'_>), // compiled once, for both sizes
     ) {
-        let [left, right] = self.images;
         let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
         let mut labels = self
             .plane
             .filter(|_| self.grid.has_plane)
-            .and_then(|plane| PlaneLabels::new(plane, self.grid, left.dims().width, labels));
-        let Some(mut codes) = CodeRows::new([left, right], self.row_offset, self.noise, codes) else { return };
-        let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else { return };
+            .and_then(|plane| PlaneLabels::new(plane, self.grid, labels));
+        let (images, row_offset) = (self.images, self.row_offset);
+        let [of_half, _] = self.noise.doublings_of_two();
+        let is_half = self.grid.is_half;
+        let doublings = if is_half { of_half } else { self.noise.doublings() };
+        let codes = CodeRows::new(images, row_offset, doublings, is_half, codes);
+        let Some(mut codes) = codes else { return };
+        let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else {
+            return;
+        };
         paths.restart();
         let columns = usize::from(area.left)..usize::from(area.right);
         let last = self.grid.last();
@@ -248,7 +330,7 @@ impl Matching<'_> {
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
             codes.code(y);
-            let valid = [left.valid_columns(y), right.valid_columns(y + self.row_offset)];
+            let valid = codes.valid(y);
             if valid_before.replace(valid) != Some(valid) {
                 for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
                     *range = self.range(column, valid).unwrap_or_default();
@@ -258,7 +340,8 @@ impl Matching<'_> {
                 labels.measure(y, self.grid, &codes, valid[1]);
             }
             paths.forward(columns.clone(), |column, costs| {
-                let (costs, beside) = costs.split_at_mut_checked(self.grid.disparities).unwrap_or_default();
+                let (costs, beside) =
+                    costs.split_at_mut_checked(self.grid.disparities).unwrap_or_default();
                 if let Some((none, beside)) = beside.split_first_mut()
                     && let Some(labels) = &labels
                 {
@@ -291,20 +374,33 @@ impl Matching<'_> {
                     && let Some(point) = points.get_mut(first + column)
                     && let Some(&steps) = steps.get(column)
                 {
-                    watch(first + column, Seen::Curves(SupportCurves::new(&costs, range.clone(), last)));
+                    watch(
+                        first + column,
+                        Seen::Curves(SupportCurves::new(&costs, range.clone(), last)),
+                    );
                     let window = self.grid.window(column);
-                    let in_left = |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);
-                    let beside = labels.as_ref().and_then(|labels| labels.label(column, self.grid, y));
-                    let labels = Labels { range: range.clone(), disparities: self.grid.disparities, last, beside };
+                    let in_left =
+                        |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);
+                    let beside =
+                        labels.as_ref().and_then(|labels| labels.label(column, self.grid, y));
+                    let labels = Labels {
+                        range: range.clone(),
+                        disparities: self.grid.disparities,
+                        last,
+                        beside,
+                    };
                     *point = match Found::new(costs, &labels, steps, in_left) {
                         Ok(found) => {
                             watch(first + column, Seen::Evidence(&found.evidence));
-                            let place = codes
-                                .around_window(window)
-                                .map_or(Place::MIDDLE, |around| Place::of(around, window - self.grid.x(column)));
+                            let place =
+                                codes.around_window(window).map_or(Place::MIDDLE, |around| {
+                                    Place::of(around, window - self.grid.x(column))
+                                });
                             self.to_point(&found, place)
                         }
-                        Err(Unmatched::Repeats) => SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() },
+                        Err(Unmatched::Repeats) => {
+                            SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() }
+                        }
                         Err(Unmatched::Unclear) => SupportPoint::none(),
                     };
                 }
@@ -320,7 +416,9 @@ impl Matching<'_> {
         };
         SupportPoint {
             disparity_q6: narrow(found.disparity_q6 + moved_q6),
-            score_q8: narrow(self.model.score_q8(&found.evidence.0).max(1 - (1 << 15))),
+            score_q8: narrow(
+                self.models.of(self.plane.is_some()).score_q8(&found.evidence.0).max(1 - (1 << 15)),
+            ),
             probability_q16: 0,
             uniqueness_q8: found.uniqueness_q8,
             place,
@@ -328,7 +426,8 @@ impl Matching<'_> {
         }
     }
 
-    /// Indices of the disparities that a point can have, if any: its window has to lie on valid pixels of both images.
+    /// Indices of the disparities that a point can have, if any: its window has to lie on valid
+    /// pixels of both images.
     fn range(&self, column: usize, [left, right]: [Span; 2]) -> Option<Span> {
         let width = WINDOW_COLUMNS as i32;
         let x = self.grid.window(column);
@@ -337,8 +436,8 @@ impl Matching<'_> {
         }
         let at_first = x - self.grid.last();
         let first = (i32::from(right.start).max(BORDER) - at_first).max(0);
-        let end =
-            (i32::from(right.end).min(self.grid.border()) - width - at_first + 1).min(self.grid.disparities as i32);
+        let end = (i32::from(right.end).min(self.grid.border()) - width - at_first + 1)
+            .min(self.grid.disparities as i32);
         let range = Span { start: u16::try_from(first).ok()?, end: u16::try_from(end).ok()? };
         (indices(Some(&range)).len() >= MIN_RANGE).then_some(range)
     }
@@ -348,6 +447,24 @@ impl Matching<'_> {
 #[inline]
 fn indices(range: Option<&Span>) -> Range<usize> {
     range.map_or(0..0, |range| range.start.into()..range.end.into())
+}
+
+/// Adds the evidence by neighbours to the log-odds of every point.
+fn add_nearby(
+    points: &mut [SupportPoint],
+    grid: Grid,
+    pair: (i16, Option<GroundPlane>),
+    model: &Model<SUPPORT_EVIDENCE>,
+) {
+    for index in 0..points.len() {
+        let nearby = nearby(points, grid, pair, index);
+        if let Some(point) = points.get_mut(index)
+            && point.is_matched()
+        {
+            let score_q8 = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
+            point.score_q8 = narrow(score_q8.max(1 - (1 << 15)));
+        }
+    }
 }
 
 /// Sets the probability of every point by its own evidence and that by its neighbours.
@@ -365,168 +482,5 @@ pub(crate) fn rate(
             let score = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
             point.probability_q16 = model.probability_q16(score);
         }
-    }
-}
-
-/// Grid of support points of a run, with their pixels.
-#[derive(Clone, Copy, Debug)]
-pub struct Support<'a> {
-    pub(crate) grid: Grid,
-    /// [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
-    pub(crate) detail_q8: i16,
-    pub(crate) plane: Option<GroundPlane>,
-    pub(crate) points: &'a [SupportPoint],
-}
-
-impl<'a> Support<'a> {
-    pub(crate) fn new(params: &Params, dims: Dims, points: &'a [SupportPoint], detail_q8: i16) -> Self {
-        Self { grid: Grid::new(params, dims), detail_q8, plane: None, points }
-    }
-
-    /// The same of a pair with a ground plane, if there is one.
-    pub(crate) fn with_plane(self, plane: Option<GroundPlane>) -> Self {
-        Self { plane, ..self }
-    }
-
-    /// The ground plane of the pair, if one was found.
-    #[must_use]
-    pub const fn plane(&self) -> Option<GroundPlane> {
-        self.plane
-    }
-
-    /// Number of points, matched or not.
-    pub(crate) fn len(&self) -> usize {
-        self.points.len()
-    }
-
-    /// Rows of points `apart` rows from each other: pixel row of the upper one, its points, those of the lower one.
-    pub(crate) fn row_pairs(
-        &self,
-        apart: usize,
-    ) -> impl Iterator<Item = (i32, &'a [SupportPoint], &'a [SupportPoint])> + use<'a> {
-        let (points, columns) = (self.points, self.grid.columns);
-        (0..self.grid.rows.saturating_sub(apart)).filter_map(move |row| {
-            let of_row = |row: usize| points.get(row * columns..(row + 1) * columns);
-            Some((Grid::y(row), of_row(row)?, of_row(row + apart)?))
-        })
-    }
-
-    /// Every point with its pixel `(x, y)`, row by row, matched or not.
-    pub fn iter(&self) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
-        let grid = self.grid;
-        self.points.iter().enumerate().map(move |(index, point)| (grid.pixel(index, point.place), point))
-    }
-
-    /// Every `step`-th point of [`Support::iter`], from this one on.
-    pub(crate) fn every(
-        &self,
-        first: usize,
-        step: usize,
-    ) -> impl Iterator<Item = ((u16, u16), &'a SupportPoint)> + use<'a> {
-        let grid = self.grid;
-        // The step before the pixel: those between have none worked out.
-        self.points
-            .iter()
-            .enumerate()
-            .skip(first)
-            .step_by(step)
-            .map(move |(index, point)| (grid.pixel(index, point.place), point))
-    }
-
-    /// The matched points with at least this probability. The list of points has each pixel once: there some are replaced by a more probable point
-    /// of a segment.
-    pub fn credible(&self, least: Confidence) -> impl Iterator<Item = Point> + use<'a> {
-        let probable = self.iter().filter(move |(_, point)| point.confidence() >= least && point.is_matched());
-        probable.map(|((x, y), point)| {
-            let (disparity, confidence) = (point.disparity(), point.confidence());
-            Point { x, y, disparity, confidence, source: Source::Support }
-        })
-    }
-
-    /// The matched points in an area, with their pixels.
-    pub(crate) fn within(&self, area: Area) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
-        let Area { left, top, right, bottom } = area;
-        self.between((left.into(), i32::from(right) - 1), (top.into(), i32::from(bottom) - 1))
-    }
-
-    /// The matched points at most `reach` px from a pixel in both directions, with their pixels.
-    pub(crate) fn around(
-        &self,
-        (x, y): (i32, i32),
-        reach: i32,
-    ) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
-        self.between((x - reach, x + reach), (y - reach, y + reach))
-    }
-
-    /// Number of points, of those in this area that `contains` holds, whose windows repeat.
-    pub(crate) fn repeating(&self, area: Area, contains: impl Fn(i32, i32) -> bool) -> u32 {
-        let Area { left, top, right, bottom } = area;
-        let columns = self.grid.columns_within(left.into(), i32::from(right) - 1);
-        let mut count = 0;
-        for row in self.grid.rows_within(top.into(), i32::from(bottom) - 1) {
-            for column in columns.clone() {
-                let repeats = self.points.get(row * self.grid.columns + column).is_some_and(SupportPoint::repeats);
-                count += u32::from(repeats && contains(self.grid.x(column), Grid::y(row)));
-            }
-        }
-        count
-    }
-
-    /// The matched points between two columns and two rows of pixels, all included, with their pixels.
-    fn between(
-        &self,
-        (left, right): (i32, i32),
-        (top, bottom): (i32, i32),
-    ) -> impl Iterator<Item = (i32, i32, &'a SupportPoint)> + use<'a> {
-        let (grid, points) = (self.grid, self.points);
-        let columns = grid.columns_within(left - place::MOST, right - place::LEAST);
-        grid.rows_within(top - place::MOST, bottom - place::LEAST).flat_map(move |row| {
-            columns.clone().filter_map(move |column| {
-                let point = points.get(row * grid.columns + column).filter(|point| point.is_matched())?;
-                let (x, y) = (grid.x(column) + point.place.dx(), Grid::y(row) + point.place.dy());
-                ((left..=right).contains(&x) && (top..=bottom).contains(&y)).then_some((x, y, point))
-            })
-        })
-    }
-
-    /// The matched point at this pixel, if there is one.
-    pub(crate) fn at(&self, x: u16, y: u16) -> Option<&'a SupportPoint> {
-        let index = self.grid.index(x, y)?;
-        self.points.get(index).filter(|point| point.is_matched() && self.grid.pixel(index, point.place) == (x, y))
-    }
-
-    /// Lowest and highest disparity, whole px, of the unique points ([`UNIQUE_Q8`]) within [`GUIDE_REACH`] of an area; `None` where less than half of
-    /// those within [`UNIQUE_REACH`] are unique: the area may show something thin that no point lies on.
-    pub(crate) fn range_around(&self, area: Area) -> Option<(i32, i32)> {
-        let reach = |from: u16, to: u16| (i32::from(from) - GUIDE_REACH, i32::from(to) - 1 + GUIDE_REACH);
-        let ((left, right), (top, bottom)) = (reach(area.left, area.right), reach(area.top, area.bottom));
-        let (farther, columns) = (GUIDE_REACH - UNIQUE_REACH, self.grid.columns_within(left, right));
-        let near_rows = self.grid.rows_within(top + farther, bottom - farther);
-        let near_columns = self.grid.columns_within(left + farther, right - farther);
-        let (mut low_q6, mut high_q6) = (i16::MAX, i16::MIN);
-        let (mut near, mut near_and_unique) = (0, 0);
-        for row in self.grid.rows_within(top, bottom) {
-            let start = row * self.grid.columns;
-            let points = |columns: &Range<usize>| {
-                self.points.get(start + columns.start..start + columns.end).unwrap_or(&[]).iter()
-            };
-            // A unique point is matched.
-            let is_unique = |point: &&SupportPoint| point.uniqueness_q8 >= UNIQUE_Q8;
-            for point in points(&columns).filter(is_unique) {
-                (low_q6, high_q6) = (low_q6.min(point.disparity_q6), high_q6.max(point.disparity_q6));
-            }
-            if near_rows.contains(&row) {
-                near += near_columns.len();
-                near_and_unique += points(&near_columns).filter(is_unique).count();
-            }
-        }
-        let pixels = |disparity_q6: i16| (i32::from(disparity_q6) + 32) >> 6;
-        (low_q6 <= high_q6 && 2 * near_and_unique >= near).then(|| (pixels(low_q6), pixels(high_q6)))
-    }
-
-    /// The evidence of the point at `index`, completed with that by its neighbours.
-    #[must_use]
-    pub fn with_nearby(&self, index: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_nearby(nearby(self.points, self.grid, (self.detail_q8, self.plane), index))
     }
 }

@@ -1,14 +1,16 @@
-//! Windows that match beyond the disparity range: what is nearer than the range finds a wrong match in it.
+//! Windows that match beyond the disparity range: what is nearer than the range finds a wrong match
+//! in it.
 //!
 //! In: the costs of support points in the range, the codes of their rows. Out: a [`RangeCheck`].
 //!
 //! ```text
 //! every fourth row of points, two adjacent points of every four, their costs summed:
 //!     lowest cost in the range small: the window has its match there
-//!     lowest cost at as many disparities beyond it, at most 64, below 11/16 of that: its match lies beyond
+//!     lowest cost at as many disparities beyond it, at most 64, below 11/16 of that: its match
+//!         lies beyond
 //! ```
-//! Of the windows of 14 captured scenes whose range holds everything none falls below 0.79 (noise of 5 grey levels: 0.73), of those with half of the
-//! range 5 to 66 of some 70 fall below 0.7.
+//! Of the windows of 14 captured scenes whose range holds everything none falls below 0.79 (noise
+//! of 5 grey levels: 0.73), of those with half of the range 5 to 66 of some 70 fall below 0.7.
 //!
 //! # Bounds
 //! A cost is at most 127 + P2: the sum of two saturates.
@@ -47,6 +49,11 @@ pub struct RangeCheck {
 }
 
 impl RangeCheck {
+    /// The same of images of twice the size.
+    pub(super) const fn doubled(self) -> Self {
+        Self { disparity: 2 * self.disparity, largest: 2 * self.largest, ..self }
+    }
+
     fn add_match(&mut self, disparity: u16) {
         self.beyond += 1;
         self.disparity = self.disparity.max(self.largest.min(disparity));
@@ -69,7 +76,13 @@ impl NearerSearch {
     }
 
     /// Continues with the costs of the next point of a row, at all disparities of the range.
-    pub(super) fn add(&mut self, (row, column): (usize, usize), costs: &[u8], codes: &CodeRows<'_>, right_start: i32) {
+    pub(super) fn add(
+        &mut self,
+        (row, column): (usize, usize),
+        costs: &[u8],
+        codes: &CodeRows<'_>,
+        right_start: i32,
+    ) {
         if row % STEP != FIRST_ROW {
             return;
         }
@@ -86,14 +99,29 @@ impl NearerSearch {
     }
 
     /// Compares the lowest cost of a sample in the range with that beyond it.
-    fn compare(&mut self, columns: [usize; 2], costs: &[u8], codes: &CodeRows<'_>, right_start: i32) {
+    fn compare(
+        &mut self,
+        columns: [usize; 2],
+        costs: &[u8],
+        codes: &CodeRows<'_>,
+        right_start: i32,
+    ) {
         let windows = columns.map(|column| self.grid.window(column));
         let (last, [x, _]) = (self.grid.last(), windows);
-        // The disparities end where the window leaves the right image; costs are stored from the largest one down.
-        let most = (x - right_start.max(BORDER) - last).min(MOST_BEYOND as i32).min(self.grid.disparities as i32);
-        let Some(length) = usize::try_from(most).ok().filter(|&length| length >= MIN_RANGE) else { return };
+        // The disparities end where the window leaves the right image; costs are stored from the
+        // largest one down.
+        let most = (x - right_start.max(BORDER) - last)
+            .min(MOST_BEYOND as i32)
+            .min(self.grid.disparities as i32);
+        let Some(length) = usize::try_from(most).ok().filter(|&length| length >= MIN_RANGE) else {
+            return;
+        };
         self.check.windows += 1;
-        let in_range = self.first.iter().zip(costs).fold(u8::MAX, |low, (&a, &b)| low.min(a.saturating_add(b)));
+        let in_range = self
+            .first
+            .iter()
+            .zip(costs)
+            .fold(u8::MAX, |low, (&a, &b)| low.min(a.saturating_add(b)));
         let in_range = in_range.saturating_sub(2 * JUMP_PENALTY);
         if in_range < EXPLAINED {
             return;
@@ -102,7 +130,9 @@ impl NearerSearch {
         for (costs, x) in beyond.iter_mut().zip(windows) {
             let needed = length + WINDOW_COLUMNS - 1;
             let Some((window, right)) = codes.windows(x, x - last - most) else { return };
-            let (Some(right), Some(costs)) = (right.get(..needed), costs.get_mut(..length)) else { return };
+            let (Some(right), Some(costs)) = (right.get(..needed), costs.get_mut(..length)) else {
+                return;
+            };
             code_costs(window, right, costs);
         }
         let [sums, others] = &mut beyond;

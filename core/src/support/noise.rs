@@ -20,14 +20,13 @@
 //! mean of all pixels.
 
 use crate::image::Gray;
+use crate::kernel::{RUN_PIXELS, STRIP, second_differences};
 use crate::units::quotient;
 
 /// Rows with runs.
 const ROWS: i32 = 24;
 /// Runs in a row.
 const RUNS: i32 = 8;
-/// Pixels of a run.
-const LENGTH: usize = 8;
 /// Grey levels that a run's pixels lie between: others are cut off by the sensor's range.
 const LEVELS: core::ops::Range<u8> = 3..253;
 /// Least number of runs for an estimate.
@@ -55,10 +54,16 @@ impl Noise {
     pub(super) fn doublings(self) -> u32 {
         1 + [144, 72, 36].into_iter().map(|most| u32::from(self.sum < most)).sum::<u32>()
     }
+
+    /// The same of the images' halves, and of the images around what is known from these.
+    pub(super) fn doublings_of_two(self) -> [u32; 2] {
+        let doublings = self.doublings();
+        [doublings.max(2), (doublings - 1).max(1)]
+    }
 }
 
 /// Noise of an image by pixels `apart` px from each other.
-fn of_image(image: Gray<'_>, apart: usize) -> Noise {
+fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
     let dims = image.dims();
     let (width, height, reach) = (i32::from(dims.width), i32::from(dims.height), apart as i32);
     let mut histogram = [0_u16; STEPS];
@@ -70,16 +75,22 @@ fn of_image(image: Gray<'_>, apart: usize) -> Noise {
         for run in 0..RUNS {
             let x = quotient(run * (width - 12), RUNS) + 2 * reach;
             let first = x - reach;
-            let end = first + (LENGTH + 2 * apart) as i32;
+            let end = first + (STRIP + 2 * apart) as i32;
             if first < i32::from(valid.start) || end > i32::from(valid.end) {
                 continue;
             }
-            let from = |line: &'_ [u8]| line.get(first.max(0) as usize..)?.first_chunk::<{ LENGTH + 4 }>().copied();
+            let from =
+                |line: &'a [u8]| line.get(first.max(0) as usize..)?.first_chunk::<RUN_PIXELS>();
             let [Some(above), Some(here), Some(below)] = lines.map(from) else { continue };
-            if let Some(sum) = second_differences([above, here, below], apart)
-                && let Some(count) = histogram.get_mut((sum / STEP).min(STEPS as u32 - 1) as usize)
-            {
-                *count += 1;
+            // Only where no pixel is near black or white.
+            let is_between = here
+                .get(apart..apart + STRIP)
+                .is_some_and(|run| run.iter().all(|level| LEVELS.contains(level)));
+            if is_between {
+                let step = second_differences([above, here, below], apart) / STEP;
+                if let Some(count) = histogram.get_mut(step.min(STEPS as u32 - 1) as usize) {
+                    *count += 1;
+                }
             }
         }
     }
@@ -95,20 +106,4 @@ fn of_image(image: Gray<'_>, apart: usize) -> Noise {
         }
     }
     Noise { sum: STEPS as u16 * STEP as u16 }
-}
-
-/// Sum over a run of the second differences across of those down; `None` where a pixel is near
-/// black or white.
-fn second_differences([above, here, below]: [[u8; LENGTH + 4]; 3], apart: usize) -> Option<u32> {
-    let run = here.get(apart..apart + LENGTH)?;
-    if !run.iter().all(|level| LEVELS.contains(level)) {
-        return None;
-    }
-    let mut down = [0_i32; LENGTH + 4];
-    for (down, ((&above, &here), &below)) in down.iter_mut().zip(above.iter().zip(&here).zip(&below)) {
-        *down = i32::from(above) - 2 * i32::from(here) + i32::from(below);
-    }
-    let from = |first: usize| down.get(first..).and_then(<[i32]>::first_chunk::<LENGTH>);
-    let across = from(0)?.iter().zip(from(apart)?).zip(from(2 * apart)?);
-    Some(across.map(|((&before, &here), &after)| (before - 2 * here + after).unsigned_abs()).sum())
 }

@@ -1,6 +1,7 @@
 //! Three semi-global paths over rows of points: from the left, from the right, from above.
 //!
-//! In: the costs of a row of points, one byte a disparity. Out: for each point the sum of its three path costs.
+//! In: the costs of a row of points, one byte a disparity. Out: for each point the sum of its three
+//! path costs.
 //!
 //! ```text
 //! memory   costs | path from above | path from the left, then the sum      of each point of a row, and the path along it
@@ -8,13 +9,15 @@
 //! Lengths are rounded up to fours of words; entries beyond the disparities are the largest cost.
 //!
 //! # Cost
-//! Three steps of a path and a sum for every point and disparity, whatever the costs are: 930 instructions a point at 64 disparities (Armv7E-M).
+//! Three steps of a path and a sum for every point and disparity, whatever the costs are: 930
+//! instructions a point at 64 disparities (Armv7E-M).
 
 use crate::kernel::{path_step, sum_paths};
 use core::ops::Range;
 
 /// Number of points of the widest row.
-pub(super) const MAX_COLUMNS: usize = crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
+pub(super) const MAX_COLUMNS: usize =
+    crate::image::MAX_WIDTH as usize / super::SUPPORT_PITCH as usize;
 
 /// Labels of a point beside the ground plane, behind its disparities.
 pub(super) const PLANE_LABELS: usize = 15;
@@ -74,8 +77,13 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// Continues the paths from above and from the left through these points of the next row; `fill(column, costs)` sets the costs of each.
-    pub(super) fn forward(&mut self, columns: Range<usize>, mut fill: impl FnMut(usize, &mut [u8])) {
+    /// Continues the paths from above and from the left through these points of the next row;
+    /// `fill(column, costs)` sets the costs of each.
+    pub(super) fn forward(
+        &mut self,
+        columns: Range<usize>,
+        mut fill: impl FnMut(usize, &mut [u8]),
+    ) {
         self.along.fill(0);
         let mut lowest = 0;
         let (stride, labels) = (self.stride.max(1), self.labels);
@@ -88,9 +96,13 @@ impl<'m> Paths<'m> {
         ) else {
             return;
         };
-        let points =
-            costs.chunks_exact_mut(stride).zip(above.chunks_exact_mut(stride)).zip(sums.chunks_exact_mut(stride));
-        for (((costs, above), sum), (above_lowest, column)) in points.zip(above_lowest.iter_mut().zip(columns)) {
+        let points = costs
+            .chunks_exact_mut(stride)
+            .zip(above.chunks_exact_mut(stride))
+            .zip(sums.chunks_exact_mut(stride));
+        for (((costs, above), sum), (above_lowest, column)) in
+            points.zip(above_lowest.iter_mut().zip(columns))
+        {
             if let Some(costs) = costs.get_mut(..labels) {
                 fill(column, costs);
             }
@@ -104,18 +116,28 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// Computes the path from the right through these points, last first, and calls `visit(column, costs)` for each.
-    pub(super) fn back(&mut self, columns: Range<usize>, mut visit: impl FnMut(usize, PointCosts<'_>)) {
+    /// Computes the path from the right through these points, last first, and calls `visit(column,
+    /// costs)` for each.
+    pub(super) fn back(
+        &mut self,
+        columns: Range<usize>,
+        mut visit: impl FnMut(usize, PointCosts<'_>),
+    ) {
         self.along.fill(0);
         let mut lowest = 0;
         let stride = self.stride.max(1);
         let within = columns.start * stride..columns.end * stride;
-        let (Some(costs), Some(above), Some(sums)) =
-            (self.costs.get_mut(within.clone()), self.above.get(within.clone()), self.sums.get_mut(within))
-        else {
+        let (Some(costs), Some(above), Some(sums)) = (
+            self.costs.get_mut(within.clone()),
+            self.above.get(within.clone()),
+            self.sums.get_mut(within),
+        ) else {
             return;
         };
-        let points = costs.chunks_exact_mut(stride).zip(above.chunks_exact(stride)).zip(sums.chunks_exact_mut(stride));
+        let points = costs
+            .chunks_exact_mut(stride)
+            .zip(above.chunks_exact(stride))
+            .zip(sums.chunks_exact_mut(stride));
         for (((costs, above), sums), column) in points.zip(columns).rev() {
             lowest = path_step(costs, lowest, self.along);
             let lowest = sum_paths(above, self.along, sums);

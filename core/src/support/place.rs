@@ -5,10 +5,10 @@
 //! the grid.
 //!
 //! # Cost
-//! Some 170 instructions a point that is matched.
+//! Some 190 instructions a point that is matched.
 
 use super::codes::WINDOW_COLUMNS;
-use crate::kernel::{CODE_ROWS, CodeColumn};
+use crate::kernel::{CodeColumn, CodeMoments, code_moments};
 
 /// Least offset of a point from its place in the grid, px.
 pub(super) const LEAST: i32 = -4;
@@ -30,15 +30,7 @@ impl Place {
     /// The centroid of a window's squared changes of codes along the row; the window begins `start`
     /// px from the place in the grid.
     pub(super) fn of(columns: &[CodeColumn; WINDOW_COLUMNS + 2], start: i32) -> Self {
-        let (mut all, mut across, mut down) = (0_u32, 0_u32, 0_u32);
-        for (x, three) in (0..).zip(columns.windows(3)) {
-            let [before, _, after] = three else { continue };
-            let [a, b, c, d] = changes(before, after);
-            let sum = a + b + c + d;
-            all += sum;
-            across += x * sum;
-            down += b + 2 * c + 3 * d;
-        }
+        let CodeMoments { all, across, down } = code_moments(columns);
         if all == 0 {
             return Self::MIDDLE;
         }
@@ -72,15 +64,4 @@ impl Place {
     pub(crate) fn dy(self) -> i32 {
         i32::from(self.0 >> 4) + LEAST
     }
-}
-
-/// Squared differences of two columns of codes.
-#[inline(always)] // the lengths are constants
-fn changes(before: &CodeColumn, after: &CodeColumn) -> [u32; CODE_ROWS] {
-    let mut out = [0; CODE_ROWS];
-    for (out, (&before, &after)) in out.iter_mut().zip(before.iter().zip(after)) {
-        let change = i32::from(after) - i32::from(before);
-        *out = (change * change) as u32;
-    }
-    out
 }

@@ -1,19 +1,24 @@
 //! Curves of costs over disparity.
 //!
-//! In: eight pixels or a census code, and the row in which they are searched; or curves. Out: sums per disparity; or one curve of several.
+//! In: eight pixels or a census code, and the row in which they are searched; or curves. Out: sums
+//! per disparity; or one curve of several.
 //!
 //! ```text
-//! sad:     every fourth disparity in one pass: the second word read for one is the first of the next; two strips a pass
-//! hamming: four disparities a word; bits are counted in nibbles, which hold three points, then in bytes, which hold 31
+//! sad:     every fourth disparity in one pass: the second word read for one is the first of the
+//!          next; two strips a pass
+//! hamming: four disparities a word; bits are counted in nibbles, which hold three points, then in
+//!          bytes, which hold 31
 //! others:  two entries a word
 //! ```
 //!
 //! # Bounds
-//! A nibble counts 3 * 4 = 12 at most, a byte 31 * 8 = 248. Sums of absolute differences wrap at 2^16 as the portable ones do.
+//! A nibble counts 3 * 4 = 12 at most, a byte 31 * 8 = 248. Sums of absolute differences wrap at
+//! 2^16 as the portable ones do.
 //!
 //! # Cost
-//! 64 disparities, instructions under QEMU, and those of the portable version: 12 strips 4029 (40 064), 12 points 2989 (10 418), sum 219
-//! (385), lower 252 (514), lower and sum 328 (671), lowest 147 (344).
+//! 64 disparities, instructions under QEMU, and those of the portable version: 12 strips 4029 (40
+//! 064), 12 points 2989 (10 418), sum 219 (385), lower 252 (514), lower and sum 328 (671), lowest
+//! 147 (344).
 //!
 //! # Source
 //! See [`super`].
@@ -27,8 +32,8 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     let mut long = strips.iter().filter(|strip| strip.other.len() >= needed);
     let whole = curve.as_chunks_mut::<LANES>().0.as_flattened_mut();
     loop {
-        // SAFETY: `whole` is a multiple of 16 long and at most as long as the curve, of which the strips left over are known to hold
-        // as many pixels and seven more.
+        // SAFETY: `whole` is a multiple of 16 long and at most as long as the curve, of which the
+        // strips left over are known to hold as many pixels and seven more.
         unsafe {
             match (long.next(), long.next()) {
                 (Some(a), Some(b)) => add_two_strips(a, b, whole),
@@ -70,10 +75,17 @@ unsafe fn add_two_strips(a: &Strip<'_>, b: &Strip<'_>, curve: &mut [u16]) {
 /// # Safety
 /// As [`add_two_strips`], with `rounds` = `curve.len() / 8` above 0.
 #[inline(always)]
-unsafe fn add_two_strips_from(phase: usize, rounds: usize, a: &Strip<'_>, b: &Strip<'_>, curve: &mut [u16]) {
+unsafe fn add_two_strips_from(
+    phase: usize,
+    rounds: usize,
+    a: &Strip<'_>,
+    b: &Strip<'_>,
+    curve: &mut [u16],
+) {
     let ((a0, a1), (b0, b1)) = (halves(a), halves(b));
-    // SAFETY: rounds * 2 disparities from `phase` on, every fourth: the last one is phase + len - 4 < len. It meets the eight pixels
-    // from there on, which end at phase + len + 4 <= len + 7; before the first round, four are read.
+    // SAFETY: rounds * 2 disparities from `phase` on, every fourth: the last one is phase + len - 4
+    // < len. It meets the eight pixels from there on, which end at phase + len + 4 <= len + 7;
+    // before the first round, four are read.
     unsafe {
         let (at_a, at_b) = (a.other.as_ptr().add(phase), b.other.as_ptr().add(phase));
         asm!(
@@ -193,7 +205,8 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     for (first, block) in (0..).step_by(BLOCK).zip(whole.chunks_mut(BLOCK)) {
         let mut all = [0_u32; BLOCK / 4];
         let sums = all.get_mut(..block.len() / 4).unwrap_or(&mut []);
-        // SAFETY: every point's slice holds at least `len` bytes, four for each of the sums from `first` on.
+        // SAFETY: every point's slice holds at least `len` bytes, four for each of the sums from
+        // `first` on.
         unsafe {
             for three in threes {
                 add_points(sums, three, first);
@@ -213,7 +226,8 @@ pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     }
 }
 
-/// Adds the distances of at most three points to the bytes of four disparities at a time, from disparity `first` on.
+/// Adds the distances of at most three points to the bytes of four disparities at a time, from
+/// disparity `first` on.
 ///
 /// # Safety
 /// Four bytes of each point's slice can be read from there on for every sum.
@@ -243,7 +257,8 @@ two_operands!(
 #[inline(always)]
 fn lower(a: u32, b: u32) -> u32 {
     let result: u32;
-    // SAFETY: registers alone, as in `two_operands`; no other code uses the flags between the two instructions.
+    // SAFETY: registers alone, as in `two_operands`; no other code uses the flags between the two
+    // instructions.
     unsafe {
         asm!("usub16 {r}, {a}, {b}", "sel {r}, {b}, {a}", r = out(reg) result, a = in(reg) a, b = in(reg) b,
             options(pure, nomem, nostack));
@@ -291,7 +306,8 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
     if a.len() != out.len() || b.len() != out.len() || c.len() != out.len() {
         return portable::lower_sum_curve(a, b, c, out);
     }
-    let ((a, a1), (b, b1), (c, c1), (out, out1)) = (a.as_chunks(), b.as_chunks(), c.as_chunks(), out.as_chunks_mut());
+    let ((a, a1), (b, b1), (c, c1), (out, out1)) =
+        (a.as_chunks(), b.as_chunks(), c.as_chunks(), out.as_chunks_mut());
     for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
         *out = unpacked(saturating_add(lower(packed(a), packed(b)), packed(c)));
     }
@@ -302,7 +318,8 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
 pub fn lowest(curve: &[u16]) -> u16 {
     let (blocks, rest) = curve.as_chunks::<8>();
     let Some(last) = curve.last_chunk::<8>() else { return portable::lowest(curve) };
-    // The rest, and some of those before it again. Pairs are written out, as the compiler does not unroll a loop over them.
+    // The rest, and some of those before it again. Pairs are written out, as the compiler does not
+    // unroll a loop over them.
     let rest: &[_] = if rest.is_empty() { &[] } else { core::slice::from_ref(last) };
     let mut lowest = u32::MAX;
     for &[a, b, c, d, e, f, g, h] in blocks.iter().chain(rest) {

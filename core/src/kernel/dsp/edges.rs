@@ -1,20 +1,26 @@
-//! Steps along a row or column, and gradients where an edge crosses two of them.
+//! Steps along a row or column, gradients where an edge crosses two of them, and second
+//! differences.
 //!
-//! In: pixels of an image, the first one's index, the distance from one to the next. Out: the largest step; the strongest of three positions.
+//! In: pixels of an image, the first one's index, the distance from one to the next. Out: the
+//! largest step; the strongest of three positions.
 //!
 //! ```text
-//! step:     size above, distance from the end below, in one word: the first of equals is the largest
-//! crossing: two gradients from each pair of words (rows); sums of two adjacent pixels in an instruction (columns)
+//! step:     size above, distance from the end below, in one word: the first of equals is the
+//!           largest
+//! crossing: two gradients from each pair of words (rows); sums of two adjacent pixels in an
+//!           instruction (columns)
+//! second:   four columns of nine words: what counts once or four times less twice what counts
+//!           twice
 //! ```
 //!
 //! # Cost
-//! Instructions under QEMU, and those of the portable version: step over 8 pixels 131 (211), crossing of columns 137 (171);
-//! inlined, where most are strongest in the middle, some 50.
+//! Instructions under QEMU, and those of the portable version: step over 8 pixels 131 (211),
+//! crossing of columns 137 (171); inlined, where most are strongest in the middle, some 50.
 //!
 //! # Source
 //! See [`super`].
 
-use super::super::portable::{self, Crossing, Crossings, LargestStep, strongest};
+use super::super::portable::{self, Crossing, Crossings, LargestStep, RUN_PIXELS, strongest};
 use super::{two_operands, word};
 
 two_operands!(
@@ -34,7 +40,7 @@ two_operands!(
 );
 two_operands!(
     /// Half word by half word.
-    dual_difference,
+    pub(super) dual_difference,
     "ssub16 {r}, {a}, {b}"
 );
 two_operands!(
@@ -45,26 +51,30 @@ two_operands!(
 
 /// Half words of the bytes 0 and 2.
 #[inline(always)]
-fn even_bytes(word: u32) -> u32 {
+pub(super) fn even_bytes(word: u32) -> u32 {
     word & 0x00ff_00ff // `uxtb16`
 }
 
 /// Half words of the bytes 1 and 3.
 #[inline(always)]
-fn odd_bytes(word: u32) -> u32 {
+pub(super) fn odd_bytes(word: u32) -> u32 {
     word >> 8 & 0x00ff_00ff
 }
 
 /// See [`portable::largest_step`].
 #[inline]
 pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
-    let there = count.checked_sub(1).and_then(|last| last.checked_mul(stride)).is_some_and(|last| last < pixels.len());
+    let there = count
+        .checked_sub(1)
+        .and_then(|last| last.checked_mul(stride))
+        .is_some_and(|last| last < pixels.len());
     if !there || !(2..0xffff).contains(&count) {
         return portable::largest_step(pixels, stride, count);
     }
     let mut best = 0;
-    // SAFETY: the last of `count` pixels was just found to exist: those read are the first, and `count - 1` further ones each `stride`
-    // after the one before. `left` is 1 ..= count - 1, so `place` and the pixel after it are among them.
+    // SAFETY: the last of `count` pixels was just found to exist: those read are the first, and
+    // `count - 1` further ones each `stride` after the one before. `left` is 1 ..= count - 1, so
+    // `place` and the pixel after it are among them.
     unsafe {
         let mut at = pixels.as_ptr();
         let mut before = u32::from(*at);
@@ -90,7 +100,8 @@ pub fn crossing(crossings: &Crossings<'_>, first: usize, sign: i32) -> Option<Cr
     if first >= crossings.firsts {
         return None;
     }
-    // SAFETY: two rows of seven pixels, or seven rows of two, are within the pixels from `first` on, as constructors of `Crossings` see to.
+    // SAFETY: two rows of seven pixels, or seven rows of two, are within the pixels from `first`
+    // on, as constructors of `Crossings` see to.
     unsafe {
         let first = crossings.pixels.as_ptr().add(first);
         Some(if crossings.are_rows {
@@ -121,7 +132,8 @@ unsafe fn crossing_of_rows(first: *const u8, stride: usize, sign: i32) -> Crossi
         ];
         strongest(gradients, sign, sum, |shift| {
             let [above, below] = words((2 + shift) as usize);
-            let outer = dual_products(dual_difference(even_bytes(below), even_bytes(above)), 0x0001_0001);
+            let outer =
+                dual_products(dual_difference(even_bytes(below), even_bytes(above)), 0x0001_0001);
             let inner = dual_difference(odd_bytes(below), odd_bytes(above));
             (outer as i32).wrapping_add(dual_products(inner, 2) as i32)
         })
@@ -144,7 +156,44 @@ unsafe fn crossing_of_columns(first: *const u8, stride: usize, sign: i32) -> Cro
             let [before, here, after] = [0, 1, 2].map(|u| pair(from.add(u * stride)));
             let outer = before | after << 16;
             let inner = (here >> 8) as i32 - (here & 0xff) as i32;
-            dual_products(dual_difference(odd_bytes(outer), even_bytes(outer)), 0x0001_0001) as i32 + 2 * inner
+            dual_products(dual_difference(odd_bytes(outer), even_bytes(outer)), 0x0001_0001) as i32
+                + 2 * inner
         })
     }
+}
+
+/// The size of the difference of each half word.
+#[inline(always)]
+fn dual_size(a: u32, b: u32) -> u32 {
+    let result: u32;
+    // SAFETY: registers alone; no other code uses the flags between two instructions.
+    unsafe {
+        asm!("ssub16 {t}, {b}, {a}", "ssub16 {r}, {a}, {b}", "sel {r}, {r}, {t}", t = out(reg) _,
+            r = out(reg) result, a = in(reg) a, b = in(reg) b, options(pure, nomem, nostack));
+    }
+    result
+}
+
+/// See [`portable::second_differences`].
+pub fn second_differences(rows: [&[u8; RUN_PIXELS]; 3], apart: usize) -> u32 {
+    if !(1..=2).contains(&apart) {
+        return 0;
+    }
+    let mut sizes = 0;
+    for first in [0, 4] {
+        // SAFETY: first + 2 * apart + 4 is at most the length of a row.
+        let three = |row: &[u8; RUN_PIXELS]| unsafe {
+            let at = row.as_ptr().add(first);
+            [word(at), word(at.add(apart)), word(at.add(2 * apart))]
+        };
+        let [[a, b, c], [d, e, f], [g, h, i]] = rows.map(three);
+        let sizes_of = |lanes: fn(u32) -> u32, add: fn(u32, u32) -> u32| {
+            let once = add(add(add(lanes(a), c), g), i) + 4 * lanes(e);
+            let twice = add(add(add(lanes(b), d), f), h);
+            dual_size(once, 2 * twice)
+        };
+        // Each size is at most 8 * 255: sums of four fit half words.
+        sizes += sizes_of(even_bytes, add_even_bytes) + sizes_of(odd_bytes, add_odd_bytes);
+    }
+    (sizes & 0xffff) + (sizes >> 16)
 }

@@ -28,7 +28,11 @@ fn multiply_add(sum: i32, (a, b): (&u32, &u32)) -> i32 {
 }
 
 /// See [`portable::add_products`](super::super::portable::add_products).
-pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2], sums: &mut [Products; 2]) {
+pub fn add_products(
+    left: &[u8; GRADIENTS + 2],
+    right: &[u8; RIGHT_GRADIENTS + 2],
+    sums: &mut [Products; 2],
+) {
     let mut of_left = [[0; GRADIENTS / 2]; 2];
     let mut of_right = [[0; RIGHT_GRADIENTS / 2]; 2];
     // SAFETY: each has two pixels more than gradients, and memory for all of them twice.
@@ -41,7 +45,8 @@ pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2
     }
 }
 
-/// Gradients of four pixels each, `rounds` times: as they are, and behind all of these limited to [`WEAK`].
+/// Gradients of four pixels each, `rounds` times: as they are, and behind all of these limited to
+/// [`WEAK`].
 ///
 /// # Safety
 /// There is a round at least; `4 * rounds + 2` pixels can be read, and `4 * rounds` words written.
@@ -91,13 +96,22 @@ unsafe fn gradients(pixels: *const u8, out: *mut u32, rounds: usize) {
 /// Adds the products of gradients, two in each word.
 #[inline(never)]
 fn multiply(left: &[u32; GRADIENTS / 2], right: &[u32; RIGHT_GRADIENTS / 2], sums: &mut Products) {
-    let from = |lag: usize| right.get(lag / 2..).and_then(<[u32]>::first_chunk).unwrap_or(&[0; GRADIENTS / 2]);
-    let add = |sum: i32, a: &[u32; GRADIENTS / 2], b: &[u32; GRADIENTS / 2]| a.iter().zip(b).fold(sum, multiply_add);
+    let from = |lag: usize| {
+        right.get(lag / 2..).and_then(<[u32]>::first_chunk).unwrap_or(&[0; GRADIENTS / 2])
+    };
+    let add = |sum: i32, a: &[u32; GRADIENTS / 2], b: &[u32; GRADIENTS / 2]| {
+        a.iter().zip(b).fold(sum, multiply_add)
+    };
     const { assert!((LAGS[0] | LAGS[1] | LAGS[2] | LAGS[3] | LAGS[4]) & 1 == 0, "pairs meet pairs") }
     // Lag by lag: a loop reads them from memory, twice as many instructions.
     let [own, a, b, c, d] = LAGS.map(from);
     let of = sums.at_lags;
-    sums.at_lags =
-        [add(of[0], left, own), add(of[1], left, a), add(of[2], left, b), add(of[3], left, c), add(of[4], left, d)];
+    sums.at_lags = [
+        add(of[0], left, own),
+        add(of[1], left, a),
+        add(of[2], left, b),
+        add(of[3], left, c),
+        add(of[4], left, d),
+    ];
     sums.energy = add(add(sums.energy, left, left), own, own);
 }

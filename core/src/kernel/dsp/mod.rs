@@ -1,7 +1,8 @@
-//! Kernels for cores with Arm's DSP extension (Armv7E-M: Cortex-M4 and M7; Armv8-M Mainline with it: Cortex-M33 and above): four bytes or
-//! two half words per instruction.
+//! Kernels for cores with Arm's DSP extension (Armv7E-M: Cortex-M4 and M7; Armv8-M Mainline with
+//! it: Cortex-M33 and above): four bytes or two half words per instruction.
 //!
-//! In and out as the [`portable`](super::portable) versions, the same bits for every input: they do what a loop here cannot.
+//! In and out as the [`portable`](super::portable) versions, the same bits for every input: they do
+//! what a loop here cannot.
 //!
 //! ```text
 //! rows    gradient, census, reversal of a row
@@ -14,9 +15,9 @@
 //! ```
 //!
 //! # Bounds
-//! Words are read and written at any address, which these cores allow for single words (Armv7-M Architecture Reference Manual, A3.2.1; Armv8-M
-//! the same).
-//! `firmware/src/programs/kernels.rs` compares every kernel with its portable version between fences of forbidden memory.
+//! Words are read and written at any address, which these cores allow for single words (Armv7-M
+//! Architecture Reference Manual, A3.2.1; Armv8-M the same). `firmware/src/programs/kernels.rs`
+//! compares every kernel with its portable version between fences of forbidden memory.
 //!
 //! # Cost
 //! In the modules.
@@ -25,7 +26,8 @@
 //! Armv7-M Architecture Reference Manual, A7.7: USADA8, USAD8, USUB8, SEL, QADD8, QSUB8, SHADD8,
 //! UQADD8, UQSUB8, UQADD16, USUB16, SSUB16, UXTB16, UXTAB16, PKHBT, SMLAD, SMUAD.
 
-/// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without one by name.
+/// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without
+/// one by name.
 #[cfg(armv8m)]
 macro_rules! asm {
     ($($arguments:tt)*) => { core::arch::asm!(".cpu cortex-m33", $($arguments)*) };
@@ -43,22 +45,23 @@ mod pixels;
 mod rows;
 mod support;
 
-pub use codes::{code_columns, code_steps};
+pub use codes::{code_columns, code_moments, code_steps, row_difference};
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
-pub use edges::{crossing, largest_step};
+pub use edges::{crossing, largest_step, second_differences};
 pub use lags::add_products;
 pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
-pub use rows::{census_code, census_row, gradient_row, reverse_row};
+pub use rows::{census_code, census_row, gradient_row, limited_steps, reverse_row};
 pub use support::{code_costs, lowest_byte, path_step, place_of_byte, sum_paths};
 
 /// A function of two words that is one instruction.
 macro_rules! two_operands {
-    ($(#[$doc:meta])* $name:ident, $instruction:literal) => {
+    ($(#[$doc:meta])* $visible:vis $name:ident, $instruction:literal) => {
         $(#[$doc])*
         #[inline(always)]
-        fn $name(a: u32, b: u32) -> u32 {
+        $visible fn $name(a: u32, b: u32) -> u32 {
             let result: u32;
-            // SAFETY: the instruction reads and writes registers alone; every core this module is compiled for has it.
+            // SAFETY: the instruction reads and writes registers alone; every core this module is
+            // compiled for has it.
             unsafe {
                 asm!($instruction, r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
                     options(pure, nomem, nostack, preserves_flags));

@@ -9,12 +9,12 @@
 //! ```
 //!
 //! # Bounds
-//! The halves of a packed word hold 255 * 2^7 at most; what the lower half borrows for a negative difference returns with the sum, which
-//! is not negative.
+//! The halves of a packed word hold 255 * 2^7 at most; what the lower half borrows for a negative
+//! difference returns with the sum, which is not negative.
 //!
 //! # Cost
-//! Instructions under QEMU: 16.5 a pixel. Runs: 8 to check one and 18 to start it. Cells: 28 for each, 42 for each of its parts that lies
-//! between the same two rows, 12 where they change.
+//! Instructions under QEMU: 16.5 a pixel. Runs: 8 to check one and 18 to start it. Cells: 28 for
+//! each, 42 for each of its parts that lies between the same two rows, 12 where they change.
 //!
 //! # Source
 //! See [`super`].
@@ -31,14 +31,15 @@ pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
         total = total.saturating_add(run.length);
         none_empty &= run.length != 0;
     }
-    let is_held = rows.len().checked_sub(columns + 1).is_some_and(|last| last_start as usize <= last);
+    let is_held =
+        rows.len().checked_sub(columns + 1).is_some_and(|last| last_start as usize <= last);
     let is_known = columns <= 4096 && is_held;
     if !(is_known && none_empty && total > 0 && total as usize <= out.len()) {
         return portable::bilinear_runs(rows, width, runs, out);
     }
     let (rows, out) = (rows.as_ptr(), out.as_mut_ptr());
-    // SAFETY: every run has a pixel, and together they have no more than `out`. From each start on there are as many bytes in `rows` as
-    // there are columns, and one more.
+    // SAFETY: every run has a pixel, and together they have no more than `out`. From each start on
+    // there are as many bytes in `rows` as there are columns, and one more.
     unsafe {
         match columns {
             512 => pixels::<9>(rows, runs, out),
@@ -48,7 +49,8 @@ pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
     }
 }
 
-/// One pixel: sixteen instructions. Column (r4), its step (r5) and the weights (r8) move on; r0, r1 and r11 are free.
+/// One pixel: sixteen instructions. Column (r4), its step (r5) and the weights (r8) move on; r0, r1
+/// and r11 are free.
 macro_rules! pixel {
     () => {
         "usat r0, #{bits}, r4, asr #16
@@ -94,12 +96,13 @@ macro_rules! pixels_of_run {
 }
 
 /// # Safety
-/// There is a run, and every one has a pixel. From both starts of every run on, 2^`BITS` bytes and one more can be read, and as many bytes
-/// written as all runs have pixels.
+/// There is a run, and every one has a pixel. From both starts of every run on, 2^`BITS` bytes and
+/// one more can be read, and as many bytes written as all runs have pixels.
 #[inline(never)]
 unsafe fn pixels<const BITS: usize>(rows: *const u8, runs: &[Run], out: *mut u8) {
-    // SAFETY: the caller's: USAT clamps a column to 0 ..= 2^BITS - 1. The end of the list, and while a run lasts the list and the rows,
-    // are on the stack, below what is kept of the two registers that cannot be named.
+    // SAFETY: the caller's: USAT clamps a column to 0 ..= 2^BITS - 1. The end of the list, and
+    // while a run lasts the list and the rows, are on the stack, below what is kept of the two
+    // registers that cannot be named.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -109,7 +112,8 @@ unsafe fn pixels<const BITS: usize>(rows: *const u8, runs: &[Run], out: *mut u8)
             "push {{r0, r1}}",
             "add r2, r2, r1",
             "add r3, r3, r1",
-            // The weight of the upper row below, that of the lower one above; both move in one addition.
+            // The weight of the upper row below, that of the lower one above; both move in one
+            // addition.
             "movw r11, #0xffff",
             "mov r0, #0x4000",
             "mla r8, r8, r11, r0",
@@ -167,10 +171,12 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
         return portable::bilinear_cells(ring, knots, out);
     }
     let (bytes, width, knots) = (bytes.as_ptr(), width as u32, knots.as_ptr());
-    let mut cells = Cells { knots, pixels: pixels as u32, bytes, width, rows, first, y: 0, dy: 0, rest: 0 };
+    let mut cells =
+        Cells { knots, pixels: pixels as u32, bytes, width, rows, first, y: 0, dy: 0, rest: 0 };
     let (cells, out) = (&mut cells, out.as_mut_ptr());
-    // SAFETY: there is a pixel; there are no more than `out` has, and for each 16 begun four knots. From the start of each row of the ring on
-    // there are as many bytes as there are columns, and one more.
+    // SAFETY: there is a pixel; there are no more than `out` has, and for each 16 begun four knots.
+    // From the start of each row of the ring on there are as many bytes as there are columns, and
+    // one more.
     unsafe {
         match columns {
             512 => paint_cells::<9>(cells, out),
@@ -180,8 +186,8 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     }
 }
 
-/// The next cell: second difference (r6), first step (r5) and start (r4) of the columns, start (r8) and step (r9) of the rows, and its
-/// pixels (r10), which are taken from those that are left.
+/// The next cell: second difference (r6), first step (r5) and start (r4) of the columns, start (r8)
+/// and step (r9) of the rows, and its pixels (r10), which are taken from those that are left.
 macro_rules! next_cell {
     () => {
         "ldr r0, [r7]
@@ -231,7 +237,8 @@ macro_rules! ring_rows {
     };
 }
 
-/// Leaves in r10 the pixels before the raw row changes; the rest (r11, perhaps none) and where it starts are for later.
+/// Leaves in r10 the pixels before the raw row changes; the rest (r11, perhaps none) and where it
+/// starts are for later.
 macro_rules! split_at_next_row {
     () => {
         "sub r0, r10, #1
@@ -257,12 +264,12 @@ macro_rules! split_at_next_row {
 }
 
 /// # Safety
-/// There is a pixel, and a row. `out` has room for all pixels, there are knots for all of them, and from the start of every row on 2^`BITS`
-/// bytes and one more can be read.
+/// There is a pixel, and a row. `out` has room for all pixels, there are knots for all of them, and
+/// from the start of every row on 2^`BITS` bytes and one more can be read.
 #[inline(never)]
 unsafe fn paint_cells<const BITS: usize>(cells: &mut Cells, out: *mut u8) {
-    // SAFETY: the caller's: USAT clamps a column to 0 ..= 2^BITS - 1, and a row that is not held is the first one. The two registers that
-    // cannot be named are kept on the stack.
+    // SAFETY: the caller's: USAT clamps a column to 0 ..= 2^BITS - 1, and a row that is not held is
+    // the first one. The two registers that cannot be named are kept on the stack.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -274,7 +281,8 @@ unsafe fn paint_cells<const BITS: usize>(cells: &mut Cells, out: *mut u8) {
             split_at_next_row!(),
             "4:",
             "str r11, [r7, #32]",
-            // The weight of the upper row below, that of the lower one above; both move in one addition.
+            // The weight of the upper row below, that of the lower one above; both move in one
+            // addition.
             "rsb r8, r1, r1, lsl #16",
             "add r8, r8, #0x4000",
             "rsb r9, r9, r9, lsl #16",

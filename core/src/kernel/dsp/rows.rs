@@ -3,13 +3,15 @@
 //! In: the rows around one row of an image. Out: a byte for each of its pixels.
 //!
 //! ```text
-//! gradient: mean of three rows, halving twice; the difference two columns apart saturates at the clip from either side
-//! census:   centre with each of eight neighbours: USUB8 leaves in flags which are darker, SEL makes bits of them
+//! gradient: mean of three rows, halving twice; the difference two columns apart saturates at the
+//!           clip from either side
+//! census:   centre with each of eight neighbours: USUB8 leaves in flags which are darker, SEL
+//!           makes bits of them
 //! ```
 //!
 //! # Cost
-//! A row of 320 pixels, instructions under QEMU, and those of the portable version: gradient 1297 (7476), census 2638 (13 430), reversal
-//! 336 (973).
+//! A row of 320 pixels, instructions under QEMU, and those of the portable version: gradient 1297
+//! (7476), census 2638 (13 430), reversal 336 (973).
 //!
 //! # Source
 //! See [`super`].
@@ -47,7 +49,8 @@ unsafe fn mean([above, row, below]: [*const u8; 3]) -> u32 {
     unsafe { halving_add(halving_add(word(above), word(below)), word(row)) }
 }
 
-/// Eight gradients at a time, `count` times, at least once; `here` is the mean of the first four columns.
+/// Eight gradients at a time, `count` times, at least once; `here` is the mean of the first four
+/// columns.
 ///
 /// # Safety
 /// `8 * count + 4` bytes can be read from each row, `8 * count` written.
@@ -63,7 +66,8 @@ unsafe fn gradient_words(rows: [*const u8; 3], out: *mut u8, here: u32, count: u
             "uhadd8 {next}, {next}, {t}",
             "ldr {t}, [{row}, #4]!",
             "uhadd8 {next}, {next}, {t}",
-            // Pixels x + 1 ..= x + 4: their left neighbours are `here`, their right ones two bytes further on.
+            // Pixels x + 1 ..= x + 4: their left neighbours are `here`, their right ones two bytes
+            // further on.
             "lsr {right}, {here}, #16",
             "orr {right}, {right}, {next}, lsl #16",
             "uqsub8 {t}, {right}, {here}",
@@ -120,6 +124,26 @@ unsafe fn gradient_word(rows: [*const u8; 3]) -> u32 {
     rise.wrapping_sub(fall).wrapping_add(ZERO)
 }
 
+/// See [`portable::limited_steps`].
+#[inline]
+pub fn limited_steps(before: &[u8], after: &[u8], most: u8, out: &mut [u8]) {
+    let most = most.min(127);
+    let [clip, zero] = [u8::MAX - most, most].map(|byte| u32::from_ne_bytes([byte; 4]));
+    let length = out.len().min(before.len()).min(after.len());
+    let (before, after, out) = (before.get(..length), after.get(..length), out.get_mut(..length));
+    let (Some(before), Some(after), Some(out)) = (before, after, out) else { return };
+    let ((before, rest_before), (after, rest_after)) = (before.as_chunks(), after.as_chunks());
+    let (out, rest) = out.as_chunks_mut();
+    for (out, (&before, &after)) in out.iter_mut().zip(before.iter().zip(after)) {
+        let [before, after] = [before, after].map(u32::from_le_bytes);
+        let rise = saturating_add(saturating_sub(after, before), clip);
+        let fall = saturating_add(saturating_sub(before, after), clip);
+        // At most one of both differs from `clip`: no byte leaves 0 ..= 2 `most`.
+        *out = rise.wrapping_sub(fall).wrapping_add(zero).to_le_bytes();
+    }
+    portable::limited_steps(rest_before, rest_after, most, rest);
+}
+
 /// See [`portable::gradient_row`].
 pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
@@ -127,9 +151,10 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
         return portable::gradient_row(above, row, below, out);
     }
     let (rows, to) = ([above, row, below].map(<[u8]>::as_ptr), out.as_mut_ptr());
-    // SAFETY: all four slices hold at least `width` bytes. The loop takes n = (width - 4) / 8 steps: it reads 8 n + 4 <= width bytes and
-    // writes 8 n <= width - 4 from the second on. The last words read the six bytes from `at` on and write four from `at + 1` on, where
-    // at + 6 <= width.
+    // SAFETY: all four slices hold at least `width` bytes. The loop takes n = (width - 4) / 8
+    // steps: it reads 8 n + 4 <= width bytes and writes 8 n <= width - 4 from the second on. The
+    // last words read the six bytes from `at` on and write four from `at + 1` on, where at + 6 <=
+    // width.
     unsafe {
         gradient_words(rows, to.add(1), mean(rows), (width - 4) / 8);
         // Of the 2 to 9 columns that are left, and some of those before.
@@ -153,8 +178,8 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
 #[inline(always)]
 unsafe fn census_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
     let [top, row, bottom] = rows;
-    // SAFETY: the caller's. Step i reads from 4 i to 4 i + 8 and writes four bytes from 4 i on; no other code uses the flags between
-    // two instructions.
+    // SAFETY: the caller's. Step i reads from 4 i to 4 i + 8 and writes four bytes from 4 i on; no
+    // other code uses the flags between two instructions.
     unsafe {
         asm!(
             "2:",
@@ -216,8 +241,9 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
         return portable::census_row(rows, out);
     }
     let (from, to) = (rows.map(<[u8]>::as_ptr), out.as_mut_ptr());
-    // SAFETY: all four slices hold at least `width` bytes. The loop takes n = (width - 4) / 4 steps: it reads 4 n + 4 <= width bytes and
-    // writes 4 n <= width - 4 from the third on. The last step reads the last eight bytes and writes four of them from the third on.
+    // SAFETY: all four slices hold at least `width` bytes. The loop takes n = (width - 4) / 4
+    // steps: it reads 4 n + 4 <= width bytes and writes 4 n <= width - 4 from the third on. The
+    // last step reads the last eight bytes and writes four of them from the third on.
     unsafe {
         census_words(from, to.add(2), (width - 4) / 4);
         // The last pixels, some of them twice.
@@ -230,18 +256,39 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
 }
 
+/// 1 in each byte.
+const ONES: u32 = 0x0101_0101;
+
+/// 1 in each byte that is below that of the second operand.
+#[inline(always)]
+fn darker(bytes: u32, than: u32) -> u32 {
+    let result: u32;
+    // SAFETY: registers alone; no other code uses the flags between the two instructions.
+    unsafe {
+        asm!("usub8 {r}, {a}, {b}", "sel {r}, {zero}, {ones}", r = out(reg) result,
+            a = in(reg) bytes, b = in(reg) than, zero = in(reg) 0, ones = in(reg) ONES,
+            options(pure, nomem, nostack));
+    }
+    result
+}
+
 /// See [`portable::census_code`].
-#[inline]
+#[inline(always)] // a call takes half as long again
 pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
     if stride.checked_mul(4)?.checked_add(first)?.checked_add(5)? > pixels.len() {
         return None;
     }
     // SAFETY: the last of five pixels of the fifth row was just found to exist.
-    unsafe {
+    let rows = unsafe {
         let top = pixels.as_ptr().add(first);
-        let row = |k: usize| &*top.add(k * stride).cast::<[u8; 5]>();
-        Some(portable::census_of(row(0), row(2), row(4)))
-    }
+        [0, 2, 4].map(|k| &*top.add(k * stride).cast::<[u8; 5]>())
+    };
+    let [&[a, _, b, _, c], &[d, _, centre, _, e], &[f, _, g, _, h]] = rows;
+    // Bytes of 1 become adjacent bits.
+    let bits = |four: [u8; 4]| {
+        darker(u32::from_le_bytes(four), u32::from(centre) * ONES).wrapping_mul(0x0102_0408) >> 24
+    };
+    Some((bits([a, b, c, d]) | bits([e, f, g, h]) << 4) as u8)
 }
 
 /// See [`portable::reverse_row`].

@@ -40,9 +40,11 @@ fn lowest_of(word: u32) -> u8 {
 pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &mut [u8]) {
     let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
     let (at_window, at_columns) = (window.as_ptr().cast::<u32>(), columns.as_ptr().cast::<u32>());
-    let behind = length.checked_sub(4).filter(|_| at_window.is_aligned() && at_columns.is_aligned());
+    let behind =
+        length.checked_sub(4).filter(|_| at_window.is_aligned() && at_columns.is_aligned());
     let Some(behind) = behind else { return portable::code_costs(window, columns, costs) };
-    // SAFETY: whole words; there are `length` costs and seven columns more, of which the fours begin within.
+    // SAFETY: whole words; there are `length` costs and seven columns more, of which the fours
+    // begin within.
     unsafe {
         fours(at_window, at_columns, costs.as_mut_ptr(), length / 4);
         if !length.is_multiple_of(4) {
@@ -55,16 +57,18 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
 /// Costs of four disparities each, `rounds` times.
 ///
 /// # Safety
-/// There is a round at least. The window holds eight words, the columns four a round and seven more; both are aligned. As many costs can be written
-/// as there are disparities.
+/// There is a round at least. The window holds eight words, the columns four a round and seven
+/// more; both are aligned. As many costs can be written as there are disparities.
 #[inline(never)] // called for whole rounds, and for the rest
 unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds: usize) {
-    // SAFETY: the caller's. Loads of two words and more are at aligned addresses; those of the last round end seven words behind its four.
+    // SAFETY: the caller's. Loads of two words and more are at aligned addresses; those of the last
+    // round end seven words behind its four.
     unsafe {
         asm!(
             "push {{r7}}", // the frame pointer, which no operand is given
+            "msr APSR_g, {a}",
             "2:",
-            "ldm {window}!, {{r1, r2, r3, r4}}",
+            "ldmdb {window}, {{r1, r2, r3, r4}}",
             "ldrd {a}, {b}, [{columns}]",
             "usad8 {s0}, r1, {a}",
             "usada8 {s0}, r2, {b}, {s0}",
@@ -86,7 +90,6 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
             "ldr r1, [{columns}, #8]",
             "usada8 r7, r4, r1, r7",
             "ldm {window}, {{r1, r2, r3, r4}}",
-            "sub {window}, {window}, #16",
             "usada8 {s0}, r1, {a}, {s0}",
             "usada8 {s0}, r2, {b}, {s0}",
             "usada8 {s1}, r1, {b}, {s1}",
@@ -107,23 +110,21 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
             "ldr {a}, [{columns}, #24]",
             "usada8 r7, r4, {a}, r7",
             // Four sums of 13 bits, of which the upper seven are kept.
-            "lsr {s0}, {s0}, #6",
-            "lsr {s2}, {s2}, #6",
-            "bic {s1}, {s1}, #63",
-            "bic r7, r7, #63",
-            "orr {s0}, {s0}, {s1}, lsl #2",
-            "orr {s2}, {s2}, r7, lsl #2",
             "pkhbt {s0}, {s0}, {s2}, lsl #16",
+            "pkhbt {s1}, {s1}, r7, lsl #16",
+            "lsr {s0}, {s0}, #6",
+            "lsl {s1}, {s1}, #2",
+            "sel {s0}, {s1}, {s0}",
             "add {s0}, {s0}, #{penalty}",
             "str {s0}, [{costs}], #4",
             "subs {rounds}, {rounds}, #1",
             "bne 2b",
             "pop {{r7}}",
-            window = inout(reg) window => _,
+            window = in(reg) window.add(4), // its middle
             columns = inout(reg) columns => _,
             costs = inout(reg) costs => _,
             rounds = inout(reg) rounds => _,
-            a = out(reg) _,
+            a = inout(reg) 0xa << 16 => _, // `sel` takes every second byte from the first operand
             b = out(reg) _,
             s0 = out(reg) _,
             s1 = out(reg) _,
@@ -137,13 +138,15 @@ unsafe fn fours(window: *const u32, columns: *const u32, costs: *mut u8, rounds:
     }
 }
 
-/// True where curves so long and at these addresses are fours of whole words: double loads and stores want whole words, rounds four of them.
+/// True where curves so long and at these addresses are fours of whole words: double loads and
+/// stores want whole words, rounds four of them.
 #[inline(always)]
 fn are_fours_of_words(length: usize, starts: &[*const u8]) -> bool {
     length > 0 && length.is_multiple_of(16) && starts.iter().all(|at| at.cast::<u32>().is_aligned())
 }
 
-/// The next cost of four entries of a path, from these and from the words that begin an entry earlier (`near`) and later (`other`).
+/// The next cost of four entries of a path, from these and from the words that begin an entry
+/// earlier (`near`) and later (`other`).
 #[rustfmt::skip] // an instruction a line
 macro_rules! path_word {
     ($here:literal, $cost:literal) => {
@@ -163,13 +166,15 @@ macro_rules! path_word {
 
 /// See [`portable::path_step`].
 pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
-    if costs.len() < path.len() || !are_fours_of_words(path.len(), &[costs.as_ptr(), path.as_ptr()]) {
+    if costs.len() < path.len() || !are_fours_of_words(path.len(), &[costs.as_ptr(), path.as_ptr()])
+    {
         return portable::path_step(costs, lowest, path);
     }
     let all = |byte: u8| u32::from_le_bytes([byte; 4]);
     let mut lows = u32::MAX;
-    // SAFETY: both hold fours of words, at aligned addresses for double loads. Words of neighbours are within the path: those that would begin before
-    // it or end behind it are shifted ones, with the largest cost beyond the ends. A word is stored when its neighbours have been loaded.
+    // SAFETY: both hold fours of words, at aligned addresses for double loads. Words of neighbours
+    // are within the path: those that would begin before it or end behind it are shifted ones, with
+    // the largest cost beyond the ends. A word is stored when its neighbours have been loaded.
     unsafe {
         asm!(
             "ldr {near}, [{path}]",
@@ -317,5 +322,6 @@ pub fn place_of_byte(costs: &[u8], bound: u8) -> Option<usize> {
             options(nostack, readonly),
         );
     }
-    (found != 0).then(|| at.addr() - costs.as_ptr().addr() - 4 + found.trailing_zeros() as usize / 8)
+    (found != 0)
+        .then(|| at.addr() - costs.as_ptr().addr() - 4 + found.trailing_zeros() as usize / 8)
 }

@@ -3,18 +3,21 @@
 //! interpolation.
 //!
 //! # Bounds
-//! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips of 8: 32 * 8 * 62 = 15 872, and
-//! callers add at most two curves: fits `u16`; larger inputs wrap. Hamming distances are at most 8 per point, and at
-//! most 31 points are summed per curve before widening: 248 fits `u8`; more points wrap.
+//! Gradients are 1 ..= 63, so an absolute difference is at most 62. A curve sums at most 32 strips
+//! of 8: 32 * 8 * 62 = 15 872, and callers add at most two curves: fits `u16`; larger inputs wrap.
+//! Hamming distances are at most 8 per point, and at most 31 points are summed per curve before
+//! widening: 248 fits `u8`; more points wrap.
 //!
 //! # Cost
-//! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards, `xtask/board-numbers.toml` lists them.
+//! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards,
+//! `xtask/board-numbers.toml` lists them.
 
 mod support;
 
 pub use support::{
-    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, STEP_PENALTY, code_columns, code_costs, code_steps, lowest_byte,
-    path_step, place_of_byte, sum_paths,
+    CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, JUMP_PENALTY, RUN_PIXELS, STEP_PENALTY,
+    code_columns, code_costs, code_moments, code_steps, limited_steps, lowest_byte, path_step,
+    place_of_byte, row_difference, second_differences, sum_paths,
 };
 
 /// Value of a zero gradient.
@@ -24,8 +27,8 @@ pub const LANES: usize = 16;
 /// Number of pixels of a strip.
 pub const STRIP: usize = 8;
 
-/// Eight adjacent pixels of one image and the row of the other in which they are searched: at disparity index i, reference pixel k is compared
-/// with `other[i + k]`.
+/// Eight adjacent pixels of one image and the row of the other in which they are searched: at
+/// disparity index i, reference pixel k is compared with `other[i + k]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Strip<'a> {
     /// Pixels of the reference image.
@@ -34,12 +37,15 @@ pub struct Strip<'a> {
     pub other: &'a [u8],
 }
 
-/// A quarter of Sobel x of the middle of three rows, clipped to +-31 and shifted by [`FLAT`]: 1 ..= 63. A brightness offset between the
-/// cameras cancels. The first and last pixel are flat, and so are entries of `out` beyond the row.
+/// A quarter of Sobel x of the middle of three rows, clipped to +-31 and shifted by [`FLAT`]: 1 ..=
+/// 63. A brightness offset between the cameras cancels. The first and last pixel are flat, and so
+/// are entries of `out` beyond the row.
 pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     let width = row.len();
     out.fill(FLAT);
-    let (Some(a1), Some(r1), Some(b1)) = (above.get(2..), row.get(2..), below.get(2..)) else { return };
+    let (Some(a1), Some(r1), Some(b1)) = (above.get(2..), row.get(2..), below.get(2..)) else {
+        return;
+    };
     let Some(inner) = width.checked_sub(1).and_then(|end| out.get_mut(1..end)) else { return };
     let left = above.iter().zip(row).zip(below);
     let right = a1.iter().zip(r1).zip(b1);
@@ -50,28 +56,36 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     }
 }
 
-/// Census of the middle one of three rows, each two below the one before: one bit per neighbour at distance 2 (eight directions), set
-/// where the neighbour is darker. The first and last two pixels are 0, and so are entries of `out` beyond the row.
+/// Census of the middle one of three rows, each two below the one before: one bit per neighbour at
+/// distance 2 (eight directions), set where the neighbour is darker. The first and last two pixels
+/// are 0, and so are entries of `out` beyond the row.
 pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     out.fill(0);
     let [top, row, bottom] = rows;
     let Some(inner) = row.len().checked_sub(2).and_then(|end| out.get_mut(2..end)) else { return };
-    for (((t, r), b), code) in top.windows(5).zip(row.windows(5)).zip(bottom.windows(5)).zip(inner) {
+    for (((t, r), b), code) in top.windows(5).zip(row.windows(5)).zip(bottom.windows(5)).zip(inner)
+    {
         if let (Some(t), Some(r), Some(b)) = (t.first_chunk(), r.first_chunk(), b.first_chunk()) {
             *code = census_of(t, r, b);
         }
     }
 }
 
-/// Census of one pixel, two columns right of and two rows below `first`; rows are `stride` bytes apart.
+/// Census of one pixel, two columns right of and two rows below `first`; rows are `stride` bytes
+/// apart.
 #[must_use]
 pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
-    let row = |k: usize| pixels.get(stride.checked_mul(k)?.checked_add(first)?..)?.first_chunk::<5>();
+    let row =
+        |k: usize| pixels.get(stride.checked_mul(k)?.checked_add(first)?..)?.first_chunk::<5>();
     Some(census_of(row(0)?, row(2)?, row(4)?))
 }
 
 #[inline(always)]
-pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8; 5], &[f, _, g, _, h]: &[u8; 5]) -> u8 {
+pub(super) fn census_of(
+    &[a, _, b, _, c]: &[u8; 5],
+    &[d, _, centre, _, e]: &[u8; 5],
+    &[f, _, g, _, h]: &[u8; 5],
+) -> u8 {
     // Bit by bit: a loop is not unrolled where code is to be small, and takes twice as long.
     let bit = |neighbour: u8, place: u32| u8::from(neighbour < centre) << place;
     bit(a, 0) | bit(b, 1) | bit(c, 2) | bit(d, 3) | bit(e, 4) | bit(f, 5) | bit(g, 6) | bit(h, 7)
@@ -79,19 +93,24 @@ pub(super) fn census_of(&[a, _, b, _, c]: &[u8; 5], &[d, _, centre, _, e]: &[u8;
 
 /// Rank of a pixel without neighbours: half of the largest.
 pub const RANK_FLAT: u8 = 2;
-/// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of [`LANES`], entries beyond stay; every
-/// strip's `other` holds `curve.len() + STRIP - 1` pixels, strips with fewer are left out).
+/// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of
+/// [`LANES`], entries beyond stay; every strip's `other` holds `curve.len() + STRIP - 1` pixels,
+/// strips with fewer are left out).
 pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     let needed = curve.len() + STRIP - 1;
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
         let start = block * LANES;
         let mut sums = [0_u16; LANES];
         for strip in strips.iter().filter(|strip| strip.other.len() >= needed) {
-            let Some(others) = strip.other.get(start..).and_then(|o| o.first_chunk::<{ LANES + STRIP - 1 }>()) else {
+            let Some(others) =
+                strip.other.get(start..).and_then(|o| o.first_chunk::<{ LANES + STRIP - 1 }>())
+            else {
                 continue;
             };
             for (k, &[r0, r1]) in (0..).step_by(2).zip(strip.reference.as_chunks::<2>().0) {
-                let (Some(o0), Some(o1)) = (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES)) else {
+                let (Some(o0), Some(o1)) =
+                    (others.get(k..k + LANES), others.get(k + 1..k + 1 + LANES))
+                else {
                     continue;
                 };
                 for ((sum, &p), &q) in sums.iter_mut().zip(o0).zip(o1) {
@@ -107,14 +126,17 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     }
 }
 
-/// Adds the Hamming distances between each reference code and `other[i]` to each entry of `curve` (whole blocks of [`LANES`], entries
-/// beyond stay; at most 31 points; a point counts in the blocks that its slice covers).
+/// Adds the Hamming distances between each reference code and `other[i]` to each entry of `curve`
+/// (whole blocks of [`LANES`], entries beyond stay; at most 31 points; a point counts in the blocks
+/// that its slice covers).
 pub fn hamming_curve(points: &[(u8, &[u8])], curve: &mut [u16]) {
     for (block, costs) in curve.chunks_exact_mut(LANES).enumerate() {
         let start = block * LANES;
         let mut sums = [0_u8; LANES];
         for (reference, other) in points {
-            let Some(others) = other.get(start..).and_then(|o| o.first_chunk::<LANES>()) else { continue };
+            let Some(others) = other.get(start..).and_then(|o| o.first_chunk::<LANES>()) else {
+                continue;
+            };
             for (sum, &o) in sums.iter_mut().zip(others) {
                 let mut bits = o ^ reference;
                 bits -= (bits >> 1) & 0x55;
@@ -142,7 +164,8 @@ pub fn lower_curve(a: &[u16], b: &[u16], out: &mut [u16]) {
     }
 }
 
-/// Entry by entry minimum of `a` and `b`, plus `c`, saturating, over the length of the shortest curve.
+/// Entry by entry minimum of `a` and `b`, plus `c`, saturating, over the length of the shortest
+/// curve.
 pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
     for (((out, &a), &b), &c) in out.iter_mut().zip(a).zip(b).zip(c) {
         *out = a.min(b).saturating_add(c);
@@ -169,7 +192,8 @@ pub struct LargestStep {
     pub step: i32,
 }
 
-/// The largest step of a sequence of `count` pixels, `stride` bytes apart; a shorter slice ends the sequence.
+/// The largest step of a sequence of `count` pixels, `stride` bytes apart; a shorter slice ends the
+/// sequence.
 #[must_use]
 pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     let mut best = LargestStep { place: 0, step: 0 };
@@ -187,12 +211,14 @@ pub fn largest_step(pixels: &[u8], stride: usize, count: usize) -> LargestStep {
     best
 }
 
-/// Gradients of an edge in two adjacent rows (columns), summed, at the strongest of three positions across it.
+/// Gradients of an edge in two adjacent rows (columns), summed, at the strongest of three positions
+/// across it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crossing {
     /// Position of the strongest gradient, px: -1, 0 or 1.
     pub shift: i32,
-    /// Gradients before the strongest position, there and after it, times `sign`: four times grey levels per pixel.
+    /// Gradients before the strongest position, there and after it, times `sign`: four times grey
+    /// levels per pixel.
     pub gradients: [i32; 3],
     /// Gradient along the edge, weighted `[1 2 1]` across it, in the same unit.
     pub along: i32,
@@ -209,14 +235,16 @@ pub struct Crossings<'a> {
 }
 
 impl<'a> Crossings<'a> {
-    /// Of rows `y` and `y + 1`, `stride` bytes apart: a crossing next to column `x` begins at `(x - 3, y)`.
+    /// Of rows `y` and `y + 1`, `stride` bytes apart: a crossing next to column `x` begins at `(x -
+    /// 3, y)`.
     #[must_use]
     pub const fn of_rows(pixels: &'a [u8], stride: usize) -> Self {
         let firsts = pixels.len().saturating_sub(stride.saturating_add(6));
         Self { pixels, stride, are_rows: true, firsts }
     }
 
-    /// Of columns `x` and `x + 1` of rows `stride` bytes apart: a crossing next to row `y` begins at `(x, y - 3)`.
+    /// Of columns `x` and `x + 1` of rows `stride` bytes apart: a crossing next to row `y` begins
+    /// at `(x, y - 3)`.
     #[must_use]
     pub const fn of_columns(pixels: &'a [u8], stride: usize) -> Self {
         let firsts = pixels.len().saturating_sub(stride.saturating_mul(6).saturating_add(1));
@@ -256,7 +284,8 @@ fn crossing_of(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: 
     })
 }
 
-/// The crossing where the gradient is the largest of these three, given sums of two pixels across the edge and the gradient along it.
+/// The crossing where the gradient is the largest of these three, given sums of two pixels across
+/// the edge and the gradient along it.
 #[inline(always)]
 pub(super) fn strongest(
     [g1, g2, g3]: [i32; 3],
@@ -292,8 +321,13 @@ pub struct Products {
     pub energy: i32,
 }
 
-/// Adds the products of gradients over two pixels, `[-1 0 1]`, wrapping: as they are, and limited to [`WEAK`].
-pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2], sums: &mut [Products; 2]) {
+/// Adds the products of gradients over two pixels, `[-1 0 1]`, wrapping: as they are, and limited
+/// to [`WEAK`].
+pub fn add_products(
+    left: &[u8; GRADIENTS + 2],
+    right: &[u8; RIGHT_GRADIENTS + 2],
+    sums: &mut [Products; 2],
+) {
     for (sums, most) in sums.iter_mut().zip([i32::from(u8::MAX), WEAK]) {
         let gradient = |pixels: &[u8], i: usize| {
             let at = |i: usize| pixels.get(i).copied().map_or(0, i32::from);
@@ -301,8 +335,11 @@ pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2
         };
         let left: [i32; GRADIENTS] = core::array::from_fn(|i| gradient(left, i));
         let right: [i32; RIGHT_GRADIENTS] = core::array::from_fn(|i| gradient(right, i));
-        let from = |lag: usize| right.get(lag..).and_then(<[i32]>::first_chunk).unwrap_or(&[0; GRADIENTS]);
-        let product = |a: &[i32; GRADIENTS], b: &[i32; GRADIENTS]| a.iter().zip(b).fold(0, |sum, (a, b)| sum + a * b);
+        let from =
+            |lag: usize| right.get(lag..).and_then(<[i32]>::first_chunk).unwrap_or(&[0; GRADIENTS]);
+        let product = |a: &[i32; GRADIENTS], b: &[i32; GRADIENTS]| {
+            a.iter().zip(b).fold(0, |sum, (a, b)| sum + a * b)
+        };
         for (sum, lag) in sums.at_lags.iter_mut().zip(LAGS) {
             *sum = sum.wrapping_add(product(&left, from(lag)));
         }
@@ -311,7 +348,8 @@ pub fn add_products(left: &[u8; GRADIENTS + 2], right: &[u8; RIGHT_GRADIENTS + 2
     }
 }
 
-/// Consecutive pixels between two rows: their columns by a polynomial of the second degree, their rows on a straight line.
+/// Consecutive pixels between two rows: their columns by a polynomial of the second degree, their
+/// rows on a straight line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(C)]
 pub struct Run {
@@ -347,13 +385,15 @@ pub struct Ring<'a> {
 }
 
 impl Ring<'_> {
-    /// Indices at which a row and the next one start. For a row that is not held, those of the row at the start.
+    /// Indices at which a row and the next one start. For a row that is not held, those of the row
+    /// at the start.
     fn starts(&self, row: i32) -> [u32; 2] {
         let index = row.wrapping_sub(self.first);
         let index = (if index < 0 { index.wrapping_add(self.rows as i32) } else { index }) as u32;
         let index = if index < self.rows { index } else { 0 };
         let next = index.wrapping_add(1);
-        [index, if next == self.rows { 0 } else { next }].map(|index| index.wrapping_mul(self.width as u32))
+        [index, if next == self.rows { 0 } else { next }]
+            .map(|index| index.wrapping_mul(self.width as u32))
     }
 }
 
@@ -370,8 +410,9 @@ pub struct Knot {
     pub y: i32,
 }
 
-/// Weighted sums of four knots each, weights in Q30 with a sum of 1, by the upper halves of products, one instruction on most cores. Each
-/// product is rounded down, by half of 2^-14 px on average. As many sums as the shortest slice has knots.
+/// Weighted sums of four knots each, weights in Q30 with a sum of 1, by the upper halves of
+/// products, one instruction on most cores. Each product is rounded down, by half of 2^-14 px on
+/// average. As many sums as the shortest slice has knots.
 pub fn weigh_knots(rows: [&[Knot]; 4], weights: [i32; 4], out: &mut [Knot]) {
     let [a, b, c, d] = rows;
     let sum = |four: [i32; 4]| {
@@ -387,21 +428,24 @@ pub fn weigh_knots(rows: [&[Knot]; 4], weights: [i32; 4], out: &mut [Knot]) {
 /// Half of the step of a column's fraction, Q16.
 pub const X_ROUNDING: i32 = 1 << 8;
 
-/// A grey level between four pixels, rounded to nearest: `fx_q7` 0 ..= 128 from left to right, `fy_q14` 0 ..= 16 384 from top to bottom.
+/// A grey level between four pixels, rounded to nearest: `fx_q7` 0 ..= 128 from left to right,
+/// `fy_q14` 0 ..= 16 384 from top to bottom.
 #[must_use]
 #[inline]
 pub fn bilinear(top: [u8; 2], bottom: [u8; 2], fx_q7: i32, fy_q14: i32) -> u8 {
     // At most 255 * 2^7: fits `i16`. The sum is at most 255 * 2^21 + 2^20.
     let across = |[a, b]: [u8; 2]| i32::from(a) * (128 - fx_q7) + i32::from(b) * fx_q7;
-    // Two weights in one word, as in `dsp::pixels`, so that other fractions give the same bits as well.
+    // Two weights in one word, as in `dsp::pixels`, so that other fractions give the same bits as
+    // well.
     let weights = fy_q14.wrapping_mul(0xffff).wrapping_add(1 << 14);
     let (upper, lower) = (i32::from(weights as i16), i32::from((weights >> 16) as i16));
     let sum = (across(top) * upper).wrapping_add(across(bottom) * lower).wrapping_add(1 << 20);
     (sum as u32 >> 21) as u8
 }
 
-/// Number of columns that may be read in rows of this width: 512, 1024, 4096 or the next power of two. Pixels behind a row may be read, but
-/// none beyond that. Few sizes, because a kernel holds its code once for each.
+/// Number of columns that may be read in rows of this width: 512, 1024, 4096 or the next power of
+/// two. Pixels behind a row may be read, but none beyond that. Few sizes, because a kernel holds
+/// its code once for each.
 #[must_use]
 pub const fn columns(width: usize) -> usize {
     match width {
@@ -412,9 +456,10 @@ pub const fn columns(width: usize) -> usize {
     }
 }
 
-/// [`bilinear`] at [`CELL`] pixels between the inner two of each four consecutive knots: columns by the parabola whose second difference is the
-/// mean of those at both knots, rows on a straight line. Columns are clamped to 0 .. [`columns`]; pixels behind the end of the ring are 0.
-/// Entries of `out` beyond the cells stay.
+/// [`bilinear`] at [`CELL`] pixels between the inner two of each four consecutive knots: columns by
+/// the parabola whose second difference is the mean of those at both knots, rows on a straight
+/// line. Columns are clamped to 0 .. [`columns`]; pixels behind the end of the ring are 0. Entries
+/// of `out` beyond the cells stay.
 pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     let last = i32::try_from(columns(ring.width.min(1 << 15)) - 1).unwrap_or(0);
     let fours = knots.windows(4).filter_map(|four| four.first_chunk::<4>());
@@ -431,7 +476,8 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
                 let index = (start as usize).checked_add(column + k);
                 index.and_then(|index| ring.bytes.get(index)).copied().unwrap_or(0)
             };
-            let [top, bottom] = ring.starts(y_q14 >> 14).map(|start| [pixel(start, 0), pixel(start, 1)]);
+            let [top, bottom] =
+                ring.starts(y_q14 >> 14).map(|start| [pixel(start, 0), pixel(start, 1)]);
             *out = bilinear(top, bottom, x_q16 >> 9 & 127, y_q14 & 0x3fff);
             x_q16 = x_q16.wrapping_add(dx_q16);
             dx_q16 = dx_q16.wrapping_add(ddx_q16);
@@ -440,14 +486,17 @@ pub fn bilinear_cells(ring: Ring<'_>, knots: &[Knot], out: &mut [u8]) {
     }
 }
 
-/// [`bilinear`] at each pixel of consecutive runs, between rows of `width` pixels that lie anywhere in `rows`. Columns are clamped to
-/// 0 .. [`columns`]; pixels behind the end of `rows` are 0. Entries of `out` beyond the runs stay.
+/// [`bilinear`] at each pixel of consecutive runs, between rows of `width` pixels that lie anywhere
+/// in `rows`. Columns are clamped to 0 .. [`columns`]; pixels behind the end of `rows` are 0.
+/// Entries of `out` beyond the runs stay.
 pub fn bilinear_runs(rows: &[u8], width: usize, runs: &[Run], out: &mut [u8]) {
     let last = i32::try_from(columns(width.min(1 << 15)) - 1).unwrap_or(0);
     let mut left = out;
     for run in runs {
         let length = left.len().min(run.length as usize);
-        let Some((out, behind)) = core::mem::take(&mut left).split_at_mut_checked(length) else { return };
+        let Some((out, behind)) = core::mem::take(&mut left).split_at_mut_checked(length) else {
+            return;
+        };
         left = behind;
         let Run { top, bottom, mut x_q16, mut dx_q16, ddx_q16, mut fy_q14, dfy_q14, .. } = *run;
         for out in out {

@@ -31,7 +31,9 @@ const BLOCK: usize = LANES - 1;
 pub fn code_columns(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &mut [CodeColumn]) {
     columns.fill([CODE_FLAT; CODE_ROWS]);
     let width = columns.len();
-    let Some(columns) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else { return };
+    let Some(columns) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else {
+        return;
+    };
     if rows.iter().any(|row| row.len() < width) {
         return;
     }
@@ -40,7 +42,10 @@ pub fn code_columns(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &
         let mut pixels = [[0_i8; LANES + 2]; 2 * CODE_ROWS + 4];
         for (pixels, row) in pixels.iter_mut().zip(rows) {
             let row = row.get(start..width).unwrap_or(&[]);
-            pixels.iter_mut().zip(row).for_each(|(pixel, &level)| *pixel = (level ^ 0x80).cast_signed());
+            pixels
+                .iter_mut()
+                .zip(row)
+                .for_each(|(pixel, &level)| *pixel = (level ^ 0x80).cast_signed());
         }
         let mut row_pairs = pixels.as_chunks::<2>().0.iter();
         let _first = row_pairs.next();
@@ -73,7 +78,8 @@ fn each(a: [i8; LANES], b: [i8; LANES], of: impl Fn(i8, i8) -> i8) -> [i8; LANES
 /// Differences over two columns of two rows, summed.
 #[inline(always)]
 fn pair_along(rows: &[[i8; LANES + 2]; 2]) -> [i8; LANES] {
-    let [upper, lower] = rows.each_ref().map(|row| each(from(row, 2), from(row, 0), i8::saturating_sub));
+    let [upper, lower] =
+        rows.each_ref().map(|row| each(from(row, 2), from(row, 0), i8::saturating_sub));
     each(upper, lower, i8::saturating_add)
 }
 
@@ -81,7 +87,11 @@ fn pair_along(rows: &[[i8; LANES + 2]; 2]) -> [i8; LANES] {
 #[inline(always)]
 fn down(rows: &[[i8; LANES + 2]; 6]) -> [i8; LANES] {
     let [above, next, _, _, third, fourth] = rows.each_ref().map(|row| from(row, 2));
-    each(each(third, above, i8::saturating_sub), each(fourth, next, i8::saturating_sub), i8::saturating_add)
+    each(
+        each(third, above, i8::saturating_sub),
+        each(fourth, next, i8::saturating_sub),
+        i8::saturating_add,
+    )
 }
 
 #[inline(always)]
@@ -116,7 +126,73 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
 #[must_use]
 pub fn code_steps(window: &[CodeColumn; STRIP]) -> u16 {
     let rest = window.as_flattened().get(CODE_ROWS..).unwrap_or(&[]);
-    rest.iter().zip(window.as_flattened()).fold(0, |sum, (after, &before)| sum + u16::from(after.abs_diff(before)))
+    rest.iter()
+        .zip(window.as_flattened())
+        .fold(0, |sum, (after, &before)| sum + u16::from(after.abs_diff(before)))
+}
+
+/// Sums over a window of the squared changes of codes along the row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CodeMoments {
+    /// Their sum: 8 * 4 * 255^2 at most.
+    pub all: u32,
+    /// Of each times its column, 0 ..= 7.
+    pub across: u32,
+    /// Of each times its row of codes, 0 ..= 3.
+    pub down: u32,
+}
+
+/// Moments of the changes over two columns of a window, given with the column before and the one
+/// behind it.
+#[must_use]
+pub fn code_moments(columns: &[CodeColumn; STRIP + 2]) -> CodeMoments {
+    let mut sums = CodeMoments { all: 0, across: 0, down: 0 };
+    for (x, (before, after)) in (0..).zip(columns.iter().zip(columns.iter().skip(2))) {
+        for (row, (before, after)) in (0..).zip(before.iter().zip(after)) {
+            let change = u32::from(before.abs_diff(*after));
+            let square = change * change;
+            sums.all += square;
+            sums.across += x * square;
+            sums.down += row * square;
+        }
+    }
+    sums
+}
+
+/// Pixels of a row of [`second_differences`].
+pub const RUN_PIXELS: usize = STRIP + 4;
+
+/// Sum over eight columns of |second difference across of the second difference down|, of pixels
+/// `apart` columns from each other, 1 or 2; 0 for any other.
+#[must_use]
+pub fn second_differences(rows: [&[u8; RUN_PIXELS]; 3], apart: usize) -> u32 {
+    if !(1..=2).contains(&apart) {
+        return 0;
+    }
+    let [above, here, below] = rows;
+    let mut down = [0_i32; RUN_PIXELS];
+    for (down, ((&above, &here), &below)) in down.iter_mut().zip(above.iter().zip(here).zip(below))
+    {
+        *down = i32::from(above) - 2 * i32::from(here) + i32::from(below);
+    }
+    let from = |first: usize| down.iter().skip(first);
+    let across = from(0).zip(from(apart)).zip(from(2 * apart)).take(STRIP);
+    across.map(|((&before, &here), &after)| (before - 2 * here + after).unsigned_abs()).sum()
+}
+
+/// Differences `after - before`, limited to +-`most` and shifted by it, over the length of the
+/// shortest; `most` is at most 127.
+pub fn limited_steps(before: &[u8], after: &[u8], most: u8, out: &mut [u8]) {
+    let most = i16::from(most.min(127));
+    for (out, (&before, &after)) in out.iter_mut().zip(before.iter().zip(after)) {
+        *out = ((i16::from(after) - i16::from(before)).max(-most).min(most) + most) as u8;
+    }
+}
+
+/// Sum of the absolute differences of two rows.
+#[must_use]
+pub fn row_difference(a: &[u8; STRIP], b: &[u8; STRIP]) -> u16 {
+    a.iter().zip(b).map(|(a, b)| u16::from(a.abs_diff(*b))).sum()
 }
 
 /// Continues a path of semi-global matching to the next point, in place: `path[d]` becomes

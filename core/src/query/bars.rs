@@ -1,0 +1,40 @@
+//! The depth of pixels on bars: what lies more than 1 px behind a bar on its own pixels has the
+//! disparity of the bar.
+//!
+//! In: the bars that are told, a pixel, the answer that it has without them. Out: that of the bar
+//! where the pixel lies on one in front of it.
+
+use super::{PixelDepth, PixelRejection};
+use crate::bars::{Bar, in_front};
+use crate::rig::Rig;
+use crate::units::{Disparity, narrow};
+
+/// The answer for a pixel, or that of the nearest bar that it lies on.
+pub(crate) fn on_bars(
+    bars: &[Bar],
+    (x, y): (u16, u16),
+    answer: Result<PixelDepth, PixelRejection>,
+    rig: Option<Rig>,
+) -> Result<PixelDepth, PixelRejection> {
+    let on = in_front(bars).iter().filter(|bar| bar.columns(y).contains(&x));
+    let Some(bar) = on.max_by_key(|bar| bar.disparity_at_q6(y.into())) else { return answer };
+    let d_q6 = bar.disparity_at_q6(y.into());
+    let is_bars = match answer {
+        Ok(depth) => bar.hides(y.into(), depth.disparity.to_bits().into()),
+        Err(PixelRejection::OtherSize | PixelRejection::Outside) => false,
+        Err(reason) => {
+            !matches!(reason, PixelRejection::OutsideRegion | PixelRejection::UnhealthyPair)
+        }
+    };
+    if !is_bars {
+        return answer;
+    }
+    let (disparity, sigma) = (Disparity::from_bits(narrow(d_q6)), bar.sigma());
+    Ok(PixelDepth {
+        disparity,
+        sigma,
+        confidence: bar.confidence(),
+        depth: rig.map(|rig| rig.depth(disparity)),
+        depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
+    })
+}
