@@ -20,8 +20,14 @@ pub enum Exit {
 
 impl Exit {
     /// Every way to end.
-    pub const ALL: [Self; 6] =
-        [Self::Success, Self::Difference, Self::Usage, Self::Panic, Self::Fault, Self::StackOverflow];
+    pub const ALL: [Self; 6] = [
+        Self::Success,
+        Self::Difference,
+        Self::Usage,
+        Self::Panic,
+        Self::Fault,
+        Self::StackOverflow,
+    ];
 
     /// Meaning of this exit code.
     #[must_use]

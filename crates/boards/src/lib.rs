@@ -1,5 +1,5 @@
-//! Descriptions of the boards: name, target, what runs their programs, what they hold, how programs end; and the pairs that are built
-//! into those programs.
+//! Descriptions of the boards: name, target, what runs their programs, what they hold, how programs
+//! end; and the pairs that are built into those programs.
 //!
 //! Their peripherals and their memory are `firmware/src/boards`; `docs/porting.md` adds one.
 #![cfg_attr(not(test), no_std)]
@@ -57,21 +57,52 @@ const SMALL: Dims = Dims { width: 128, height: 96 };
 const ARMV7: &str = "thumbv7em-none-eabihf";
 const ARMV8: &str = "thumbv8m.main-none-eabihf";
 
-/// A board with memory for pairs of 320x240: 290 KiB with frames and rectifiers, beside the stack. On hardware raw images are as wide as the
-/// sensors', 320 px, and the bands suffice for a strong barrel of 110 degrees and cameras turned by 2 degrees (11 KiB); emulated boards take
-/// images half as wide again.
-const fn qvga(name: &'static str, processor: &'static str, target: &'static str, device: Device) -> Board {
+/// A board with memory for pairs of 320x240: 290 KiB with frames and rectifiers, beside the stack.
+/// On hardware raw images are as wide as the sensors', 320 px, and the bands suffice for a strong
+/// barrel of 110 degrees and cameras turned by 2 degrees (11 KiB); emulated boards take images half
+/// as wide again.
+const fn qvga(
+    name: &'static str,
+    processor: &'static str,
+    target: &'static str,
+    device: Device,
+) -> Board {
     let (raw_width, band) = match device {
         Device::Qemu { .. } => (480, 12 * 1024 + 512),
         Device::Chip(_) => (320, 12 * 1024),
     };
-    Board { name, processor, target, device, largest: QVGA, segments: 640, raw_width, band, sizes: &[QVGA, SMALL] }
+    Board {
+        name,
+        processor,
+        target,
+        device,
+        largest: QVGA,
+        segments: 640,
+        raw_width,
+        band,
+        sizes: &[QVGA, SMALL],
+    }
 }
 
 /// A board with memory for pairs of 160x120: 144 KiB with frames and rectifiers, beside the stack.
-const fn qqvga(name: &'static str, processor: &'static str, target: &'static str, device: Device) -> Board {
+const fn qqvga(
+    name: &'static str,
+    processor: &'static str,
+    target: &'static str,
+    device: Device,
+) -> Board {
     let (segments, raw_width, band) = (256, 640, 24 * 1024);
-    Board { name, processor, target, device, largest: QQVGA, segments, raw_width, band, sizes: &[QQVGA, SMALL] }
+    Board {
+        name,
+        processor,
+        target,
+        device,
+        largest: QQVGA,
+        segments,
+        raw_width,
+        band,
+        sizes: &[QQVGA, SMALL],
+    }
 }
 
 /// A machine of `qemu-system-arm`.
@@ -81,26 +112,35 @@ const fn arm(arguments: &'static [&'static str; 2]) -> Device {
 
 impl Board {
     /// QEMU's machine with a Cortex-M7.
-    pub const MPS2_AN500: Self = qvga("mps2-an500", "Cortex-M7", ARMV7, arm(&["-machine", "mps2-an500"]));
+    pub const MPS2_AN500: Self =
+        qvga("mps2-an500", "Cortex-M7", ARMV7, arm(&["-machine", "mps2-an500"]));
     /// QEMU's machine with a Cortex-M4.
-    pub const MPS2_AN386: Self = qqvga("mps2-an386", "Cortex-M4", ARMV7, arm(&["-machine", "mps2-an386"]));
+    pub const MPS2_AN386: Self =
+        qqvga("mps2-an386", "Cortex-M4", ARMV7, arm(&["-machine", "mps2-an386"]));
     /// QEMU's machine with a Cortex-M33.
-    pub const MPS2_AN505: Self = qvga("mps2-an505", "Cortex-M33", ARMV8, arm(&["-machine", "mps2-an505"]));
+    pub const MPS2_AN505: Self =
+        qvga("mps2-an505", "Cortex-M33", ARMV8, arm(&["-machine", "mps2-an505"]));
     /// QEMU's machine with a Cortex-M55.
-    pub const MPS3_AN547: Self = qvga("mps3-an547", "Cortex-M55", ARMV8, arm(&["-machine", "mps3-an547"]));
+    pub const MPS3_AN547: Self =
+        qvga("mps3-an547", "Cortex-M55", ARMV8, arm(&["-machine", "mps3-an547"]));
     /// QEMU's machine with a RISC-V processor.
     pub const RISCV_VIRT: Self = qvga(
         "riscv-virt",
         "RV32IMAC",
         "riscv32imac-unknown-none-elf",
-        Device::Qemu { program: "qemu-system-riscv32", arguments: &["-machine", "virt", "-bios", "none"] },
+        Device::Qemu {
+            program: "qemu-system-riscv32",
+            arguments: &["-machine", "virt", "-bios", "none"],
+        },
     );
     /// Raspberry Pi Pico 2.
     pub const PICO2: Self = qvga("pico2", "Cortex-M33", ARMV8, Device::Chip("RP235x"));
     /// Boards with an STM32H743.
-    pub const STM32H743: Self = qvga("stm32h743", "Cortex-M7", ARMV7, Device::Chip("STM32H743ZITx"));
+    pub const STM32H743: Self =
+        qvga("stm32h743", "Cortex-M7", ARMV7, Device::Chip("STM32H743ZITx"));
     /// Arduino Portenta H7.
-    pub const PORTENTA_H7: Self = qvga("portenta-h7", "Cortex-M7", ARMV7, Device::Chip("STM32H747XIHx"));
+    pub const PORTENTA_H7: Self =
+        qvga("portenta-h7", "Cortex-M7", ARMV7, Device::Chip("STM32H747XIHx"));
 
     /// Every board, the default one first.
     pub const ALL: [Self; 8] = [
@@ -114,8 +154,8 @@ impl Board {
         Self::PORTENTA_H7,
     ];
 
-    /// The two whose every program is run and measured: the classes of processors that the core is made for. The others show that bits are
-    /// the same elsewhere.
+    /// The two whose every program is run and measured: the classes of processors that the core is
+    /// made for. The others show that bits are the same elsewhere.
     pub const MEASURED: [Self; 2] = [Self::MPS2_AN500, Self::MPS2_AN386];
 
     /// The board of this name.
@@ -151,3 +191,8 @@ impl Board {
 const fn pixels(dims: Dims) -> usize {
     dims.width as usize * dims.height as usize
 }
+
+/// The example of the package's page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,7 +1,7 @@
 //! Raw pairs -> rectified pairs, by the core's mesh and band as on a board.
 //!
-//! The nodes of a mesh depend on the memory there is for them. Images that boards hold get no more here than there, so that both give the
-//! same bytes; larger ones as much as they can use.
+//! The nodes of a mesh depend on the memory there is for them. Images that boards hold get no more
+//! here than there, so that both give the same bytes; larger ones as much as they can use.
 
 use crate::interchange::{Options, load_rig_texts};
 use core::fmt;
@@ -9,8 +9,8 @@ use linestereo::{Dims, Span};
 use linestereo_boards::Board;
 use linestereo_frames::{FrameError, GrayImage, LayoutFault, RectifiedPair, RigText, area_average};
 use linestereo_rig::{
-    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Mesh, MeshError, Remap, RowError, View,
-    fine_mesh_nodes, mesh_nodes,
+    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Mesh, MeshError, Remap,
+    RowError, View, fine_mesh_nodes, mesh_nodes,
 };
 use linestereo_wire::RigUpdate;
 
@@ -34,8 +34,7 @@ pub enum RectifierError {
     Row(CameraSide, RowError),
     /// A raw image is not of the rig's size.
     #[error(
-        "the rig is one of raw images of {needed}, these are {given}; give the images it was made \
-         from"
+        "the rig is for raw images of {needed}, but these are {given}; give images of {needed}"
     )]
     Size {
         /// The rig's.
@@ -102,7 +101,11 @@ impl PairRectifier {
     }
 
     /// Rectifies a pair.
-    pub fn pair(&mut self, left: &GrayImage, right: &GrayImage) -> Result<(GrayImage, GrayImage), RectifierError> {
+    pub fn pair(
+        &mut self,
+        left: &GrayImage,
+        right: &GrayImage,
+    ) -> Result<(GrayImage, GrayImage), RectifierError> {
         Ok((self.image(CameraSide::Left, left)?, self.image(CameraSide::Right, right)?))
     }
 }
@@ -151,7 +154,8 @@ pub enum ReducedError {
     Pose(CalibrationError),
 }
 
-/// The same rig for raw images of another size that show the same: whole pixels are centres, so borders are half a pixel outside.
+/// The same rig for raw images of another size that show the same: whole pixels are centres, so
+/// borders are half a pixel outside.
 pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration, ReducedError> {
     let camera = |eye| {
         let camera = calibration.camera(eye);
@@ -161,21 +165,30 @@ pub fn reduced(calibration: &Calibration, dims: Dims) -> Result<Calibration, Red
         ];
         let ([fx, fy], [cx, cy]) = (camera.focal(), camera.centre());
         let centre = [(cx + 0.5) * sx - 0.5, (cy + 0.5) * sy - 0.5];
-        Camera::new(dims, [fx * sx, fy * sy], centre, camera.skew() * sx, camera.lens()).map_err(ReducedError::Camera)
+        Camera::new(dims, [fx * sx, fy * sy], centre, camera.skew() * sx, camera.lens())
+            .map_err(ReducedError::Camera)
     };
     let (left, right) = (camera(CameraSide::Left)?, camera(CameraSide::Right)?);
-    Calibration::new(left, right, calibration.rotation(), calibration.translation()).map_err(ReducedError::Pose)
+    Calibration::new(left, right, calibration.rotation(), calibration.translation())
+        .map_err(ReducedError::Pose)
 }
 
-/// Raw images, reduced to this size, in the rectified view of the same size: as much of it as has a source everywhere.
+/// Raw images, reduced to this size, in the rectified view of the same size: as much of it as has a
+/// source everywhere.
 ///
 /// # Errors
 /// The calibration in these files cannot be read, or is of images of another size.
-pub fn rectify_raw(files: &[RigText], dims: Dims, [left, right]: [GrayImage; 2]) -> Result<RectifiedPair, FrameError> {
-    let failed =
-        |what: &dyn fmt::Display| FrameError::Layout(files[0].path.clone(), LayoutFault::RawRig(what.to_string()));
+pub fn rectify_raw(
+    files: &[RigText],
+    dims: Dims,
+    [left, right]: [GrayImage; 2],
+) -> Result<RectifiedPair, FrameError> {
+    let failed = |what: &dyn fmt::Display| {
+        FrameError::Layout(files[0].path.clone(), LayoutFault::RawRig(what.to_string()))
+    };
     let options = Options { images: Some(left.dims), ..Options::default() };
-    let calibration = load_rig_texts(files, &options).map_err(|error| failed(&error))?.rig.calibration;
+    let calibration =
+        load_rig_texts(files, &options).map_err(|error| failed(&error))?.rig.calibration;
     let raw = calibration.camera(CameraSide::Left).dims();
     if raw != left.dims {
         return Err(failed(&format!("it is of images of {raw}, these are {}", left.dims)));
@@ -200,11 +213,16 @@ mod tests {
         let dims = Dims { width: 640, height: 480 };
         let lens = Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [1e-3, 0.0] };
         let camera = Camera::new(dims, [500.0, 510.0], [300.0, 250.0], 2.0, lens).unwrap();
-        let pair = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
+        let pair =
+            Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
         let small = reduced(&pair, Dims { width: 320, height: 160 }).unwrap();
         for ray in [[0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-0.25, 0.1, 1.0]] {
-            let [[u, v], [x, y]] = [&pair, &small].map(|rig| rig.camera(CameraSide::Right).project(ray).unwrap());
-            assert!(((u + 0.5) / 2.0 - (x + 0.5)).abs() < 1e-9 && ((v + 0.5) / 3.0 - (y + 0.5)).abs() < 1e-9);
+            let [[u, v], [x, y]] =
+                [&pair, &small].map(|rig| rig.camera(CameraSide::Right).project(ray).unwrap());
+            assert!(
+                ((u + 0.5) / 2.0 - (x + 0.5)).abs() < 1e-9
+                    && ((v + 0.5) / 3.0 - (y + 0.5)).abs() < 1e-9
+            );
         }
         assert_eq!(reduced(&pair, dims).unwrap(), pair);
     }

@@ -96,15 +96,25 @@ impl RigFile {
     /// Reads and checks a file.
     pub fn load(path: &Path) -> Result<Self, RigFileError> {
         let at = || path.to_path_buf();
-        let text = untrusted::read_text(path, SETTINGS_BYTES).map_err(|error| RigFileError::Read(at(), error))?;
-        let raw: Raw = toml::from_str(&text).map_err(|error| RigFileError::Parse(at(), error.to_string()))?;
+        let text = untrusted::read_text(path, SETTINGS_BYTES)
+            .map_err(|error| RigFileError::Read(at(), error))?;
+        let raw: Raw =
+            toml::from_str(&text).map_err(|error| RigFileError::Parse(at(), error.to_string()))?;
         if raw.version != VERSION {
             return Err(RigFileError::Version(at(), raw.version));
         }
-        let camera = |raw: &RawCamera, eye| camera(raw).map_err(|error| RigFileError::Camera(at(), eye, error));
-        let (left, right) = (camera(&raw.left, CameraSide::Left)?, camera(&raw.right, CameraSide::Right)?);
-        let calibration = Calibration::new(left, right, quaternion(raw.pose.rotation_rad), raw.pose.translation_m)
-            .map_err(|error| RigFileError::Pair(at(), error))?;
+        let camera = |raw: &RawCamera, eye| {
+            camera(raw).map_err(|error| RigFileError::Camera(at(), eye, error))
+        };
+        let (left, right) =
+            (camera(&raw.left, CameraSide::Left)?, camera(&raw.right, CameraSide::Right)?);
+        let calibration = Calibration::new(
+            left,
+            right,
+            quaternion(raw.pose.rotation_rad),
+            raw.pose.translation_m,
+        )
+        .map_err(|error| RigFileError::Pair(at(), error))?;
         Ok(Self { calibration, quality: raw.quality })
     }
 
@@ -128,7 +138,9 @@ impl RigFile {
             self.calibration.translation(),
             self.calibration.baseline(),
         );
-        if let Some(Quality { source, views, stereo_rms_px, vertical_residual_px, verdict }) = &self.quality {
+        if let Some(Quality { source, views, stereo_rms_px, vertical_residual_px, verdict }) =
+            &self.quality
+        {
             let _ = write!(
                 text,
                 "\n[quality]\n\
@@ -156,7 +168,9 @@ fn camera(raw: &RawCamera) -> Result<Camera, CameraError> {
 fn camera_text(eye: CameraSide, camera: &Camera) -> String {
     let Dims { width, height } = camera.dims();
     let lens = match camera.lens() {
-        Lens::BrownConrady { k, p } => format!("{{ model = \"brown-conrady\", k = {k:?}, p = {p:?} }}"),
+        Lens::BrownConrady { k, p } => {
+            format!("{{ model = \"brown-conrady\", k = {k:?}, p = {p:?} }}")
+        }
         Lens::Rational { k, p } => format!("{{ model = \"rational\", k = {k:?}, p = {p:?} }}"),
         Lens::Fisheye { k } => format!("{{ model = \"fisheye\", k = {k:?} }}"),
     };
@@ -168,7 +182,8 @@ fn camera_text(eye: CameraSide, camera: &Camera) -> String {
     )
 }
 
-/// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the same bits on every machine.
+/// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the
+/// same bits on every machine.
 #[must_use]
 pub fn quaternion(vector: [f64; 3]) -> [f64; 4] {
     let angle = libm::sqrt(vector.iter().map(|v| v * v).sum());
@@ -195,19 +210,36 @@ mod tests {
         let dims = Dims { width: 640, height: 480 };
         let lens = Lens::BrownConrady { k: [-0.3, 0.1, 1e-3], p: [1e-4, -2e-4] };
         let left = Camera::new(dims, [500.1, 501.2], [320.3, 240.4], 0.25, lens).unwrap();
-        let right =
-            Camera::new(dims, [499.0, 498.0], [310.0, 250.0], 0.0, Lens::Fisheye { k: [0.01, 0.0, 0.0, -0.001] });
-        let calibration =
-            Calibration::new(left, right.unwrap(), quaternion([0.01, -0.02, 0.03]), [-0.1, 0.001, -0.002]).unwrap();
-        let quality = Quality { source: "a \"quoted\" source".into(), views: 9, ..Quality::default() };
+        let right = Camera::new(
+            dims,
+            [499.0, 498.0],
+            [310.0, 250.0],
+            0.0,
+            Lens::Fisheye { k: [0.01, 0.0, 0.0, -0.001] },
+        );
+        let calibration = Calibration::new(
+            left,
+            right.unwrap(),
+            quaternion([0.01, -0.02, 0.03]),
+            [-0.1, 0.001, -0.002],
+        )
+        .unwrap();
+        let quality =
+            Quality { source: "a \"quoted\" source".into(), views: 9, ..Quality::default() };
         let file = RigFile { calibration, quality: Some(quality) };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rig.toml");
         fs::write(&path, file.text()).unwrap();
         let again = RigFile::load(&path).unwrap();
         assert_eq!(again.quality, file.quality);
-        assert_eq!(again.calibration.camera(CameraSide::Left), file.calibration.camera(CameraSide::Left));
-        assert_eq!(again.calibration.camera(CameraSide::Right), file.calibration.camera(CameraSide::Right));
+        assert_eq!(
+            again.calibration.camera(CameraSide::Left),
+            file.calibration.camera(CameraSide::Left)
+        );
+        assert_eq!(
+            again.calibration.camera(CameraSide::Right),
+            file.calibration.camera(CameraSide::Right)
+        );
         assert_eq!(again.calibration.translation(), file.calibration.translation());
         for (a, b) in again.calibration.rotation().into_iter().zip(file.calibration.rotation()) {
             assert!((a - b).abs() < 1e-15);

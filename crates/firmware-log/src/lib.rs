@@ -13,7 +13,8 @@ pub struct Line {
     pub text: String,
 }
 
-/// Decodes what a program wrote to its log, by the format strings in its ELF file. A program without logs has none.
+/// Decodes what a program wrote to its log, by the format strings in its ELF file. A program
+/// without logs has none.
 pub fn decode(elf: &Path, bytes: &[u8]) -> Result<Vec<Line>> {
     let elf = std::fs::read(elf).with_context(|| format!("cannot read {}", elf.display()))?;
     let Some(table) = Table::parse(&elf)? else { return Ok(Vec::new()) };
@@ -23,7 +24,9 @@ pub fn decode(elf: &Path, bytes: &[u8]) -> Result<Vec<Line>> {
     loop {
         match decoder.decode() {
             Ok(frame) => lines.push(Line {
-                level: frame.level().map_or_else(String::new, |level| level.as_str().to_uppercase()),
+                level: frame
+                    .level()
+                    .map_or_else(String::new, |level| level.as_str().to_uppercase()),
                 text: frame.display_message().to_string(),
             }),
             Err(DecodeError::UnexpectedEof) => return Ok(lines),

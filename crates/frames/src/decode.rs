@@ -1,7 +1,8 @@
 //! Image files to 8-bit grey.
 //!
-//! In: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour, turned as EXIF says. Out: [`GrayImage`], or the raw values of a
-//! ground-truth file. Transparency is ignored. Both images of a pair have one scale: [`load_images`].
+//! In: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour, turned as EXIF says.
+//! Out: [`GrayImage`], or the raw values of a ground-truth file. Transparency is ignored. Both
+//! images of a pair have one scale: [`load_images`].
 //!
 //! # Bounds
 //! A header of more than [`PIXELS`] or [`IMAGE_BYTES`] is all that is read of a file.
@@ -15,7 +16,9 @@ use crate::grey::GrayImage;
 use crate::untrusted::{self, IMAGE_BYTES, PIXELS};
 use image::error::{LimitError, LimitErrorKind};
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits, Pixel};
+use image::{
+    DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult, Limits, Pixel,
+};
 use linestereo::Dims;
 use linestereo::image::ViewError;
 use std::fs::File;
@@ -53,7 +56,8 @@ pub fn exif_turn(path: &Path) -> Result<&'static str, FrameError> {
 /// [`exif_turn`] of an image that EXIF leaves as it is.
 pub const UPRIGHT: &str = "not at all";
 
-/// Reads both images of a pair: 16-bit ones with one scale, that of `bits` or of the largest value in both.
+/// Reads both images of a pair: 16-bit ones with one scale, that of `bits` or of the largest value
+/// in both.
 pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2], FrameError> {
     match files {
         PairFiles::Two([left, right]) => {
@@ -125,7 +129,7 @@ impl StoredGray {
     /// A JPEG or PNG in a recording, of at most so many bytes when decoded.
     ///
     /// # Errors
-    /// What is wrong with it, and what to do.
+    /// The fault, and what to do.
     pub fn of_file(bytes: &[u8], most: u64) -> Result<Self, String> {
         let format = image::guess_format(bytes).ok();
         if !matches!(format, Some(ImageFormat::Jpeg | ImageFormat::Png)) {
@@ -138,9 +142,13 @@ impl StoredGray {
         format.into_iter().for_each(|format| reader.set_format(format));
         reader.limits(limits(most));
         let image = guarded(reader, most, upright).ok_or("its decoder failed; record it again")?;
-        let image = image.map_err(|error| format!("it cannot be decoded ({error}); record it again, or smaller"))?;
+        let image = image.map_err(|error| {
+            format!("it cannot be decoded ({error}); record it again, or smaller")
+        })?;
         let dims = [image.width(), image.height()].map(u16::try_from);
-        let [Ok(width), Ok(height)] = dims else { return Err("it has a side of more than 65535 px".to_owned()) };
+        let [Ok(width), Ok(height)] = dims else {
+            return Err("it has a side of more than 65535 px".to_owned());
+        };
         Ok(Self::of_image(Dims { width, height }, image))
     }
 
@@ -158,14 +166,15 @@ impl StoredGray {
         };
         let values = match layout {
             PixelBytes::Grey => Values::Eight(rows.flatten().copied().collect()),
-            PixelBytes::Luma { at } => {
-                Values::Eight(rows.flat_map(|row| row.as_chunks::<2>().0).map(|pixel| pixel[at.min(1)]).collect())
-            }
-            PixelBytes::Grey16(value) => {
-                Values::Sixteen(rows.flat_map(|row| row.as_chunks().0).map(|bytes| value(*bytes)).collect())
-            }
+            PixelBytes::Luma { at } => Values::Eight(
+                rows.flat_map(|row| row.as_chunks::<2>().0).map(|pixel| pixel[at.min(1)]).collect(),
+            ),
+            PixelBytes::Grey16(value) => Values::Sixteen(
+                rows.flat_map(|row| row.as_chunks().0).map(|bytes| value(*bytes)).collect(),
+            ),
             PixelBytes::Colour { red, blue, bytes } => {
-                let grey = |pixel: &[u8]| luma([pixel[red], pixel[1], pixel[blue]].map(u32::from)) as u8;
+                let grey =
+                    |pixel: &[u8]| luma([pixel[red], pixel[1], pixel[blue]].map(u32::from)) as u8;
                 Values::Eight(rows.flat_map(|row| row.chunks_exact(bytes).map(grey)).collect())
             }
         };
@@ -176,16 +185,28 @@ impl StoredGray {
         // From each layout at once: an image in between would double the memory.
         let values = match image {
             DynamicImage::ImageLuma8(image) => Values::Eight(image.into_raw()),
-            DynamicImage::ImageLumaA8(image) => Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect()),
-            DynamicImage::ImageRgb8(image) => Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+            DynamicImage::ImageLumaA8(image) => {
+                Values::Eight(image.pixels().map(|pixel| pixel.0[0]).collect())
+            }
+            DynamicImage::ImageRgb8(image) => {
+                Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect())
+            }
             DynamicImage::ImageRgba8(image) => {
                 Values::Eight(image.pixels().map(|pixel| grey_of(pixel) as u8).collect())
             }
             DynamicImage::ImageLuma16(image) => Values::Sixteen(image.into_raw()),
-            DynamicImage::ImageLumaA16(image) => Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect()),
-            DynamicImage::ImageRgb16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
-            DynamicImage::ImageRgba16(image) => Values::Sixteen(image.pixels().map(grey_of).collect()),
-            other => Values::Eight(other.into_rgb8().pixels().map(|pixel| grey_of(pixel) as u8).collect()),
+            DynamicImage::ImageLumaA16(image) => {
+                Values::Sixteen(image.pixels().map(|pixel| pixel.0[0]).collect())
+            }
+            DynamicImage::ImageRgb16(image) => {
+                Values::Sixteen(image.pixels().map(grey_of).collect())
+            }
+            DynamicImage::ImageRgba16(image) => {
+                Values::Sixteen(image.pixels().map(grey_of).collect())
+            }
+            other => Values::Eight(
+                other.into_rgb8().pixels().map(|pixel| grey_of(pixel) as u8).collect(),
+            ),
         };
         Self { dims, values }
     }
@@ -221,7 +242,8 @@ pub(crate) fn dimensions(path: &Path) -> Result<(u32, u32), FrameError> {
     decoded(path, reader(path)?, |decoder| Ok(decoder.dimensions()))
 }
 
-/// Refuses an image in which nothing can be matched: one value only, or more than 95 % of it black or white.
+/// Refuses an image in which nothing can be matched: one value only, or more than 95 % of it black
+/// or white.
 pub fn check_usable(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
     let first = image.pixels.first().copied().unwrap_or(0);
     if image.pixels.iter().all(|&value| value == first) {
@@ -242,7 +264,10 @@ pub fn check_same_size(first: (&Path, Dims), second: (&Path, Dims)) -> Result<()
     if first.1 == second.1 {
         return Ok(());
     }
-    Err(FrameError::SizesDiffer { first: (first.0.to_path_buf(), first.1), second: (second.0.to_path_buf(), second.1) })
+    Err(FrameError::SizesDiffer {
+        first: (first.0.to_path_buf(), first.1),
+        second: (second.0.to_path_buf(), second.1),
+    })
 }
 
 /// Refuses an image of a size the core does not take.
@@ -253,9 +278,13 @@ pub fn check_size(path: &Path, image: &GrayImage) -> Result<(), FrameError> {
 fn decode(path: &Path) -> Result<DynamicImage, FrameError> {
     let reader = reader(path)?;
     if reader.format() == Some(ImageFormat::Jpeg) {
-        let bytes = untrusted::read(path, IMAGE_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        let bytes = untrusted::read(path, IMAGE_BYTES)
+            .map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
         if !is_whole_jpeg(&bytes) {
-            return Err(FrameError::Decode(path.to_path_buf(), "a JPEG that ends too early".to_owned()));
+            return Err(FrameError::Decode(
+                path.to_path_buf(),
+                "a JPEG that ends too early".to_owned(),
+            ));
         }
     }
     decoded(path, reader, upright)
@@ -330,7 +359,10 @@ fn is_whole_jpeg(bytes: &[u8]) -> bool {
     let mut at = 2; // behind the start marker
     loop {
         // Up to the next marker: over fill bytes, and over the coded values behind a start of scan.
-        let Some(next) = bytes.get(at..).and_then(|rest| rest.windows(2).position(is_marker)) else { return false };
+        let Some(next) = bytes.get(at..).and_then(|rest| rest.windows(2).position(is_marker))
+        else {
+            return false;
+        };
         at += next + 2;
         match bytes[at - 1] {
             END_OF_IMAGE => return true,
@@ -385,7 +417,9 @@ mod tests {
 
     #[test]
     fn colour_becomes_bt601_grey() {
-        let image = ImageBuffer::<image::Rgb<u8>, _>::from_raw(3, 1, vec![255, 0, 0, 0, 255, 0, 0, 0, 255]).unwrap();
+        let image =
+            ImageBuffer::<image::Rgb<u8>, _>::from_raw(3, 1, vec![255, 0, 0, 0, 255, 0, 0, 0, 255])
+                .unwrap();
         for name in ["colour.png", "colour.ppm"] {
             assert_eq!(load_back(&image.clone().into(), name).pixels, [76, 150, 29], "{name}");
         }
@@ -398,7 +432,10 @@ mod tests {
         assert!(matches!(check_usable(path, &image(vec![7; 100])), Err(FrameError::Uniform(_, 7))));
         let mut white = vec![255; 96];
         white.extend([0, 1, 2, 3]);
-        assert!(matches!(check_usable(path, &image(white.clone())), Err(FrameError::Saturated { value: 255, .. })));
+        assert!(matches!(
+            check_usable(path, &image(white.clone())),
+            Err(FrameError::Saturated { value: 255, .. })
+        ));
         white[0] = 9; // 95 of 100
         assert!(check_usable(path, &image(white)).is_ok());
     }

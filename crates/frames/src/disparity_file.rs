@@ -1,22 +1,28 @@
 //! Files of disparities in px as floating point: PFM and NumPy's NPY and NPZ.
 //!
-//! In: an unchecked file. Out: a disparity per pixel, the upper left one first; what is not finite is unknown and becomes NaN.
+//! In: an unchecked file. Out: a disparity per pixel, the upper left one first; what is not finite
+//! is unknown and becomes NaN.
 //!
 //! ```text
-//! PFM   "Pf", width, height, scale, then 32-bit floats, the lowest row first; a scale below 0 says little endian, above 0 big endian
-//! NPY   one array of two dimensions (height, width), or of three with one that is 1; floats or integers of any width and order
+//! PFM   "Pf", width, height, scale, then 32-bit floats, the lowest row first; a scale below 0 says
+//!       little endian, above 0 big endian
+//! NPY   one array of two dimensions (height, width), or of three with one that is 1; floats or
+//!       integers of any width and order
 //! NPZ   a ZIP archive with one such array; of several the one called disp, disparity, gt or arr_0
 //! ```
 //!
-//! A PFM file whose sign says the wrong order still has as many bytes: it is known by its values. Where more than half of those that are not
-//! 0 lie outside of 1e-4 .. 1e5 px as marked, and more than half lie inside with the bytes turned, the marker is wrong.
+//! A PFM file whose sign says the wrong order still has as many bytes: it is known by its values.
+//! Where more than half of those that are not 0 lie outside of 1e-4 .. 1e5 px as marked, and more
+//! than half lie inside with the bytes turned, the marker is wrong.
 //!
 //! # Bounds
-//! At most 65 535 pixels a side, [`PIXELS`] and [`IMAGE_BYTES`] in all, and memory only for what the file holds.
+//! At most 65 535 pixels a side, [`PIXELS`] and [`IMAGE_BYTES`] in all, and memory only for what
+//! the file holds.
 //!
 //! # Source
-//! PFM: Debevec's Portable FloatMap as the Middlebury benchmark uses it (`vision.middlebury.edu/stereo/submit3/upload-format.html`: only the
-//! sign of the scale counts, rows from below, infinity = unknown). NPY and NPZ: [`numpy`](super::numpy).
+//! PFM: Debevec's Portable FloatMap as the Middlebury benchmark uses it
+//! (`vision.middlebury.edu/stereo/submit3/upload-format.html`: only the sign of the scale counts,
+//! rows from below, infinity = unknown). NPY and NPZ: [`numpy`](super::numpy).
 
 use super::error::{DisparityFault, FrameError};
 use super::numpy::array;
@@ -35,13 +41,15 @@ const PLAUSIBLE_PX: core::ops::Range<f32> = 1e-4..1e5;
 
 /// A file of this name is read by [`load_disparities`].
 pub(crate) fn is_float_file(path: &Path) -> bool {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    let extension =
+        path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     extension.is_some_and(|extension| EXTENSIONS.contains(&&*extension))
 }
 
 /// Reads a PFM, NPY or NPZ file of disparities in px, row-major; NaN = unknown.
 pub fn load_disparities(path: &Path) -> Result<(Dims, Vec<f32>), FrameError> {
-    let bytes = untrusted::read(path, IMAGE_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+    let bytes = untrusted::read(path, IMAGE_BYTES)
+        .map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
     disparities(&bytes).map_err(|fault| FrameError::Disparities(path.to_path_buf(), fault))
 }
 
@@ -77,10 +85,12 @@ fn float_map(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     }
     let marker = word(&mut rest).ok_or(DisparityFault::Header("the scale is missing"))?;
     let scale = marker.parse::<f32>().ok().filter(|scale| *scale != 0.0 && scale.is_finite());
-    let is_big = scale.ok_or_else(|| DisparityFault::NoByteOrder(marker.chars().take(24).collect()))? > 0.0;
+    let is_big =
+        scale.ok_or_else(|| DisparityFault::NoByteOrder(marker.chars().take(24).collect()))? > 0.0;
     let needed = 4 * usize::from(width) * usize::from(height);
-    let values =
-        rest.get(..needed).ok_or(DisparityFault::Truncated { needed: needed as u64, found: rest.len() as u64 })?;
+    let values = rest
+        .get(..needed)
+        .ok_or(DisparityFault::Truncated { needed: needed as u64, found: rest.len() as u64 })?;
     let read = |is_big: bool| -> Vec<f32> {
         let convert = if is_big { f32::from_be_bytes } else { f32::from_le_bytes };
         let rows = values.chunks_exact(4 * usize::from(width)).rev();
@@ -93,7 +103,8 @@ fn float_map(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     Ok((Dims { width, height }, as_marked))
 }
 
-/// The next word of a header: exactly one white space ends it, because values follow the last one at once.
+/// The next word of a header: exactly one white space ends it, because values follow the last one
+/// at once.
 fn word<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
     let start = rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
     let length = rest[start..].iter().position(u8::is_ascii_whitespace)?;
@@ -105,15 +116,18 @@ fn word<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
 
 /// More than half of the finite values that are not 0 are disparities; true of none.
 fn is_plausible(values: &[f32]) -> bool {
-    let sizes = || values.iter().map(|value| value.abs()).filter(|size| size.is_finite() && *size != 0.0);
+    let sizes =
+        || values.iter().map(|value| value.abs()).filter(|size| size.is_finite() && *size != 0.0);
     2 * sizes().filter(|size| PLAUSIBLE_PX.contains(size)).count() >= sizes().count()
 }
 
 fn zipped(bytes: &[u8]) -> Result<(Dims, Vec<f32>), DisparityFault> {
     let broken = |error: &dyn core::fmt::Display| DisparityFault::Array(error.to_string());
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|error| broken(&error))?;
-    let names: Vec<String> =
-        archive.file_names().filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned())).collect();
+    let names: Vec<String> = archive
+        .file_names()
+        .filter_map(|name| Some(name.ok()?.strip_suffix(".npy")?.to_owned()))
+        .collect();
     let wanted = match names.as_slice() {
         [only] => only,
         several => ARRAY_NAMES
@@ -140,8 +154,10 @@ mod tests {
     #[test]
     fn a_wrong_marker_is_known_by_the_values() {
         assert!(is_plausible(&[7.25, 12.5, 0.0, f32::INFINITY]));
-        let turned: Vec<f32> =
-            [7.25_f32, 12.5, 64.0].iter().map(|v| f32::from_bits(v.to_bits().swap_bytes())).collect();
+        let turned: Vec<f32> = [7.25_f32, 12.5, 64.0]
+            .iter()
+            .map(|v| f32::from_bits(v.to_bits().swap_bytes()))
+            .collect();
         assert!(!is_plausible(&turned), "{turned:?}");
         assert!(is_plausible(&[0.0, f32::NAN]));
     }

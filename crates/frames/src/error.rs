@@ -11,8 +11,9 @@ use std::io;
 use std::path::PathBuf;
 
 /// Remedy for images that EXIF turns.
-pub const EXIF_REMEDY: &str = "cameras of a rig do not turn between images: remove the mark from all (exiftool -Orientation= FILES), or turn the \
-     pixels of all (mogrify -auto-orient FILES)";
+pub const EXIF_REMEDY: &str = "all images of a rig need the same orientation: remove the EXIF \
+     orientation from all (exiftool -Orientation= FILES), or turn the pixels of all (mogrify \
+     -auto-orient FILES)";
 /// Names of arrays that a message lists.
 const LISTED: usize = 8;
 
@@ -23,7 +24,9 @@ pub enum FrameError {
     #[error("cannot read {0}: {1}; check the path")]
     Read(PathBuf, io::Error),
     /// The file is no image of a format that is read, or it is damaged.
-    #[error("{0} is not a readable image ({1}); give a PNG, JPEG, PGM, PPM, TIFF, BMP or WebP file")]
+    #[error(
+        "{0} is not a readable image ({1}); give a PNG, JPEG, PGM, PPM, TIFF, BMP or WebP file"
+    )]
     Decode(PathBuf, String),
     /// A file of disparities or a mask is not grey.
     #[error("{0} is coloured; ground truth and masks are 8 or 16-bit grey")]
@@ -33,8 +36,8 @@ pub enum FrameError {
     Size(PathBuf, ViewError),
     /// The image has more pixels, or bytes of pixels, than are read.
     #[error(
-        "{0}: an image of more than {pixels} million pixels or {mib} MiB of them is not read; give \
-         a smaller one",
+        "{0}: the image has more than {pixels} million pixels or {mib} MiB of pixels; give a \
+         smaller one",
         pixels = PIXELS / 1_000_000, mib = IMAGE_BYTES >> 20
     )]
     TooLarge(PathBuf),
@@ -101,7 +104,8 @@ pub enum FrameError {
 }
 
 fn remedy_of_size(error: &ViewError) -> &'static str {
-    let too_large = matches!(error, ViewError::Dims(dims) if dims.width.max(dims.height) > MAX_WIDTH);
+    let too_large =
+        matches!(error, ViewError::Dims(dims) if dims.width.max(dims.height) > MAX_WIDTH);
     if too_large { "reduce it with --width" } else { "give a larger one" }
 }
 
@@ -116,7 +120,7 @@ impl From<WidthError> for FrameError {
 pub enum LayoutFault {
     /// No layout fits.
     #[error(
-        "no pair in a layout that is known; give Middlebury, KITTI, ETH3D or EuRoC folders as \
+        "no pair was found in any known layout; give Middlebury, KITTI, ETH3D or EuRoC folders as \
          downloaded, left/ and right/, 0001_left.png and 0001_right.png, or images side by side"
     )]
     NotRecognised,
@@ -134,8 +138,8 @@ pub enum LayoutFault {
     RawRig(String),
     /// The values of a truth image of this size mean nothing known.
     #[error(
-        "nothing says what a grey value of this ground truth of {0} is in px; store 16 bit (value \
-         / 256), PFM or NPZ, or add a scene.json with disparity_scale"
+        "the disparity scale of this ground truth of {0} is unknown; store it as 16 bit (value / \
+         256), PFM or NPZ, or add a scene.json with disparity_scale"
     )]
     TruthScale(Dims),
 }
@@ -150,9 +154,12 @@ pub enum DisparityFault {
     #[error("it is a PFM file with three channels (PF); store one (Pf)")]
     Coloured,
     /// The line that tells the byte order holds 0 or no number.
-    #[error("its third line is \"{0}\" and tells no byte order; write -1 (little endian) or 1 (big)")]
+    #[error(
+        "its third line is \"{0}\" and gives no byte order; write -1 (little endian) or 1 (big)"
+    )]
     NoByteOrder(String),
-    /// The values are absurd in the byte order that the file states, and plausible in the other one.
+    /// The values are absurd in the byte order that the file states, and plausible in the other
+    /// one.
     #[error(
         "its third line says {} endian, its values are {} endian; make the scale {}",
         if *.says_big { "big" } else { "little" },
@@ -176,8 +183,8 @@ pub enum DisparityFault {
     NothingKnown,
     /// An array of other than two dimensions, or too large.
     #[error(
-        "an array of {0:?} is no image that is read; store (height, width), at most {most} million \
-         of them",
+        "an array of shape {0:?} is not an image; store shape (height, width), with at most {most} \
+         million values",
         most = PIXELS / 1_000_000
     )]
     Shape(Vec<u64>),

@@ -1,4 +1,5 @@
-//! Folders and the names in them: listings, images whatever their format, folders that hold a scene or a pair.
+//! Folders and the names in them: listings, images whatever their format, folders that hold a scene
+//! or a pair.
 
 use super::error::FrameError;
 use std::collections::BTreeSet;
@@ -20,8 +21,12 @@ pub fn find_scenes(root: &Path) -> Result<Vec<PathBuf>, FrameError> {
     Ok(found)
 }
 
-/// Calls `visit` for a folder and, where that says so, for those below it, by name: each once, whatever links lead to it.
-pub(crate) fn walk(root: &Path, mut visit: impl FnMut(&Listing) -> Result<bool, FrameError>) -> Result<(), FrameError> {
+/// Calls `visit` for a folder and, where that says so, for those below it, by name: each once,
+/// whatever links lead to it.
+pub(crate) fn walk(
+    root: &Path,
+    mut visit: impl FnMut(&Listing) -> Result<bool, FrameError>,
+) -> Result<(), FrameError> {
     let (mut pending, mut seen) = (vec![root.to_path_buf()], BTreeSet::new());
     while let Some(path) = pending.pop() {
         // A link to a folder above it begins the tree anew, two of them double it at every level.
@@ -38,7 +43,8 @@ pub(crate) fn walk(root: &Path, mut visit: impl FnMut(&Listing) -> Result<bool, 
 
 /// The image of this name in a folder, whatever its format.
 pub(crate) fn image_path(folder: &Path, name: &str) -> Option<PathBuf> {
-    let paths = IMAGE_EXTENSIONS.iter().map(|extension| folder.join(name).with_extension(extension));
+    let paths =
+        IMAGE_EXTENSIONS.iter().map(|extension| folder.join(name).with_extension(extension));
     paths.into_iter().find(|path| path.is_file())
 }
 
@@ -63,9 +69,12 @@ impl Listing {
         for entry in fs::read_dir(path).map_err(read_error)? {
             let entry = entry.map_err(read_error)?;
             let name = entry.file_name().to_string_lossy().into_owned();
-            // Links are followed. Pipes and devices are nobody's frames: to open one may wait for ever.
+            // Links are followed. Pipes and devices are nobody's frames: to open one may wait for
+            // ever.
             let kind = entry.file_type().map_err(read_error)?;
-            let is = |plain: bool, linked: fn(&Path) -> bool| plain || (kind.is_symlink() && linked(&entry.path()));
+            let is = |plain: bool, linked: fn(&Path) -> bool| {
+                plain || (kind.is_symlink() && linked(&entry.path()))
+            };
             if is(kind.is_dir(), Path::is_dir) {
                 folders.insert(name);
             } else if is(kind.is_file(), Path::is_file) {
@@ -99,7 +108,9 @@ impl Listing {
 
     /// The disparities of this name: floats before images.
     pub(crate) fn disparities(&self, stem: &str) -> Option<PathBuf> {
-        ["pfm", "npz", "npy", "png", "pgm"].iter().find_map(|extension| self.file(&format!("{stem}.{extension}")))
+        ["pfm", "npz", "npy", "png", "pgm"]
+            .iter()
+            .find_map(|extension| self.file(&format!("{stem}.{extension}")))
     }
 
     /// The folder of this name below it.

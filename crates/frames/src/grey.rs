@@ -1,7 +1,8 @@
 //! Grey images of 8 bits, and grey values as files store them.
 //!
-//! Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is). 16 bits become 8 by `round(v / 257)`; sensors of 10 and
-//! 12 bits store their values as they are: where all values of a pair lie below 1024 or 4096, that is white.
+//! Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is). 16
+//! bits become 8 by `round(v / 257)`; sensors of 10 and 12 bits store their values as they are:
+//! where all values of a pair lie below 1024 or 4096, that is white.
 
 use linestereo::image::ViewError;
 use linestereo::{Dims, Gray};
@@ -59,7 +60,9 @@ impl StoredGray {
     pub fn of_mosaic(self) -> Self {
         let values = match self.values {
             Values::Eight(values) => Values::Eight(smoothed(&values, self.dims, |sum| sum as u8)),
-            Values::Sixteen(values) => Values::Sixteen(smoothed(&values, self.dims, |sum| sum as u16)),
+            Values::Sixteen(values) => {
+                Values::Sixteen(smoothed(&values, self.dims, |sum| sum as u16))
+            }
         };
         Self { values, ..self }
     }
@@ -69,7 +72,9 @@ impl StoredGray {
     pub fn into_8_bit(self, bits: u32) -> GrayImage {
         let pixels = match self.values {
             Values::Eight(pixels) => pixels,
-            Values::Sixteen(values) => values.into_iter().map(|value| to_8_bit(value, bits)).collect(),
+            Values::Sixteen(values) => {
+                values.into_iter().map(|value| to_8_bit(value, bits)).collect()
+            }
         };
         GrayImage { dims: self.dims, pixels }
     }
@@ -118,7 +123,11 @@ mod tests {
     #[test]
     fn sixteen_bits_are_rounded_to_eight() {
         for value in 0..=u16::MAX {
-            assert_eq!(f64::from(to_8_bit(value, 16)), (f64::from(value) / 257.0).round(), "{value}");
+            assert_eq!(
+                f64::from(to_8_bit(value, 16)),
+                (f64::from(value) / 257.0).round(),
+                "{value}"
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Which layouts of stereo pairs there are, by name: see [`datasets`](super::datasets) for what each looks like.
+//! Which layouts of stereo pairs there are, by name: see [`datasets`](super::datasets) for what
+//! each looks like.
 
 use core::fmt;
 
@@ -13,7 +14,8 @@ pub enum Layout {
     Middlebury2003,
     /// `view1.png`, `view5.png`, `disp1.png`, `dmin.txt`: 2005 and 2006.
     Middlebury2006,
-    /// `im0.png`, `im1.png`, `disp0.pfm` or `disp0GT.pfm`, `calib.txt`: 2014, 2021 and version 3 of the benchmark.
+    /// `im0.png`, `im1.png`, `disp0.pfm` or `disp0GT.pfm`, `calib.txt`: 2014, 2021 and version 3 of
+    /// the benchmark.
     Middlebury2014,
     /// The same with COLMAP's `cameras.txt`.
     Eth3d,

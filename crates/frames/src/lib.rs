@@ -1,4 +1,5 @@
-//! Stereo pairs on disk: images, folders of pairs in every common layout with their truth, and what detectors found.
+//! Stereo pairs on disk: images, folders of pairs in every common layout with their truth, and what
+//! detectors found.
 //!
 //! ```text
 //! untrusted          files of others: how much of one is read
@@ -12,7 +13,8 @@
 //! regions            boxes and masks of objects
 //! ```
 //!
-//! Pairs that are in no files of their own, messages of a recording and frames of a video, come in through [`PairSource`].
+//! Pairs that are in no files of their own, messages of a recording and frames of a video, come in
+//! through [`PairSource`].
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
@@ -62,7 +64,8 @@ pub use resample::{WidthError, area_average, halves, resampled_height};
 pub use self::{
     datasets::{Dataset, layouts},
     decode::{
-        PixelBytes, UPRIGHT, check_same_size, check_size, check_usable, exif_turn, load_gray, load_images, load_values,
+        PixelBytes, UPRIGHT, check_same_size, check_size, check_usable, exif_turn, load_gray,
+        load_images, load_values,
     },
     disparity_file::load_disparities,
     error::{DisparityFault, EXIF_REMEDY, FrameError, LayoutFault},
@@ -74,6 +77,13 @@ pub use self::{
     scene_info::SceneInfo,
     sequence::{PairFiles, SIDES, without_side},
     source::{PairSource, Views},
-    stored::{RectifiedPair, RectifyRaw, RigText, Scene, StoredPair, StoredRig, scaled_max_disparity},
+    stored::{
+        RectifiedPair, RectifyRaw, RigText, Scene, StoredPair, StoredRig, scaled_max_disparity,
+    },
     truth::Truth,
 };
+
+/// The example of the package's page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

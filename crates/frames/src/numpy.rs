@@ -8,11 +8,12 @@
 //! ```
 //!
 //! # Cost
-//! Memory only for what the file holds: values become floats as they are read, and none is where the header states more than is allowed.
+//! Memory only for what the file holds: values become floats as they are read, and none is where
+//! the header states more than is allowed.
 //!
 //! # Source
-//! NumPy enhancement proposal 1. The header is read here and not by a library: the ones at hand bring a parser of all Python literals, and
-//! take memory for what a header states.
+//! NumPy enhancement proposal 1. The header is read here and not by a library: the ones at hand
+//! bring a parser of all Python literals, and take memory for what a header states.
 
 use super::error::DisparityFault;
 use crate::untrusted::{IMAGE_BYTES, PIXELS};
@@ -27,14 +28,17 @@ pub(crate) fn array(file: impl Read) -> Result<(Dims, Vec<f32>), DisparityFault>
     let mut file = BufReader::new(file);
     let text = header(&mut file)?;
     let (width, height) = sides(shape(&text)?)?;
-    let by_columns =
-        match value(&text, "fortran_order").map(|order| order.split([',', '}']).next().unwrap_or("").trim()) {
-            Some("False") => false,
-            Some("True") => true,
-            _ => return Err(broken("its header tells no fortran_order")),
-        };
+    let by_columns = match value(&text, "fortran_order")
+        .map(|order| order.split([',', '}']).next().unwrap_or("").trim())
+    {
+        Some("False") => false,
+        Some("True") => true,
+        _ => return Err(broken("its header tells no fortran_order")),
+    };
     let kind = value(&text, "descr").ok_or_else(|| broken("its header tells no descr"))?;
-    let Some(kind) = quoted(kind) else { return Err(DisparityFault::ElementType("records".to_owned())) };
+    let Some(kind) = quoted(kind) else {
+        return Err(DisparityFault::ElementType("records".to_owned()));
+    };
     let count = usize::from(width) * usize::from(height);
     let values = elements(kind, &mut file, [height.into(), width.into()])?;
     let values = if by_columns {
@@ -113,7 +117,11 @@ fn elements(kind: &str, file: &mut impl Read, sides: [u64; 2]) -> Result<Vec<f32
     macro_rules! read {
         ($number:ty) => {
             floats(file, sides, |bytes| {
-                (if is_big { <$number>::from_be_bytes(bytes) } else { <$number>::from_le_bytes(bytes) }) as f32
+                (if is_big {
+                    <$number>::from_be_bytes(bytes)
+                } else {
+                    <$number>::from_le_bytes(bytes)
+                }) as f32
             })
         };
     }
@@ -162,7 +170,11 @@ mod tests {
 
     fn file(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
         let length = header.len() as u32;
-        let length = if version == 1 { (length as u16).to_le_bytes().to_vec() } else { length.to_le_bytes().to_vec() };
+        let length = if version == 1 {
+            (length as u16).to_le_bytes().to_vec()
+        } else {
+            length.to_le_bytes().to_vec()
+        };
         [b"\x93NUMPY".as_slice(), &[version, 0], &length, header.as_bytes(), data].concat()
     }
 
@@ -170,7 +182,11 @@ mod tests {
     fn every_type_order_and_version_is_read() {
         let dims = Dims { width: 2, height: 1 };
         let two = |kind: &str, data: &[u8]| {
-            file(1, &format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (1, 2), }}"), data)
+            file(
+                1,
+                &format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (1, 2), }}"),
+                data,
+            )
         };
         for (kind, data) in [
             ("<f4", [1.0_f32.to_le_bytes(), 3.0_f32.to_le_bytes()].concat()),
@@ -185,24 +201,49 @@ mod tests {
             assert_eq!(array(&*two(kind, &data)), Ok((dims, vec![1.0, 3.0])), "{kind}");
             let needed = data.len() as u64;
             let cut = array(&*two(kind, &data[1..]));
-            assert!(matches!(cut, Err(DisparityFault::Truncated { needed: n, .. }) if n == needed), "{kind}: {cut:?}");
+            assert!(
+                matches!(cut, Err(DisparityFault::Truncated { needed: n, .. }) if n == needed),
+                "{kind}: {cut:?}"
+            );
         }
-        let columns = file(2, "{\"shape\":(1,2,3),\"fortran_order\":True,\"descr\":\"|u1\"}\n", &[1, 4, 2, 5, 3, 6]);
-        assert_eq!(array(&*columns), Ok((Dims { width: 3, height: 2 }, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0])));
+        let columns = file(
+            2,
+            "{\"shape\":(1,2,3),\"fortran_order\":True,\"descr\":\"|u1\"}\n",
+            &[1, 4, 2, 5, 3, 6],
+        );
+        assert_eq!(
+            array(&*columns),
+            Ok((Dims { width: 3, height: 2 }, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
+        );
     }
 
     #[test]
     fn what_is_no_image_is_named() {
         let of = |header: &str| array(&*file(1, header, &[0; 64])).unwrap_err();
         let order = "'fortran_order': False, 'shape': (2, 2)";
-        assert!(matches!(of(&format!("{{'descr': [('x', '<f4')], {order}}}")), DisparityFault::ElementType(_)));
-        assert_eq!(of(&format!("{{'descr': '<c8', {order}}}")), DisparityFault::ElementType("c8".to_owned()));
-        for header in ["{'descr': '<f4', 'shape': (2, 2)}", "{'descr': '<f4', 'fortran_order': 1, 'shape': (2, 2)}"] {
+        assert!(matches!(
+            of(&format!("{{'descr': [('x', '<f4')], {order}}}")),
+            DisparityFault::ElementType(_)
+        ));
+        assert_eq!(
+            of(&format!("{{'descr': '<c8', {order}}}")),
+            DisparityFault::ElementType("c8".to_owned())
+        );
+        for header in [
+            "{'descr': '<f4', 'shape': (2, 2)}",
+            "{'descr': '<f4', 'fortran_order': 1, 'shape': (2, 2)}",
+        ] {
             assert_eq!(of(header), broken("its header tells no fortran_order"));
         }
         assert_eq!(of(&format!("{{{order}}}")), broken("its header tells no descr"));
-        assert_eq!(of("{'descr': '<f4', 'fortran_order': False}"), broken("its header tells no shape"));
+        assert_eq!(
+            of("{'descr': '<f4', 'fortran_order': False}"),
+            broken("its header tells no shape")
+        );
         assert_eq!(array(&b"\x93NUMPY\x01\x00\x40"[..]), Err(broken("its header is cut off")));
-        assert_eq!(array(&b"\x93NUMPY\x01\x00\x40\x00{'descr'"[..]), Err(broken("its header is cut off")));
+        assert_eq!(
+            array(&b"\x93NUMPY\x01\x00\x40\x00{'descr'"[..]),
+            Err(broken("its header is cut off"))
+        );
     }
 }

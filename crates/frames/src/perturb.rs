@@ -1,6 +1,7 @@
 //! Perturbations of a pair: what a real rig does to it, one at a time and reproducible.
 //!
-//! Applied in the order in which light meets them: optics (blur), rig (rows off), exposure (gain, bias), sensor (noise), cabling (swap).
+//! Applied in the order in which light meets them: optics (blur), rig (rows off), exposure (gain,
+//! bias), sensor (noise), cabling (swap).
 
 use crate::grey::GrayImage;
 
@@ -31,7 +32,8 @@ impl Default for Perturbation {
 
 impl Perturbation {
     /// Nothing is done.
-    pub const NONE: Self = Self { blur: 0.0, row_offset: 0.0, gain: 1.0, bias: 0.0, noise: 0.0, seed: 1, swap: false };
+    pub const NONE: Self =
+        Self { blur: 0.0, row_offset: 0.0, gain: 1.0, bias: 0.0, noise: 0.0, seed: 1, swap: false };
 
     /// Damages that models are fitted on and scored under, by name; the unspoilt pair first.
     pub const DAMAGES: [(&str, Self); 7] = [
@@ -56,7 +58,10 @@ impl Perturbation {
             right = move_down(&right, self.row_offset);
         }
         if self.gain != 1.0 || self.bias != 0.0 {
-            right.pixels.iter_mut().for_each(|value| *value = grey(self.gain * f64::from(*value) + self.bias));
+            right
+                .pixels
+                .iter_mut()
+                .for_each(|value| *value = grey(self.gain * f64::from(*value) + self.bias));
         }
         if self.noise > 0.0 {
             add_noise(&mut left, self.noise, self.seed.wrapping_mul(2));
@@ -82,7 +87,10 @@ fn move_down(image: &GrayImage, offset: f64) -> GrayImage {
         let source = f64::from(y) - offset;
         let fraction = source - source.floor();
         let (upper, lower) = (row_at(source.floor()), row_at(source.floor() + 1.0));
-        let mixed = upper.iter().zip(lower).map(|(&a, &b)| f64::from(a) * (1.0 - fraction) + f64::from(b) * fraction);
+        let mixed = upper
+            .iter()
+            .zip(lower)
+            .map(|(&a, &b)| f64::from(a) * (1.0 - fraction) + f64::from(b) * fraction);
         pixels.extend(mixed.map(grey));
     }
     GrayImage { dims: image.dims, pixels }
@@ -91,7 +99,8 @@ fn move_down(image: &GrayImage, offset: f64) -> GrayImage {
 /// Gaussian blur, cut off at 3 sigma, the border repeated.
 pub fn blur(image: &GrayImage, sigma: f64) -> GrayImage {
     let radius = (3.0 * sigma).ceil() as i32;
-    let weights: Vec<f64> = (-radius..=radius).map(|i| (-f64::from(i * i) / (2.0 * sigma * sigma)).exp()).collect();
+    let weights: Vec<f64> =
+        (-radius..=radius).map(|i| (-f64::from(i * i) / (2.0 * sigma * sigma)).exp()).collect();
     let total: f64 = weights.iter().sum();
     let (width, height) = (i32::from(image.dims.width), i32::from(image.dims.height));
     let pass = |source: &[f64], dx: i32, dy: i32| -> Vec<f64> {
@@ -99,10 +108,17 @@ pub fn blur(image: &GrayImage, sigma: f64) -> GrayImage {
         for y in 0..height {
             for x in 0..width {
                 let sample = |i: i32| {
-                    let (column, row) = ((x + i * dx).clamp(0, width - 1), (y + i * dy).clamp(0, height - 1));
+                    let (column, row) =
+                        ((x + i * dx).clamp(0, width - 1), (y + i * dy).clamp(0, height - 1));
                     source[(row * width + column) as usize]
                 };
-                out.push((-radius..=radius).zip(&weights).map(|(i, weight)| weight * sample(i)).sum::<f64>() / total);
+                out.push(
+                    (-radius..=radius)
+                        .zip(&weights)
+                        .map(|(i, weight)| weight * sample(i))
+                        .sum::<f64>()
+                        / total,
+                );
             }
         }
         out
@@ -121,7 +137,8 @@ fn add_noise(image: &mut GrayImage, sigma: f64, seed: u64) {
     }
 }
 
-/// Sebastiano Vigna's SplitMix64: the same numbers on every machine and with every version of every crate.
+/// Sebastiano Vigna's SplitMix64: the same numbers on every machine and with every version of every
+/// crate.
 pub struct SplitMix64(pub u64);
 
 impl SplitMix64 {

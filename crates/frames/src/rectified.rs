@@ -1,7 +1,8 @@
 //! The gate that the calibration of every rectified pair passes, whatever says it.
 //!
 //! ```text
-//! projections, or focal length and baseline -> finite, side by side, the right camera on the right, square pixels, plausible
+//! projections, or focal length and baseline -> finite, side by side, the right camera on the
+//!     right, square pixels, plausible
 //! size of the images they are of            -> that of the images that are matched
 //! binning and region of ROS                 -> the numbers of the images as they are sent
 //! ```
@@ -47,7 +48,10 @@ pub struct RectifiedRig {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
     /// A number is infinite, not a number, or a focal length is not above 0.
-    #[error("P is no projection: a number is not finite, or a focal length not above 0; calibrate as a stereo pair")]
+    #[error(
+        "P is no projection: a number is not finite, or a focal length not above 0; calibrate as \
+         a stereo pair"
+    )]
     NoProjection,
     /// The baseline is in other units than metres.
     #[error("{}", text_of_baseline(*.0))]
@@ -57,9 +61,9 @@ pub enum Unfit {
     NoBaseline,
     /// `P[3]` of the left and of the right camera, which put the right camera on the left.
     #[error(
-        "P[3] is {left} for the left and {right} for the right camera, which puts the right camera on the left: it is 0 for the left one and \
-         minus focal length times baseline, below 0, for the right one; either its sign is wrong, which the driver or the calibration has to \
-         correct, or left and right are exchanged"
+        "P[3] is {left} for the left and {right} for the right camera, but must be 0 for the left \
+         and -(focal length * baseline) for the right one: either left and right are exchanged, or \
+         its sign is wrong; correct the driver or the calibration"
     )]
     Sign {
         /// Of the left camera, px m.
@@ -69,8 +73,10 @@ pub enum Unfit {
     },
     /// Shares of the baseline, m, along the columns and forward.
     #[error(
-        "the right camera lies {across} m to the right of the left one, {down} m below it and {forward} m before it (P[3], P[7], P[11]): cameras \
-         above each other, or aslant, are not matched along rows; turn the images of a vertical rig by 90 degrees and calibrate these"
+        "the right camera lies {across} m to the right of the left one, {down} m below it and \
+         {forward} m in front of it (P[3], P[7], P[11]): cameras above each other, or placed \
+         diagonally, cannot be matched along rows; for a vertical rig, turn the images by 90 \
+         degrees and calibrate with them"
     )]
     Axis {
         /// Along the rows, m.
@@ -82,30 +88,34 @@ pub enum Unfit {
     },
     /// Focal lengths across and down.
     #[error(
-        "the focal lengths across and down are {0} and {1} px: pixels of rectified images are square; scale the images by the same factor both \
-         ways, or rectify them anew"
+        "the focal lengths across and down are {0} and {1} px, but rectified images need square \
+         pixels; scale the images by the same factor both ways, or rectify them again"
     )]
     NotSquare(f64, f64),
     /// Focal lengths of both images.
     #[error(
-        "the focal lengths of the left and right image are {0} and {1} px: rectified images have one; rectify them anew"
+        "the focal lengths of the left and right image are {0} and {1} px: rectified images have \
+         one; rectify them anew"
     )]
     FocalsDiffer(f64, f64),
     /// Rows of both principal points.
     #[error(
-        "the principal points of both images lie in the rows {0} and {1}: rectified images, or the regions cut out of them, have the same rows; \
-         cut both at the same y_offset"
+        "the principal points lie in the rows {0} (left) and {1} (right), but must lie in the same \
+         row; crop both images at the same y_offset"
     )]
     RowsDiffer(f64, f64),
     /// Focal length, and width of the images, px.
     #[error(
-        "a focal length of {0} px is not one of images {1} px wide: give it in px of these images, which is mm / sensor width in mm * {1}"
+        "a focal length of {0} px is not plausible for images {1} px wide; give it in px: focal \
+         length in mm / sensor width in mm * {1}"
     )]
     Focal(f64, u16),
     /// The principal point of images of this size.
     #[error(
-        "the principal point ({x}, {y}) px is the middle of images of about {of_width:.0}x{of_height:.0}, these are {images}: the calibration is of images of another \
-         size; give those, reduced by --width, or the calibration of these",
+        "the principal point ({x}, {y}) px is the middle of images of about \
+         {of_width:.0}x{of_height:.0}, but these are {images}: the calibration is for another \
+         image size; give images of that size and reduce them with --width, or give a calibration \
+         for {images}",
         x = .centre[0], y = .centre[1], of_width = 2.0 * .centre[0] + 1.0, of_height = 2.0 * .centre[1] + 1.0
     )]
     Centre {
@@ -116,8 +126,9 @@ pub enum Unfit {
     },
     /// The calibration is of images of another size.
     #[error(
-        "the calibration is of images of {of}, these are {images}: depths would be wrong by their ratio; give images of {of}, reduced by --width, \
-         or the calibration of these"
+        "the calibration is for images of {of}, but these are {images}, so depths would be wrong \
+         by that ratio; give images of {of} and reduce them with --width, or give a calibration \
+         for {images}"
     )]
     Size {
         /// Of the calibration.
@@ -127,14 +138,15 @@ pub enum Unfit {
     },
     /// Binning and region do not lie within the full image.
     #[error(
-        "binning {0}x{1} and roi make no image of one of {2}x{3}: binning divides both sides, and the region lies within width and height of the \
-         unbinned image; correct the driver's CameraInfo"
+        "binning {0}x{1} and roi do not fit an image of {2}x{3}: binning must divide both sides, \
+         and roi must lie within the unbinned image; correct the driver's CameraInfo"
     )]
     Window(u32, u32, u32, u32),
     /// The images are not what binning and region make of the full image.
     #[error(
-        "CameraInfo is of images of {}x{} with binning {}x{} and a region (roi) of {}x{} at ({}, {}), so of {sent} as sent, but the images are {images}: scale \
-         CameraInfo with the images, or record those it is of",
+        "CameraInfo states {}x{} with binning {}x{} and a region (roi) of {}x{} at ({}, {}), which \
+         gives images of {sent}, but the images are {images}: scale CameraInfo with the images, or \
+         record the images that it describes",
         .window.full[0], .window.full[1], .window.binning[0], .window.binning[1], .window.roi[2], .window.roi[3], .window.roi[0], .window.roi[1]
     )]
     Sent {
@@ -150,10 +162,13 @@ pub enum Unfit {
 fn text_of_baseline(metres: f64) -> String {
     if metres.abs() > *BASELINES_M.end() {
         let (of_mm, of_cm) = (metres / 1000.0, metres / 100.0);
-        return format!("a baseline of {metres} m: did you mean mm? then give {of_mm}, for cm {of_cm}");
+        return format!(
+            "a baseline of {metres} m: did you mean mm? then give {of_mm}, for cm {of_cm}"
+        );
     }
     format!(
-        "a baseline of {metres} m is none of a stereo head; give the distance between the cameras in metres, such as 0.075"
+        "a baseline of {metres} m is not plausible for a stereo camera; give the distance between \
+         the cameras in metres, such as 0.075"
     )
 }
 
@@ -206,9 +221,15 @@ impl RectifiedRig {
     ///
     /// # Errors
     /// They are not those of rectified images of cameras side by side, the right one on the right.
-    pub fn of_projections([left, right]: [&[f64; 12]; 2], size: Option<Dims>) -> Result<Self, Unfit> {
-        let is_projection = |p: &[f64; 12]| p.iter().all(|value| value.is_finite()) && p[0] > 0.0 && p[5] > 0.0;
-        let is_plain = |p: &[f64; 12]| [p[1], p[4], p[8], p[9], p[10] - 1.0].iter().all(|value| value.abs() < 1e-6);
+    pub fn of_projections(
+        [left, right]: [&[f64; 12]; 2],
+        size: Option<Dims>,
+    ) -> Result<Self, Unfit> {
+        let is_projection =
+            |p: &[f64; 12]| p.iter().all(|value| value.is_finite()) && p[0] > 0.0 && p[5] > 0.0;
+        let is_plain = |p: &[f64; 12]| {
+            [p[1], p[4], p[8], p[9], p[10] - 1.0].iter().all(|value| value.abs() < 1e-6)
+        };
         if ![left, right].into_iter().all(|p| is_projection(p) && is_plain(p)) {
             return Err(Unfit::NoProjection);
         }
@@ -227,8 +248,9 @@ impl RectifiedRig {
         }
         let centre_px = [left[2], left[6]];
         // A camera at c has P = f (I, -c): in the last column -f c_x + c_x' * -c_z and so on.
-        let place =
-            |p: &[f64; 12]| [(p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]].map(|value| -value);
+        let place = |p: &[f64; 12]| {
+            [(p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]].map(|value| -value)
+        };
         let (from, to) = (place(left), place(right));
         let [across, down, forward] = [0, 1, 2].map(|axis| to[axis] - from[axis]);
         if [across, down, forward].iter().all(|value| value.abs() < 1e-9) {
@@ -251,7 +273,9 @@ impl RectifiedRig {
     /// this size.
     pub fn checked(self) -> Result<Self, Unfit> {
         let RigUpdate { focal_px, baseline_m, offset_px } = self.numbers;
-        if ![focal_px, baseline_m, offset_px].iter().all(|value| value.is_finite()) || focal_px <= 0.0 {
+        if ![focal_px, baseline_m, offset_px].iter().all(|value| value.is_finite())
+            || focal_px <= 0.0
+        {
             return Err(Unfit::NoProjection);
         }
         check_baseline(baseline_m)?;
@@ -295,8 +319,10 @@ impl SentWindow {
     #[must_use]
     pub fn is_full(&self) -> bool {
         let [x, y, width, height] = self.roi;
-        let is_whole =
-            x == 0 && y == 0 && (width == 0 || width == self.full[0]) && (height == 0 || height == self.full[1]);
+        let is_whole = x == 0
+            && y == 0
+            && (width == 0 || width == self.full[0])
+            && (height == 0 || height == self.full[1]);
         is_whole && self.binning.iter().all(|&bin| bin <= 1)
     }
 

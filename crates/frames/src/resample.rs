@@ -55,7 +55,8 @@ pub fn area_average(image: &GrayImage, width: u16) -> Result<GrayImage, WidthErr
     Ok(GrayImage { dims, pixels })
 }
 
-/// For each of `to` output cells the input cells it overlaps, with overlaps in units of 1/`to` input cell: each sums to `from`.
+/// For each of `to` output cells the input cells it overlaps, with overlaps in units of 1/`to`
+/// input cell: each sums to `from`.
 fn spans(from: u16, to: u16) -> Vec<Vec<(usize, u64)>> {
     let (from, to) = (u64::from(from), u64::from(to));
     (0..to)
@@ -74,7 +75,12 @@ pub fn halves(image: &GrayImage) -> [GrayImage; 2] {
     let (width, half) = (usize::from(image.dims.width), usize::from(image.dims.width / 2));
     [0, width - half].map(|from| GrayImage {
         dims: Dims { width: half as u16, height: image.dims.height },
-        pixels: image.pixels.chunks_exact(width).flat_map(|row| &row[from..from + half]).copied().collect(),
+        pixels: image
+            .pixels
+            .chunks_exact(width)
+            .flat_map(|row| &row[from..from + half])
+            .copied()
+            .collect(),
     })
 }
 

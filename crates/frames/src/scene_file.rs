@@ -1,7 +1,7 @@
 //! Scene folders: `scene.json`, `left.png`, `right.png` and, where there is any, the ground truth.
 //!
-//! The mask of pixels visible in the right image comes from `visible.png` or `mask_nonocc.png` (0 = hidden), else from `gt_right.png`, else from
-//! the truth itself.
+//! The mask of pixels visible in the right image comes from `visible.png` or `mask_nonocc.png` (0 =
+//! hidden), else from `gt_right.png`, else from the truth itself.
 
 use super::error::{FrameError, LayoutFault};
 use super::folder::{folder_name, image_path};
@@ -17,12 +17,16 @@ pub fn has_truth(folder: &Path) -> Result<bool, FrameError> {
     Ok(SceneInfo::load(&folder.join("scene.json"))?.ground_truth.is_some())
 }
 
-/// Loads a scene folder, reduced to `width` if asked; images are checked against the core's limits after that.
+/// Loads a scene folder, reduced to `width` if asked; images are checked against the core's limits
+/// after that.
 pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError> {
     stored(folder)?.load(width, &|files, _, _| {
         // A scene folder has no raw rig.
         let path = files.first().map(|file| file.path.clone()).unwrap_or_default();
-        Err(FrameError::Layout(path, LayoutFault::RawRig("the folder's images are rectified".to_owned())))
+        Err(FrameError::Layout(
+            path,
+            LayoutFault::RawRig("the folder's images are rectified".to_owned()),
+        ))
     })
 }
 
@@ -30,7 +34,9 @@ pub fn load_scene(folder: &Path, width: Option<u16>) -> Result<Scene, FrameError
 pub(crate) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     let info_path = folder.join("scene.json");
     let info = SceneInfo::load(&info_path)?;
-    let image = |name| image_path(folder, name).ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name));
+    let image = |name| {
+        image_path(folder, name).ok_or_else(|| FrameError::NoImage(folder.to_path_buf(), name))
+    };
     let truth = stored_truth(folder, &info)?;
     let rig = info.rectified_rig();
     Ok(StoredPair {
@@ -52,7 +58,10 @@ fn stored_truth(folder: &Path, info: &SceneInfo) -> Result<Option<StoredTruth>, 
         let what = format!("disparity_scale is {scale}, it has to be above 0");
         return Err(FrameError::SceneFile(folder.join("scene.json"), what));
     }
-    let mask = ["visible.png", "mask_nonocc.png"].map(|name| folder.join(name)).into_iter().find(|path| path.is_file());
+    let mask = ["visible.png", "mask_nonocc.png"]
+        .map(|name| folder.join(name))
+        .into_iter()
+        .find(|path| path.is_file());
     let right = Some(folder.join("gt_right.png")).filter(|path| path.is_file());
     Ok(Some(StoredTruth {
         file: folder.join(ground_truth.file.as_deref().unwrap_or("gt.png")),
@@ -76,8 +85,11 @@ mod tests {
     fn a_folder_is_read_with_rig_truth_and_visibility() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        let grey =
-            |value: u8| image::GrayImage::from_fn(32, 16, |x, y| image::Luma([value.wrapping_add((x * y) as u8)]));
+        let grey = |value: u8| {
+            image::GrayImage::from_fn(32, 16, |x, y| {
+                image::Luma([value.wrapping_add((x * y) as u8)])
+            })
+        };
         grey(3).save(at("left.png")).unwrap();
         grey(5).save(at("right.pgm")).unwrap();
         let truth = image::ImageBuffer::<image::Luma<u16>, Vec<u16>>::from_fn(32, 16, |x, _| {

@@ -4,11 +4,13 @@
 //! { "scene": "desk",                         name
 //!   "size": [640, 480],                      of the images that all px here are of; "640x480" too
 //!   "max_disparity": 64,                     disparities to search, 0 .. this, px
-//!   "disparity_zero_px": -5,                 disparity of what is infinitely far: of cameras that look apart
+//!   "disparity_zero_px": -5,                 disparity of what is infinitely far: of cameras that
+//!                                            look apart
 //!   "rectified": { "focal_px": 451, "baseline_m": 0.075,
 //!                  "disparity_offset_px": 0,           x_centre_right - x_centre_left: minus disparity_zero_px
 //!                  "principal_point_px": [319.5, 239.5],
 //!                  "left_valid_normalized": [0, 0, 1, 1] },   borders of the left image's content: left, top, right, bottom
+//!   "camera": { "height_m": 0.15, "pitch_deg": 5, "roll_deg": 0 },    how it stands above the ground
 //!   "ground_truth": { "file": "gt.png", "disparity_scale": 256 },   px = stored value / scale, 0 = unknown; PFM, NPY and NPZ too,
 //!   "note": "..." }                                                 where infinite is unknown and 0 is not
 //! ```
@@ -21,16 +23,22 @@
 use super::error::FrameError;
 use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};
 use crate::untrusted::{self, SETTINGS_BYTES};
-use linestereo::{Dims, Rig, Span};
+use linestereo::{CameraPose, Dims, Rig, Span};
 use linestereo_wire::RigUpdate;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;
 use std::path::Path;
 
-const KEYS: [&str; 6] = ["scene", "size", "max_disparity", "disparity_zero_px", "ground_truth", "rectified"];
+const KEYS: [&str; 7] =
+    ["scene", "size", "max_disparity", "disparity_zero_px", "ground_truth", "rectified", "camera"];
 const TRUTH_KEYS: [&str; 2] = ["file", "disparity_scale"];
-const RIG_KEYS: [&str; 5] =
-    ["focal_px", "baseline_m", "disparity_offset_px", "principal_point_px", "left_valid_normalized"];
+const RIG_KEYS: [&str; 5] = [
+    "focal_px",
+    "baseline_m",
+    "disparity_offset_px",
+    "principal_point_px",
+    "left_valid_normalized",
+];
 /// Letters that a key may differ by from a known one to be that one, written wrongly; in keys of
 /// fewer than five letters that would be another word.
 const MISSPELT: usize = 2;
@@ -47,11 +55,22 @@ pub struct SceneInfo {
     pub(crate) size: Option<Dims>,
     /// Disparities to search, 0 .. this, in px.
     pub max_disparity: Option<f64>,
-    /// Disparity of what is infinitely far, in px of the images as stored: what cameras that do not look in the same direction have.
+    /// Disparity of what is infinitely far, in px of the images as stored: what cameras that do not
+    /// look in the same direction have.
     #[serde(default)]
     pub disparity_zero_px: f64,
     pub(crate) ground_truth: Option<GroundTruthInfo>,
     rectified: Option<RectifiedInfo>,
+    camera: Option<CameraInfo>,
+}
+
+/// How the left camera stands above the ground; of other programs some numbers may be missing.
+#[derive(Clone, Copy, Debug, Deserialize)]
+struct CameraInfo {
+    height_m: Option<f32>,
+    pitch_deg: Option<f32>,
+    #[serde(default)]
+    roll_deg: f32,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -86,14 +105,16 @@ impl SceneInfo {
     /// True when pairs of both are matched with the same parameters.
     #[must_use]
     pub fn matches_like(&self, other: &Self) -> bool {
-        let of = |info: &Self| (info.size, info.max_disparity, info.disparity_zero_px, info.rectified.clone());
+        let of = |info: &Self| {
+            (info.size, info.max_disparity, info.disparity_zero_px, info.rectified.clone())
+        };
         of(self) == of(other)
     }
 
     /// Reads a `scene.json`.
     pub fn load(path: &Path) -> Result<Self, FrameError> {
-        let text =
-            untrusted::read(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+        let text = untrusted::read(path, SETTINGS_BYTES)
+            .map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
         Self::parsed(&text).map_err(|what| FrameError::SceneFile(path.to_path_buf(), what))
     }
 
@@ -101,8 +122,11 @@ impl SceneInfo {
         let value: Value = serde_json::from_slice(text).map_err(|error| error.to_string())?;
         check_keys("", &value, &KEYS)?;
         let is_known = |key: &String| KEYS.contains(&key.as_str()) || key == "note";
-        if value.as_object().is_some_and(|fields| !fields.is_empty() && !fields.keys().any(is_known)) {
-            return Err(format!("it has none of {}, note", KEYS.join(", ")));
+        if value
+            .as_object()
+            .is_some_and(|fields| !fields.is_empty() && !fields.keys().any(is_known))
+        {
+            return Err(format!("it has none of the keys {}, note", KEYS.join(", ")));
         }
         check_keys("ground_truth", &value["ground_truth"], &TRUTH_KEYS)?;
         check_keys("rectified", &value["rectified"], &RIG_KEYS)?;
@@ -113,9 +137,12 @@ impl SceneInfo {
                 check_centre_of(centre, size).map_err(|unfit| unfit.to_string())?;
             }
             let (zero, offset) = (info.disparity_zero_px, rectified.disparity_offset_px);
-            if let Some(offset) = offset.filter(|offset| zero != 0.0 && (offset + zero).abs() > SAME_OFFSET_PX) {
+            if let Some(offset) =
+                offset.filter(|offset| zero != 0.0 && (offset + zero).abs() > SAME_OFFSET_PX)
+            {
                 return Err(format!(
-                    "disparity_offset_px is {offset} and disparity_zero_px {zero}: one is minus the other; remove the wrong one"
+                    "disparity_offset_px is {offset} and disparity_zero_px {zero}: one is minus \
+                     the other; remove the wrong one"
                 ));
             }
         }
@@ -132,6 +159,13 @@ impl SceneInfo {
             (None, Some(of)) if of != images => Err(Unfit::Size { of, images }),
             (None, _) => Ok(()),
         }
+    }
+
+    /// How the left camera stands above the ground, where height and pitch are said.
+    #[must_use]
+    pub fn pose(&self) -> Option<CameraPose> {
+        let CameraInfo { height_m, pitch_deg, roll_deg } = self.camera?;
+        Some(CameraPose { height_m: height_m?, pitch_deg: pitch_deg?, roll_deg })
     }
 
     /// The rig of the images as stored, before the gate.
@@ -158,7 +192,11 @@ impl SceneInfo {
             end: within((right * width).floor(), width).max(within((left * width).ceil(), width)),
         };
         let rows = within((top * height).ceil(), height)..within((bottom * height).floor(), height);
-        Some((0..dims.height).map(|y| if rows.contains(&y) { span } else { Span::default() }).collect())
+        Some(
+            (0..dims.height)
+                .map(|y| if rows.contains(&y) { span } else { Span::default() })
+                .collect(),
+        )
     }
 
     /// Principal point of the left image reduced by `scale`, px.
@@ -188,18 +226,25 @@ impl SceneInfo {
 /// Refuses a key that is a known one elsewhere, or written wrongly: what it was to say would be
 /// missing without a word. Others are notes of people and of other programs.
 fn check_keys(object: &str, value: &Value, known: &[&str]) -> Result<(), String> {
-    let places = [("the file itself", &KEYS[..]), ("\"ground_truth\"", &TRUTH_KEYS), ("\"rectified\"", &RIG_KEYS)];
+    let places = [
+        ("the file itself", &KEYS[..]),
+        ("\"ground_truth\"", &TRUTH_KEYS),
+        ("\"rectified\"", &RIG_KEYS),
+    ];
     let at = if object.is_empty() { String::new() } else { format!(" in \"{object}\"") };
     for key in value.as_object().into_iter().flat_map(|fields| fields.keys()) {
         if known.contains(&key.as_str()) {
             continue;
         }
         if let Some((place, _)) = places.iter().find(|(_, keys)| keys.contains(&key.as_str())) {
-            return Err(format!("\"{key}\"{at} means nothing, it belongs into {place}"));
+            return Err(format!("\"{key}\"{at} is misplaced; move it into {place}"));
         }
         if let Some(meant) = known.iter().find(|known| is_like(key, known)) {
             let known = known.join(", ");
-            return Err(format!("\"{key}\"{at} means nothing; is it {meant}? Known are {known}, others are notes"));
+            return Err(format!(
+                "\"{key}\"{at} is unknown; did you mean {meant}? The known keys are {known}; all \
+                 others are notes"
+            ));
         }
     }
     Ok(())
@@ -223,9 +268,9 @@ fn size<'de, D: Deserializer<'de>>(value: D) -> Result<Option<Dims>, D::Error> {
     let sides = match Option::<Size>::deserialize(value).map_err(|_| wrong_size())? {
         None => return Ok(None),
         Some(Size::Sides(sides)) => Some(sides),
-        Some(Size::Text(text)) => text
-            .split_once('x')
-            .and_then(|(width, height)| Some([width.trim().parse().ok()?, height.trim().parse().ok()?])),
+        Some(Size::Text(text)) => text.split_once('x').and_then(|(width, height)| {
+            Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
+        }),
     };
     let [width, height] = sides.ok_or_else(wrong_size)?;
     Ok(Some(Dims { width, height }))

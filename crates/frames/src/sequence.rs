@@ -1,14 +1,16 @@
 //! Frames of one folder: which files are pairs, by their names.
 //!
 //! ```text
-//! 0001_left.png, 0001_right.png, ..           a number and the side, or the side and a number (left_0001.png, left1.png)
+//! 0001_left.png, 0001_right.png, ..           a number and the side, or the side and a number
+//!                                             (left_0001.png, left1.png)
 //! left/0001.png, right/0001.png, ..           a folder per camera
 //! cam0/data/140...png, cam1/data/140...png    EuRoC, also below mav0; the number is the time in ns
 //! 0001.png, 0002.png, ..                      both images side by side, where that is asked for
 //! ```
 //!
-//! Sides are called left and right, L and R, infra1 and infra2 and so on, in any case: [`SIDES`]. Where the names in two folders are times that
-//! differ, pairs are those that are nearest to each other. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
+//! Sides are called left and right, L and R, infra1 and infra2 and so on, in any case: [`SIDES`].
+//! Where the names in two folders are times that differ, pairs are those that are nearest to each
+//! other. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
@@ -19,14 +21,25 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Names of the left and the right camera in names of files and folders.
-pub const SIDES: [[&str; 2]; 6] =
-    [["left", "right"], ["l", "r"], ["infra1", "infra2"], ["cam0", "cam1"], ["camera0", "camera1"], ["ir1", "ir2"]];
+pub const SIDES: [[&str; 2]; 6] = [
+    ["left", "right"],
+    ["l", "r"],
+    ["infra1", "infra2"],
+    ["cam0", "cam1"],
+    ["camera0", "camera1"],
+    ["ir1", "ir2"],
+];
 /// Folders whose names are taken as they are: KITTI's, of benchmarks and of recordings.
-const CAMERA_FOLDERS: [[&str; 2]; 4] =
-    [["image_0", "image_1"], ["image_2", "image_3"], ["image_00", "image_01"], ["image_02", "image_03"]];
+const CAMERA_FOLDERS: [[&str; 2]; 4] = [
+    ["image_0", "image_1"],
+    ["image_2", "image_3"],
+    ["image_00", "image_01"],
+    ["image_02", "image_03"],
+];
 /// Names of the two images of a single pair, besides those with a side in them: Middlebury's.
 const SINGLE: [[&str; 2]; 3] = [["im0", "im1"], ["im2", "im6"], ["view1", "view5"]];
-/// Numbers with so many digits are times in us, with three more in ns: none of a frame counter is as long.
+/// Numbers with so many digits are times in us, with three more in ns: none of a frame counter is
+/// as long.
 const LEAST_US_DIGITS: usize = 15;
 const LEAST_NS_DIGITS: usize = 18;
 
@@ -104,7 +117,8 @@ pub(crate) struct Sequence {
 impl Sequence {
     /// Every image of this folder, as one that holds both views.
     pub(crate) fn side_by_side(root: &Path) -> Result<Self, FrameError> {
-        let pair = |path: PathBuf| SequencePair { name: stem(&path), files: PairFiles::SideBySide(path) };
+        let pair =
+            |path: PathBuf| SequencePair { name: stem(&path), files: PairFiles::SideBySide(path) };
         Ok(Self { pairs: images(root)?.into_iter().map(pair).collect(), alone: 0 }.sorted())
     }
 
@@ -140,7 +154,9 @@ fn time_us(name: &str) -> Option<u64> {
 
 /// The folders of both cameras in this one, or in `mav0`; of those that have one, their `data`.
 fn camera_folders(folder: &Listing) -> Result<Option<[PathBuf; 2]>, FrameError> {
-    let exact = |[left, right]: &[&str; 2]| Some([folder.folder_in_any_case(left)?, folder.folder_in_any_case(right)?]);
+    let exact = |[left, right]: &[&str; 2]| {
+        Some([folder.folder_in_any_case(left)?, folder.folder_in_any_case(right)?])
+    };
     let sided = |[left, right]: &[&'static str; 2]| {
         folder.folders.iter().find_map(|name| {
             let rest = without_side(name, left)?;
@@ -167,7 +183,8 @@ fn images(folder: &Path) -> Result<Vec<PathBuf>, FrameError> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(read_error)? {
         let path = entry.map_err(read_error)?.path();
-        let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+        let extension =
+            path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
         let is_image = extension.is_some_and(|extension| IMAGE_EXTENSIONS.contains(&&*extension));
         if is_image && path.is_file() {
             found.push(path);
@@ -190,7 +207,8 @@ fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
     }
     let nearest = |name: &str, others: &BTreeMap<String, PathBuf>| {
         let time = time_us(name)?;
-        let others = others.keys().filter_map(|other| Some((time_us(other)?.abs_diff(time), other.clone())));
+        let others =
+            others.keys().filter_map(|other| Some((time_us(other)?.abs_diff(time), other.clone())));
         others.min().map(|(_, other)| other)
     };
     let mut found = Vec::new();
@@ -209,7 +227,10 @@ fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
 /// Files whose names differ by the side alone, as most of them call it.
 fn by_side(images: Vec<PathBuf>) -> Sequence {
     let sided = |side: &str| -> ByName {
-        images.iter().filter_map(|path| Some((without_side(&stem(path), side)?, path.clone()))).collect()
+        images
+            .iter()
+            .filter_map(|path| Some((without_side(&stem(path), side)?, path.clone())))
+            .collect()
     };
     let called = |[left, right]: &[&str; 2]| matched(sided(left), sided(right)).0;
     let single = |names: &[&str; 2]| {
@@ -227,7 +248,9 @@ pub fn without_side(name: &str, side: &str) -> Option<String> {
     name.to_ascii_lowercase().match_indices(side).find_map(|(start, _)| {
         let (before, after) = (&name[..start], &name[start + side.len()..]);
         let is_apart = !before.ends_with(|c: char| c.is_ascii_alphabetic())
-            && !after.starts_with(|c: char| c.is_ascii_alphabetic() || (ends_in_digit && c.is_ascii_digit()));
+            && !after.starts_with(|c: char| {
+                c.is_ascii_alphabetic() || (ends_in_digit && c.is_ascii_digit())
+            });
         let [before, after] = [before.trim_end_matches(is_mark), after.trim_start_matches(is_mark)];
         let between = if before.is_empty() || after.is_empty() { "" } else { "_" };
         is_apart.then(|| format!("{before}{between}{after}"))
@@ -275,10 +298,38 @@ mod tests {
     #[test]
     fn every_layout_is_found_in_order() {
         for files in [
-            ["2_left.png", "2_right.png", "10_left.png", "10_right.png", "11_left.png", "scene.json"],
-            ["left2.png", "right2.png", "left_10.png", "right_10.png", "right_11.png", "frames.csv"],
-            ["left/2.png", "right/2.png", "left/10.png", "right/10.png", "left/11.png", "left/x.txt"],
-            ["cam0/data/2.png", "cam1/data/2.png", "cam0/data/10.png", "cam1/data/10.png", "cam1/data/9.png", "a.yaml"],
+            [
+                "2_left.png",
+                "2_right.png",
+                "10_left.png",
+                "10_right.png",
+                "11_left.png",
+                "scene.json",
+            ],
+            [
+                "left2.png",
+                "right2.png",
+                "left_10.png",
+                "right_10.png",
+                "right_11.png",
+                "frames.csv",
+            ],
+            [
+                "left/2.png",
+                "right/2.png",
+                "left/10.png",
+                "right/10.png",
+                "left/11.png",
+                "left/x.txt",
+            ],
+            [
+                "cam0/data/2.png",
+                "cam1/data/2.png",
+                "cam0/data/10.png",
+                "cam1/data/10.png",
+                "cam1/data/9.png",
+                "a.yaml",
+            ],
         ] {
             assert_eq!(names(&files), (vec!["2".to_owned(), "10".to_owned()], 1), "{files:?}");
         }
@@ -286,7 +337,13 @@ mod tests {
             ["Left/2.png", "Right/2.png", "Left/10.png", "Right/10.png", "Left/11.png"],
             ["L/2.png", "R/2.png", "L/10.png", "R/10.png", "R/11.png"],
             ["infra1/2.png", "infra2/2.png", "infra1/10.png", "infra2/10.png", "infra2/11.png"],
-            ["cam_left/2.png", "cam_right/2.png", "cam_left/10.png", "cam_right/10.png", "cam_left/11.png"],
+            [
+                "cam_left/2.png",
+                "cam_right/2.png",
+                "cam_left/10.png",
+                "cam_right/10.png",
+                "cam_left/11.png",
+            ],
             ["2_L.png", "2_R.png", "10_L.png", "10_R.png", "11_L.png"],
             ["infra1_2.png", "infra2_2.png", "infra1_10.png", "infra2_10.png", "infra1_11.png"],
         ] {
@@ -299,7 +356,9 @@ mod tests {
 
     #[test]
     fn the_nearest_times_are_pairs() {
-        let time = |camera: &str, ms: u64| format!("{camera}/{}.png", 1_403_715_273_262_142_976 + 1_000_000 * ms);
+        let time = |camera: &str, ms: u64| {
+            format!("{camera}/{}.png", 1_403_715_273_262_142_976 + 1_000_000 * ms)
+        };
         // Frame 2 has no right image, frame 4 no left one.
         let left = [0, 50, 100, 150].map(|ms| time("left", ms));
         let right = [3, 54, 149, 203].map(|ms| time("right", ms));

@@ -1,4 +1,5 @@
-//! Pairs that are in no image files of their own: messages of a recording, frames of a video or a camera.
+//! Pairs that are in no image files of their own: messages of a recording, frames of a video or a
+//! camera.
 
 use crate::error::FrameError;
 use crate::grey::StoredGray;
@@ -17,7 +18,7 @@ pub enum Views<T> {
 
 /// A pair of a recording or a video. Its images are read when it is loaded.
 pub trait PairSource: Debug + Send + Sync {
-    /// What it is a pair of.
+    /// Kind of pair.
     fn layout(&self) -> Layout;
 
     /// The files, left first; one that holds both views is given twice.

@@ -3,7 +3,11 @@
 use core::cmp::Ordering;
 
 /// The value below which this share of the values lies, the upper one of two; `None` of nothing.
-pub fn quantile<T: Copy>(mut values: Vec<T>, share: f64, order: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
+pub fn quantile<T: Copy>(
+    mut values: Vec<T>,
+    share: f64,
+    order: impl FnMut(&T, &T) -> Ordering,
+) -> Option<T> {
     let place = ((share * values.len() as f64) as usize).min(values.len().checked_sub(1)?);
     Some(*values.select_nth_unstable_by(place, order).1)
 }
@@ -39,7 +43,10 @@ mod tests {
     fn middles_of_even_and_odd_counts() {
         assert_eq!(median(vec![3.0, 1.0]), Some(2.0));
         assert_eq!(median(vec![3.0, 1.0, 9.0]), Some(3.0));
-        assert_eq!((upper_median(vec![3, 1], Ord::cmp), upper_median(Vec::<u8>::new(), Ord::cmp)), (Some(3), None));
+        assert_eq!(
+            (upper_median(vec![3, 1], Ord::cmp), upper_median(Vec::<u8>::new(), Ord::cmp)),
+            (Some(3), None)
+        );
         assert_eq!(quantile((0..10).collect(), 0.9, i32::cmp), Some(9));
         assert_eq!(interpolated_quantile(&[0.0, 1.0, 4.0], 0.75), Some(2.5));
     }

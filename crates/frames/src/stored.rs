@@ -1,8 +1,10 @@
-//! A pair as a data set stores it -> a [`Scene`]: images, ground truth and rig of one size, whatever the layout.
+//! A pair as a data set stores it -> a [`Scene`]: images, ground truth and rig of one size,
+//! whatever the layout.
 //!
 //! ```text
 //! images    two files, or one with both side by side; raw ones are rectified by their rig
-//! truth     stored disparities / scale, or floats; a mask, the right image's truth, or the truth itself says what is visible
+//! truth     stored disparities / scale, or floats; a mask, the right image's truth, or the truth
+//!           itself says what is visible
 //! --width   images by area, truth at pixel centres, range and rig in proportion
 //! ```
 
@@ -47,7 +49,8 @@ pub struct Scene {
 /// A pair on disk with everything that is known of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredPair {
-    /// Its path below the folder that was searched, with the frame's name where a folder holds several.
+    /// Its path below the folder that was searched, with the frame's name where a folder holds
+    /// several.
     pub name: String,
     /// The last number in that path.
     pub number: Option<u64>,
@@ -98,7 +101,8 @@ pub(crate) struct StoredTruth {
     pub(crate) visibility: Visibility,
 }
 
-/// Scale of stored values, px; 0 is unknown in images, not in files of floats, which hold px where no steps are given.
+/// Scale of stored values, px; 0 is unknown in images, not in files of floats, which hold px where
+/// no steps are given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Scale {
     /// Disparity = value / this.
@@ -174,18 +178,20 @@ impl StoredPair {
         if let StoredRig::Raw(files) = &self.rig { Some(files) } else { None }
     }
 
-    /// Loads it, reduced to `width` if asked; images are checked against the core's limits after that. `rectify` makes a rectified pair of
-    /// a raw one.
+    /// Loads it, reduced to `width` if asked; images are checked against the core's limits after
+    /// that. `rectify` makes a rectified pair of a raw one.
     pub fn load(&self, width: Option<u16>, rectify: &RectifyRaw) -> Result<Scene, FrameError> {
         let [left_path, right_path] = self.images.paths();
         let [left, right] = load_images(&self.images, None)?;
         check_same_size((left_path, left.dims), (right_path, right.dims))?;
-        let truth = self.truth.as_ref().map(|truth| truth.load((left_path, left.dims))).transpose()?;
+        let truth =
+            self.truth.as_ref().map(|truth| truth.load((left_path, left.dims))).transpose()?;
         let full = left.dims;
         if let Some(asked) = width.filter(|&width| width == 0 || width > full.width) {
             return Err(WidthError { have: full.width, asked }.into());
         }
-        let reduced = width.map_or(full, |width| Dims { width, height: resampled_height(full, width) });
+        let reduced =
+            width.map_or(full, |width| Dims { width, height: resampled_height(full, width) });
         let scale = f64::from(reduced.width) / f64::from(full.width);
         let (images, rig_numbers, rig) = match &self.rig {
             StoredRig::Raw(files) => {
@@ -193,7 +199,8 @@ impl StoredPair {
                 (images, rig.map(|(numbers, _)| numbers), rig.map(|(_, rig)| rig))
             }
             known => {
-                let images = [area_average(&left, reduced.width)?, area_average(&right, reduced.width)?];
+                let images =
+                    [area_average(&left, reduced.width)?, area_average(&right, reduced.width)?];
                 let (numbers, rig) = known.at(full, scale)?.unzip();
                 (images, numbers, rig)
             }
@@ -237,11 +244,17 @@ impl StoredTruth {
         let dims = image.1;
         Ok(match &self.visibility {
             Visibility::Truth => Truth::with_reprojected_visibility(dims, disparity),
-            Visibility::RightTruth(path) => Truth::with_right_truth(dims, disparity, &self.disparities(path, image)?),
+            Visibility::RightTruth(path) => {
+                Truth::with_right_truth(dims, disparity, &self.disparities(path, image)?)
+            }
             Visibility::Mask(path, above) => {
                 let (mask_dims, values) = load_values(path)?;
                 check_same_size(image, (path, mask_dims))?;
-                Truth::new(dims, disparity, values.into_iter().map(|value| value > *above).collect())
+                Truth::new(
+                    dims,
+                    disparity,
+                    values.into_iter().map(|value| value > *above).collect(),
+                )
             }
         })
     }
@@ -258,11 +271,17 @@ impl StoredTruth {
         check_same_size(image, (path, dims))?;
         let scale = match self.scale {
             Scale::Steps(scale) => Some(scale),
-            Scale::ByHeight(known) => known.iter().find(|(rows, _)| *rows == dims.height).map(|(_, scale)| *scale),
+            Scale::ByHeight(known) => {
+                known.iter().find(|(rows, _)| *rows == dims.height).map(|(_, scale)| *scale)
+            }
             Scale::SixteenBit => is_16_bit(path)?.then_some(KITTI_STEPS),
         };
-        let scale = scale.ok_or_else(|| FrameError::Layout(path.to_path_buf(), LayoutFault::TruthScale(dims)))?;
-        Ok(values.into_iter().map(|value| if value == 0 { f32::NAN } else { f32::from(value) / scale }).collect())
+        let scale = scale
+            .ok_or_else(|| FrameError::Layout(path.to_path_buf(), LayoutFault::TruthScale(dims)))?;
+        Ok(values
+            .into_iter()
+            .map(|value| if value == 0 { f32::NAN } else { f32::from(value) / scale })
+            .collect())
     }
 }
 
@@ -280,7 +299,8 @@ pub(crate) const KITTI_STEPS: f32 = 256.0;
 pub type RectifiedPair = ([GrayImage; 2], Option<(RigUpdate, Rig)>);
 
 /// Makes a rectified pair of this size of a raw one, by the calibration files of its cameras.
-pub type RectifyRaw<'a> = dyn Fn(&[RigText], Dims, [GrayImage; 2]) -> Result<RectifiedPair, FrameError> + Sync + 'a;
+pub type RectifyRaw<'a> =
+    dyn Fn(&[RigText], Dims, [GrayImage; 2]) -> Result<RectifiedPair, FrameError> + Sync + 'a;
 
 #[cfg(test)]
 mod tests {

@@ -1,4 +1,5 @@
-//! Ground truth: a disparity per pixel of the left image, and which true matches are visible in the right one.
+//! Ground truth: a disparity per pixel of the left image, and which true matches are visible in the
+//! right one.
 
 use super::resample::resampled_height;
 use linestereo::Dims;
@@ -15,19 +16,23 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// Truth from disparities in px (NaN = unknown), row-major, and the visibility of each pixel's true match.
+    /// Truth from disparities in px (NaN = unknown), row-major, and the visibility of each pixel's
+    /// true match.
     ///
     /// # Panics
     /// When a list's length is not `width * height`.
     #[must_use]
     pub fn new(dims: Dims, disparity: Vec<f32>, visible: Vec<bool>) -> Self {
         let count = usize::from(dims.width) * usize::from(dims.height);
-        assert!(disparity.len() == count && visible.len() == count, "truth of {dims} needs {count} values");
+        assert!(
+            disparity.len() == count && visible.len() == count,
+            "truth of {dims} needs {count} values"
+        );
         Self { dims, disparity, visible }
     }
 
-    /// Truth whose visibility follows from the disparities alone: hidden is what a nearer surface of the same row covers in the
-    /// right image, and what lies outside it.
+    /// Truth whose visibility follows from the disparities alone: hidden is what a nearer surface
+    /// of the same row covers in the right image, and what lies outside it.
     #[must_use]
     pub fn with_reprojected_visibility(dims: Dims, disparity: Vec<f32>) -> Self {
         let width = usize::from(dims.width);
@@ -35,13 +40,15 @@ impl Truth {
         for row in disparity.chunks(width) {
             let nearest = nearest_per_right_column(row);
             visible.extend((0..width).map(|x| {
-                right_column(x, row[x], width).is_some_and(|column| nearest[column] - row[x] <= SAME_SURFACE_PX)
+                right_column(x, row[x], width)
+                    .is_some_and(|column| nearest[column] - row[x] <= SAME_SURFACE_PX)
             }));
         }
         Self::new(dims, disparity, visible)
     }
 
-    /// Truth whose visibility follows from the right image's truth: visible is what the right image sees at the same disparity.
+    /// Truth whose visibility follows from the right image's truth: visible is what the right image
+    /// sees at the same disparity.
     #[must_use]
     pub fn with_right_truth(dims: Dims, disparity: Vec<f32>, right: &[f32]) -> Self {
         let width = usize::from(dims.width);
@@ -50,7 +57,8 @@ impl Truth {
             .enumerate()
             .map(|(i, &d)| {
                 let (row, x) = (i / width * width, i % width);
-                right_column(x, d, width).is_some_and(|column| (right[row + column] - d).abs() <= SAME_SURFACE_PX)
+                right_column(x, d, width)
+                    .is_some_and(|column| (right[row + column] - d).abs() <= SAME_SURFACE_PX)
             })
             .collect();
         Self::new(dims, disparity, visible)
@@ -72,7 +80,8 @@ impl Truth {
     /// The truth without these pixels.
     #[must_use]
     pub fn without(mut self, is_left_out: impl Fn(usize) -> bool) -> Self {
-        let unknown = self.disparity.iter_mut().enumerate().filter(|(index, _)| is_left_out(*index));
+        let unknown =
+            self.disparity.iter_mut().enumerate().filter(|(index, _)| is_left_out(*index));
         unknown.for_each(|(_, disparity)| *disparity = f32::NAN);
         self
     }
@@ -89,12 +98,15 @@ impl Truth {
         self.disparity.iter().copied().filter(|d| d.is_finite()).reduce(f32::max)
     }
 
-    /// The truth of an image reduced to `width`: each pixel takes the value at its centre, disparities shrink in proportion.
+    /// The truth of an image reduced to `width`: each pixel takes the value at its centre,
+    /// disparities shrink in proportion.
     #[must_use]
     pub fn resampled(&self, width: u16) -> Self {
         let dims = Dims { width, height: resampled_height(self.dims, width) };
         let scale = f32::from(dims.width) / f32::from(self.dims.width);
-        let centre = |i: u16, from: u16, to: u16| (2 * usize::from(i) + 1) * usize::from(from) / (2 * usize::from(to));
+        let centre = |i: u16, from: u16, to: u16| {
+            (2 * usize::from(i) + 1) * usize::from(from) / (2 * usize::from(to))
+        };
         let (mut disparity, mut visible) = (Vec::new(), Vec::new());
         for y in 0..dims.height {
             let row = centre(y, self.dims.height, dims.height) * usize::from(self.dims.width);
@@ -107,19 +119,23 @@ impl Truth {
         Self::new(dims, disparity, visible)
     }
 
-    /// The truth of the swapped pair: seen from the right image every disparity is negative, so that no answer can be right.
+    /// The truth of the swapped pair: seen from the right image every disparity is negative, so
+    /// that no answer can be right.
     #[must_use]
     pub fn swapped(&self) -> Self {
         let width = usize::from(self.dims.width);
-        let disparity: Vec<f32> = self.disparity.chunks(width).flat_map(nearest_per_right_column).map(|d| -d).collect();
+        let disparity: Vec<f32> =
+            self.disparity.chunks(width).flat_map(nearest_per_right_column).map(|d| -d).collect();
         let visible = disparity.iter().map(|d| d.is_finite()).collect();
         // Columns that nothing falls on hold the infinity of an empty maximum.
-        let disparity = disparity.into_iter().map(|d| if d.is_finite() { d } else { f32::NAN }).collect();
+        let disparity =
+            disparity.into_iter().map(|d| if d.is_finite() { d } else { f32::NAN }).collect();
         Self::new(self.dims, disparity, visible)
     }
 
     fn index(&self, x: i32, y: i32) -> Option<usize> {
-        let inside = (0..i32::from(self.dims.width)).contains(&x) && (0..i32::from(self.dims.height)).contains(&y);
+        let inside = (0..i32::from(self.dims.width)).contains(&x)
+            && (0..i32::from(self.dims.height)).contains(&y);
         inside.then(|| y as usize * usize::from(self.dims.width) + x as usize)
     }
 }
@@ -148,7 +164,10 @@ mod tests {
     const N: f32 = f32::NAN;
 
     fn row(values: &[f32]) -> Truth {
-        Truth::with_reprojected_visibility(Dims { width: values.len() as u16, height: 1 }, values.to_vec())
+        Truth::with_reprojected_visibility(
+            Dims { width: values.len() as u16, height: 1 },
+            values.to_vec(),
+        )
     }
 
     #[test]
@@ -170,7 +189,10 @@ mod tests {
     #[test]
     fn reduction_scales_disparities() {
         let truth = row(&[2.0, 2.0, 2.0, 2.0, 6.0, 6.0, N, N]).resampled(4);
-        assert_eq!((truth.disparity(1, 0), truth.disparity(2, 0), truth.disparity(3, 0)), (Some(1.0), Some(3.0), None));
+        assert_eq!(
+            (truth.disparity(1, 0), truth.disparity(2, 0), truth.disparity(3, 0)),
+            (Some(1.0), Some(3.0), None)
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! The one policy for what others made: bytes, pixels and levels of folders that are read, the panic of a decoder, names on a terminal.
+//! The one policy for what others made: bytes, pixels and levels of folders that are read, the
+//! panic of a decoder, names on a terminal.
 //!
 //! ```text
 //! read, read_text, open   a file, of at most so many bytes
@@ -6,7 +7,8 @@
 //! printable               text of others without what a terminal obeys
 //! ```
 //!
-//! `docs/security.md` states it for users. Nothing else in this crate opens a file to read it: `clippy.toml` refuses that.
+//! `docs/security.md` states it for users. Nothing else in this crate opens a file to read it:
+//! `clippy.toml` refuses that.
 
 use core::cell::Cell;
 use core::panic::AssertUnwindSafe;
@@ -17,7 +19,8 @@ use std::panic;
 use std::path::Path;
 use std::sync::Once;
 
-/// Most bytes of a file of settings: rigs, calibrations, `scene.json`, an image for a board's flash.
+/// Most bytes of a file of settings: rigs, calibrations, `scene.json`, an image for a board's
+/// flash.
 pub const SETTINGS_BYTES: u64 = 1 << 20;
 /// Most bytes of what a detector found in an image or in many.
 pub const OBJECTS_BYTES: u64 = 32 << 20;
@@ -40,7 +43,8 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 
 /// The text of a file; an error where it has more bytes.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
-    String::from_utf8(read(path, most)?).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not text"))
+    String::from_utf8(read(path, most)?)
+        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not text"))
 }
 
 /// A file to be read from any place; an error where it has more bytes, or no place but the next.
@@ -88,11 +92,14 @@ pub fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
     outcome.ok()
 }
 
-/// Text for a terminal: what moves its cursor, turns its direction or sets anything of it becomes U+FFFD. Ends of lines and tabs stay.
+/// Text for a terminal: what moves its cursor, turns its direction or sets anything of it becomes
+/// U+FFFD. Ends of lines and tabs stay.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     if text.chars().any(is_order) {
-        text.chars().map(|letter| if is_order(letter) { char::REPLACEMENT_CHARACTER } else { letter }).collect()
+        text.chars()
+            .map(|letter| if is_order(letter) { char::REPLACEMENT_CHARACTER } else { letter })
+            .collect()
     } else {
         text.into()
     }
@@ -123,8 +130,14 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_device_without_an_end_is_refused() {
-        assert_eq!(read(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string(), "it is larger than 1 MiB");
-        assert_eq!(open(Path::new("/dev/zero"), 1 << 20).unwrap_err().kind(), ErrorKind::NotSeekable);
+        assert_eq!(
+            read(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string(),
+            "it is larger than 1 MiB"
+        );
+        assert_eq!(
+            open(Path::new("/dev/zero"), 1 << 20).unwrap_err().kind(),
+            ErrorKind::NotSeekable
+        );
     }
 
     #[test]

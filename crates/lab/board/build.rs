@@ -1,4 +1,5 @@
-//! Linker arguments of the board program. Maps of memory come from the firmware, which says where they are.
+//! Linker arguments of the board program. Maps of memory come from the firmware, which says where
+//! they are.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

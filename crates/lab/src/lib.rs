@@ -1,9 +1,11 @@
-//! What judges the method: scores against truth, damaged pairs, other matchers on the same frames, and the fits of confidence.
+//! Tools that judge the method: scores against truth, damaged pairs, other matchers on the same
+//! frames, and the fits of confidence.
 //!
 //! ```text
 //! evaluate   scores of results against ground truth
 //! faults     damaged pairs, and what is answered of them
 //! rivals     other methods on the same frames
+//! thin       poles pasted into pairs, and what is said of them
 //! fitting    the confidence models, fitted on scores
 //! draw       pictures of all that
 //! bench      every data set of a folder, beside OpenCV, and against the last run
@@ -19,3 +21,4 @@ pub mod evaluate;
 pub mod faults;
 pub mod fitting;
 pub mod rivals;
+pub mod thin;

@@ -1,8 +1,9 @@
-//! `linestereo-lab`: what judges the method. Users need none of it; the program for them is `linestereo`.
+//! `linestereo-lab`: what judges the method. Users need none of it; the program for them is
+//! `linestereo`.
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use linestereo_lab::bench;
-use linestereo_lab::commands::{compare, eval, eval_pixels, faults, fit_confidence};
+use linestereo_lab::commands::{compare, eval, eval_pixels, faults, fit_confidence, thin};
 use linestereo_sim::commands::program;
 use std::process::ExitCode;
 
@@ -27,6 +28,7 @@ enum Command {
     Compare(Box<compare::Args>),
     Faults(faults::Args),
     FitConfidence(fit_confidence::Args),
+    Thin(thin::Args),
 }
 
 fn main() -> ExitCode {
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
             Command::Compare(args) => compare::run(args),
             Command::Faults(args) => faults::run(args),
             Command::FitConfidence(args) => fit_confidence::run(args),
+            Command::Thin(args) => thin::run(args),
         }
     })
 }

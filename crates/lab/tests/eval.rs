@@ -48,9 +48,12 @@ fn an_array_is_unpacked_as_far_as_its_header_says() {
     }
     let header = |shape: &str| {
         let text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}\n");
-        [b"\x93NUMPY\x01\x00".as_slice(), &(text.len() as u16).to_le_bytes(), text.as_bytes()].concat()
+        [b"\x93NUMPY\x01\x00".as_slice(), &(text.len() as u16).to_le_bytes(), text.as_bytes()]
+            .concat()
     };
-    for (shape, says) in [("(16000, 16000)", "no image that is read"), ("(48, 63)", "give two images of one size")] {
+    for (shape, says) in
+        [("(16000, 16000)", "is not an image"), ("(48, 63)", "give two images of one size")]
+    {
         let mut archive = ZipWriter::new(fs::File::create(folder.path().join("disp.npz")).unwrap());
         archive.start_file("disp.npy", SimpleFileOptions::default()).unwrap();
         archive.write_all(&header(shape)).unwrap();

@@ -8,7 +8,11 @@ use tempfile::TempDir;
 
 /// Calls the program in a folder.
 pub(crate) fn lab(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo-lab")).current_dir(folder).args(args).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_linestereo-lab"))
+        .current_dir(folder)
+        .args(args)
+        .output()
+        .unwrap()
 }
 
 /// Calls it, has it succeed, and gives what it printed.
@@ -19,7 +23,8 @@ pub(crate) fn succeed(folder: &Path, args: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Has it fail as it promises: exit code 2, nothing on stdout, one line on stderr that contains these words.
+/// Has it fail as it promises: exit code 2, nothing on stdout, one line on stderr that contains
+/// these words.
 #[track_caller]
 pub(crate) fn refused(output: &Output, says: &str) {
     let line = String::from_utf8_lossy(&output.stderr);

@@ -37,7 +37,8 @@ pub trait Mavlink {
 pub struct Fields(heapless::Vec<u8, MAX_FRAME>);
 
 impl Fields {
-    /// Little endian bytes of a number. What is longer than [`MAX_FRAME`] is cut off: no message here is.
+    /// Little endian bytes of a number. What is longer than [`MAX_FRAME`] is cut off: no message
+    /// here is.
     #[inline(never)]
     pub fn put(&mut self, bytes: &[u8]) {
         for &byte in bytes {

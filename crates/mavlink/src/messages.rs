@@ -45,7 +45,8 @@ impl Mavlink for Heartbeat {
 pub struct ObstacleDistance {
     /// Since the sender started, us.
     pub time_usec: u64,
-    /// Sector 0 ahead, then clockwise, cm; one more than the largest distance: clear; [`UNKNOWN_CM`].
+    /// Sector 0 ahead, then clockwise, cm; one more than the largest distance: clear;
+    /// [`UNKNOWN_CM`].
     pub distances: [u16; 72],
     /// Shortest distance that can be measured, cm.
     pub min_distance: u16,

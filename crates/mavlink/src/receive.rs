@@ -1,10 +1,12 @@
 //! Bytes of an autopilot's line -> the few messages that are taken from it.
 //!
-//! In: one byte at a time. Out: requests of parameters and of time, addressed to this component or to all; everything else is skipped.
-//! Frames of MAVLink 2 alone, signed ones with their signature unread.
+//! In: one byte at a time. Out: requests of parameters and of time, addressed to this component or
+//! to all; everything else is skipped. Frames of MAVLink 2 alone, signed ones with their signature
+//! unread.
 //!
 //! # Bounds
-//! A few steps a byte, one pass over a frame. What is damaged costs the frame, and at most the 280 bytes that a damaged length announces.
+//! A few steps a byte, one pass over a frame. What is damaged costs the frame, and at most the 280
+//! bytes that a damaged length announces.
 
 use crate::frame::{Fields, MAGIC, Mavlink, checksum};
 
@@ -42,7 +44,8 @@ pub enum Received {
     Timesync(Timesync),
 }
 
-/// TIMESYNC, ns. A request has `tc1` 0; its answer repeats its `ts1` and gives the time of whoever answers in `tc1`.
+/// TIMESYNC, ns. A request has `tc1` 0; its answer repeats its `ts1` and gives the time of whoever
+/// answers in `tc1`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timesync {
     /// Time of whoever answers, 0 in a request.
@@ -79,7 +82,8 @@ impl Mavlink for ParamValue {
     const CRC_EXTRA: u8 = 220;
 
     fn put(&self, fields: &mut Fields) {
-        /// MAV_PARAM_TYPE_REAL32, of all parameters: autopilots do not agree how whole numbers are sent.
+        /// MAV_PARAM_TYPE_REAL32, of all parameters: autopilots do not agree how whole numbers are
+        /// sent.
         const REAL32: u8 = 9;
         fields.put(&self.value.to_le_bytes());
         fields.put(&self.count.to_le_bytes());
@@ -146,15 +150,22 @@ impl Receiver {
             PARAM_REQUEST_LIST => is_own([b0, b1]).then_some(Received::ParamList),
             PARAM_REQUEST_READ => {
                 let id = *bytes.get(4..)?.first_chunk()?;
-                is_own([b2, b3]).then_some(Received::ParamRead { index: i16::from_le_bytes([b0, b1]), id })
+                is_own([b2, b3])
+                    .then_some(Received::ParamRead { index: i16::from_le_bytes([b0, b1]), id })
             }
             PARAM_SET => {
                 let id = *bytes.get(6..)?.first_chunk()?;
-                is_own([b4, b5]).then_some(Received::ParamSet { id, value: f32::from_le_bytes([b0, b1, b2, b3]) })
+                is_own([b4, b5]).then_some(Received::ParamSet {
+                    id,
+                    value: f32::from_le_bytes([b0, b1, b2, b3]),
+                })
             }
             _ => {
                 let (tc1, ts1) = ([b0, b1, b2, b3, b4, b5, b6, b7], *rest.first_chunk()?);
-                Some(Received::Timesync(Timesync { tc1: i64::from_le_bytes(tc1), ts1: i64::from_le_bytes(ts1) }))
+                Some(Received::Timesync(Timesync {
+                    tc1: i64::from_le_bytes(tc1),
+                    ts1: i64::from_le_bytes(ts1),
+                }))
             }
         }
     }

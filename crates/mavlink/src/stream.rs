@@ -1,4 +1,5 @@
-//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and what becomes of a pair that is not fit to be used.
+//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and what
+//! becomes of a pair that is not fit to be used.
 //!
 //! # "No data" at autopilots
 //! | policy | sent while the pair is unfit | PX4 | ArduPilot |
@@ -7,7 +8,8 @@
 //! | `Block` | the blocking distance in every sector in view | stops at once, on the spot | stops at once; backs away from what is nearer than its margin |
 //! | `Unknown` | obstacles seen before, while they are kept; nothing else | stops after 0.5 s, never holds | free as soon as nothing is kept |
 //!
-//! Rules, parameters and sources are in `docs/autopilots.md`; `crates/mavlink/tests/autopilots.rs` holds every cell of this table.
+//! Rules, parameters and sources are in `docs/autopilots.md`; `crates/mavlink/tests/autopilots.rs`
+//! holds every cell of this table.
 
 use crate::frame::{Mavlink, Sender};
 use crate::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus, UNKNOWN_CM};
@@ -51,20 +53,23 @@ pub struct AutopilotParams {
     pub rate_hz: u8,
     /// Content while the pair is not fit to be used.
     pub policy: Policy,
-    /// Shortest distance that can be measured, cm; 1 or more, below the range. ArduPilot ignores what is nearer, so that nothing nearer is sent.
+    /// Shortest distance that can be measured, cm; 1 or more, below the range. ArduPilot ignores
+    /// what is nearer, so that nothing nearer is sent.
     pub min_distance_cm: u16,
-    /// Where [`Policy::Block`] sees obstacles, cm; from `min_distance_cm` to below the range. At most PX4's CP_DIST; as far as ArduPilot's
-    /// AVOID_MARGIN, if it shall not back away.
+    /// Where [`Policy::Block`] sees obstacles, cm; from `min_distance_cm` to below the range. At
+    /// most PX4's CP_DIST; as far as ArduPilot's AVOID_MARGIN, if it shall not back away.
     pub block_cm: u16,
-    /// An obstacle stands in the sectors beside its own as well: PX4 with bins of 10 degrees reads every second sector only, and vehicles are wide.
+    /// An obstacle stands in the sectors beside its own as well: PX4 with bins of 10 degrees reads
+    /// every second sector only, and vehicles are wide.
     pub widen: bool,
-    /// Send DISTANCE_SENSOR as well: the nearest obstacle of the three sectors ahead. ArduPilot puts both messages into one boundary: there one
-    /// of them is enough.
+    /// Send DISTANCE_SENSOR as well: the nearest obstacle of the three sectors ahead. ArduPilot
+    /// puts both messages into one boundary: there one of them is enough.
     pub distance_sensor: bool,
 }
 
 impl AutopilotParams {
-    /// The documented defaults: system 1, 15 a second, `block` at 20 cm, widened obstacles, no DISTANCE_SENSOR.
+    /// The documented defaults: system 1, 15 a second, `block` at 20 cm, widened obstacles, no
+    /// DISTANCE_SENSOR.
     pub const DEFAULT: Self = Self {
         system: 1,
         component: 196,
@@ -95,13 +100,16 @@ impl Default for AutopilotParams {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StreamError {
     /// Not 10 to 20 messages a second.
-    #[error("{0} messages a second, allowed are 10 to 20")]
+    #[error("the rate is {0} messages a second but must be 10 to 20")]
     Rate(u8),
     /// The shortest distance is 0, or not below the range.
-    #[error("the shortest distance is {0} cm, allowed are 1 to below the range")]
+    #[error("the shortest distance is {0} cm but must be above 0 and below the range")]
     MinDistance(u16),
     /// The blocking distance is below the shortest, or not below the range.
-    #[error("the blocking distance is {0} cm, allowed are the shortest distance to below the range")]
+    #[error(
+        "the blocking distance is {0} cm but must be at least the shortest distance and below the \
+         range"
+    )]
     Block(u16),
 }
 
@@ -128,7 +136,12 @@ impl AutopilotStream {
             return Err(StreamError::Block(block_cm));
         }
         let sender = Sender { system, component, sequence: 0 };
-        Ok(Self { params, sender, distances: Pace::per_second(rate_hz), heartbeat: Pace::per_second(1) })
+        Ok(Self {
+            params,
+            sender,
+            distances: Pace::per_second(rate_hz),
+            heartbeat: Pace::per_second(1),
+        })
     }
 
     /// Writes another message of this sender.
@@ -140,8 +153,9 @@ impl AutopilotStream {
         self.sender.send(message, write)
     }
 
-    /// Writes what is due at this time, microseconds of the clock of the pairs. To be called after every pair, and more often if pairs are
-    /// rarer than messages. Stops at the first failure of the port.
+    /// Writes what is due at this time, microseconds of the clock of the pairs. To be called after
+    /// every pair, and more often if pairs are rarer than messages. Stops at the first failure of
+    /// the port.
     pub fn turn<E>(
         &mut self,
         obstacles: &Obstacles,
@@ -150,10 +164,13 @@ impl AutopilotStream {
         write: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
         if self.heartbeat.is_due(now_us) {
-            let status = if obstacles.is_fit() { SystemStatus::Active } else { SystemStatus::Critical };
+            let status =
+                if obstacles.is_fit() { SystemStatus::Active } else { SystemStatus::Critical };
             self.sender.send(&Heartbeat { status }, write)?;
         }
-        if !self.distances.is_due(now_us) || (self.params.policy == Policy::Silent && !obstacles.is_fit()) {
+        if !self.distances.is_due(now_us)
+            || (self.params.policy == Policy::Silent && !obstacles.is_fit())
+        {
             return Ok(());
         }
         let message = self.distances(obstacles, plan, now_us);
@@ -166,7 +183,12 @@ impl AutopilotStream {
 
     /// Distances of all directions as they are sent, cm.
     #[must_use]
-    pub fn distances(&self, obstacles: &Obstacles, plan: &ObstaclePlan, now_us: u64) -> ObstacleDistance {
+    pub fn distances(
+        &self,
+        obstacles: &Obstacles,
+        plan: &ObstaclePlan,
+        now_us: u64,
+    ) -> ObstacleDistance {
         let AutopilotParams { min_distance_cm, block_cm, .. } = self.params;
         let is_blocked = self.params.policy == Policy::Block && !obstacles.is_fit();
         let mut distances = [UNKNOWN_CM; 72];
@@ -192,13 +214,16 @@ impl AutopilotStream {
         }
     }
 
-    /// The sector ahead and its neighbours as one distance: the nearest; clear if all are. `None` where nothing is known.
+    /// The sector ahead and its neighbours as one distance: the nearest; clear if all are. `None`
+    /// where nothing is known.
     #[must_use]
     pub fn forward(&self, all: &ObstacleDistance, plan: &ObstaclePlan) -> Option<DistanceSensor> {
         let behind = usize::from(plan.sectors().saturating_sub(1));
-        let ahead = [behind, 0, 1].map(|index| all.distances.get(index).copied().unwrap_or(UNKNOWN_CM));
+        let ahead =
+            [behind, 0, 1].map(|index| all.distances.get(index).copied().unwrap_or(UNKNOWN_CM));
         let nearest = ahead.into_iter().min().unwrap_or(UNKNOWN_CM);
-        let is_known = nearest <= all.max_distance || ahead.iter().all(|&distance| distance != UNKNOWN_CM);
+        let is_known =
+            nearest <= all.max_distance || ahead.iter().all(|&distance| distance != UNKNOWN_CM);
         is_known.then(|| DistanceSensor {
             time_boot_ms: (all.time_usec / 1000) as u32,
             min_distance: all.min_distance,
@@ -216,7 +241,8 @@ impl AutopilotStream {
 fn widen(distances: &mut [u16; 72], plan: &ObstaclePlan) {
     let narrow = *distances;
     let count = usize::from(plan.sectors());
-    let of = |index: usize| narrow.get(index % count.max(1)).copied().filter(|&cm| cm < plan.range_cm());
+    let of =
+        |index: usize| narrow.get(index % count.max(1)).copied().filter(|&cm| cm < plan.range_cm());
     for ((distance, index), sector) in distances.iter_mut().zip(0_usize..).zip(0..plan.sectors()) {
         if plan.in_view(sector).is_some() {
             for beside in [of(index + 1), of(index + count - 1)].into_iter().flatten() {

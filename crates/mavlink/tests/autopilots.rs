@@ -1,13 +1,18 @@
-//! Reactions of two autopilots to our messages, by small models of their rules: every cell of the table in `src/stream.rs`.
+//! Reactions of two autopilots to our messages, by small models of their rules: every cell of the
+//! table in `src/stream.rs`.
 //!
-//! PX4: `src/lib/collision_prevention/CollisionPrevention.cpp` (`_addObstacleSensorData`, `_enterData`, `_updateObstacleData`,
-//! `_checkSetpointDirectionFeasability`, `_calculateConstrainedSetpoint`); 36 bins up to 1.15, 72 since.
-//! ArduPilot: `libraries/AP_Proximity/AP_Proximity_MAV.cpp` (`handle_obstacle_distance_msg`), `AP_Proximity_Boundary_3D.cpp`
-//! (`get_face`, `check_face_timeout`), `libraries/AC_Avoidance/AC_Avoid.cpp` (`adjust_velocity_proximity`).
+//! PX4: `src/lib/collision_prevention/CollisionPrevention.cpp` (`_addObstacleSensorData`,
+//! `_enterData`, `_updateObstacleData`, `_checkSetpointDirectionFeasability`,
+//! `_calculateConstrainedSetpoint`); 36 bins up to 1.15, 72 since. ArduPilot:
+//! `libraries/AP_Proximity/AP_Proximity_MAV.cpp` (`handle_obstacle_distance_msg`),
+//! `AP_Proximity_Boundary_3D.cpp` (`get_face`, `check_face_timeout`),
+//! `libraries/AC_Avoidance/AC_Avoid.cpp` (`adjust_velocity_proximity`).
 
 use linestereo::diagnostics::Techniques;
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
-use linestereo::{Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Position, Rig};
+use linestereo::{
+    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Position, Rig,
+};
 use linestereo_mavlink::{AutopilotParams, AutopilotStream, Policy};
 use mavlink::MavlinkReader;
 use mavlink::dialects::common::{MavMessage, OBSTACLE_DISTANCE_DATA};
@@ -59,7 +64,8 @@ impl Px4 {
             let enters = if reading < range {
                 known >= its_range || range <= its_range
             } else {
-                (known >= its_range && range >= its_range) || (known < its_range && range == its_range)
+                (known >= its_range && range >= its_range)
+                    || (known < its_range && range == its_range)
             };
             if reading != u16::MAX && enters {
                 (self.distances[bin], self.max_ranges[bin]) = (reading, range);
@@ -77,7 +83,11 @@ impl Px4 {
         }
         let is_fresh = now_ms - self.message_ms < PX4_STALE_MS;
         if !(is_fresh && self.distances.iter().any(|&distance| distance < u16::MAX)) {
-            return if now_ms - self.message_ms > PX4_HOLD_MS { Px4Says::Holds } else { Px4Says::Stops };
+            return if now_ms - self.message_ms > PX4_HOLD_MS {
+                Px4Says::Holds
+            } else {
+                Px4Says::Stops
+            };
         }
         let bin = degrees * self.distances.len() / 360;
         let may_go = match self.distances[bin] {
@@ -95,7 +105,8 @@ const FACE_CHECK_MS: u64 = 750;
 const AVOID_MARGIN: u16 = 200;
 const BACKUP_DEADZONE: u16 = 10;
 
-/// Simple avoidance with a proximity sensor: the faces of 45 degrees around the body, without their low-pass filter.
+/// Simple avoidance with a proximity sensor: the faces of 45 degrees around the body, without their
+/// low-pass filter.
 #[derive(Default)]
 struct ArduPilot {
     faces: [Option<u16>; 8],
@@ -172,7 +183,8 @@ fn far() -> Vec<Match> {
     (0..320).step_by(4).map(|x| edge(x, 1.5)).collect()
 }
 
-/// The vehicle: pairs every 50 ms, fit until `unfit_ms`; both autopilots asked every 10 ms whether they go ahead.
+/// The vehicle: pairs every 50 ms, fit until `unfit_ms`; both autopilots asked every 10 ms whether
+/// they go ahead.
 struct Flight {
     px4: Px4,
     ardu: ArduPilot,
@@ -187,11 +199,14 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
     let mut flight = Flight { px4: Px4::new(72), ardu: ArduPilot::default(), log: Vec::new() };
     for now_ms in (0..end_ms).step_by(10) {
         if now_ms % 50 == 0 {
-            let health = if now_ms < unfit_ms { HealthFlags::GOOD } else { HealthFlags::FEW_MATCHES };
+            let health =
+                if now_ms < unfit_ms { HealthFlags::GOOD } else { HealthFlags::FEW_MATCHES };
             obstacles.update(&plan, matches, None, health, now_ms * 1000);
             stream
                 .turn(&obstacles, &plan, now_ms * 1000, &mut |frame: &[u8]| {
-                    if let (_, MavMessage::OBSTACLE_DISTANCE(message)) = MavlinkReader::new(frame).read_any_message()? {
+                    if let (_, MavMessage::OBSTACLE_DISTANCE(message)) =
+                        MavlinkReader::new(frame).read_any_message()?
+                    {
                         flight.px4.receive(&message, now_ms);
                         flight.ardu.receive(&message, now_ms);
                     }
@@ -207,15 +222,23 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
 impl Flight {
     /// The one state of PX4 in this time.
     fn px4(&self, from: u64, to: u64) -> Px4Says {
-        let said: Vec<_> =
-            self.log.iter().filter(|(time, ..)| (from..to).contains(time)).map(|&(_, px4, _)| px4).collect();
+        let said: Vec<_> = self
+            .log
+            .iter()
+            .filter(|(time, ..)| (from..to).contains(time))
+            .map(|&(_, px4, _)| px4)
+            .collect();
         assert!(said.iter().all(|says| *says == said[0]), "{from} to {to} ms: {said:?}");
         said[0]
     }
 
     fn ardu(&self, from: u64, to: u64) -> ArduSays {
-        let said: Vec<_> =
-            self.log.iter().filter(|(time, ..)| (from..to).contains(time)).map(|&(.., ardu)| ardu).collect();
+        let said: Vec<_> = self
+            .log
+            .iter()
+            .filter(|(time, ..)| (from..to).contains(time))
+            .map(|&(.., ardu)| ardu)
+            .collect();
         assert!(said.iter().all(|says| *says == said[0]), "{from} to {to} ms: {said:?}");
         said[0]
     }
@@ -234,10 +257,16 @@ fn policy(policy: Policy) -> AutopilotParams {
 fn before_anything_goes_wrong_both_fly_where_it_is_free_and_stop_at_obstacles() {
     for kind in Policy::ALL {
         let flight = fly(policy(kind), &far(), END, END);
-        assert_eq!((flight.px4(NEXT, END), flight.ardu(NEXT, END)), (Px4Says::Moves, ArduSays::Free));
+        assert_eq!(
+            (flight.px4(NEXT, END), flight.ardu(NEXT, END)),
+            (Px4Says::Moves, ArduSays::Free)
+        );
         // 2 m: at the margin of both.
         let flight = fly(policy(kind), &[edge(160, 15.0)], END, END);
-        assert_eq!((flight.px4(NEXT, END), flight.ardu(NEXT, END)), (Px4Says::Stops, ArduSays::Stops));
+        assert_eq!(
+            (flight.px4(NEXT, END), flight.ardu(NEXT, END)),
+            (Px4Says::Stops, ArduSays::Stops)
+        );
     }
 }
 
@@ -251,18 +280,29 @@ fn silence_stops_px4_and_frees_ardupilot() {
         assert_eq!(flight.ardu(latest, END), ArduSays::Free, "even where it was blocked before");
     }
     let flight = fly(policy(Policy::Silent), &[edge(160, 15.0)], UNFIT, END);
-    assert_eq!(flight.ardu(UNFIT, UNFIT + FACE_RESET_MS - NEXT), ArduSays::Stops, "it remembers for a second");
+    assert_eq!(
+        flight.ardu(UNFIT, UNFIT + FACE_RESET_MS - NEXT),
+        ArduSays::Stops,
+        "it remembers for a second"
+    );
 }
 
 #[test]
 fn block_stops_both_at_once() {
     let flight = fly(policy(Policy::Block), &far(), UNFIT, END);
     assert_eq!(flight.px4(UNFIT + NEXT, END), Px4Says::Stops);
-    assert_eq!(flight.ardu(UNFIT + NEXT, END), ArduSays::BacksAway, "20 cm is far within its margin");
+    assert_eq!(
+        flight.ardu(UNFIT + NEXT, END),
+        ArduSays::BacksAway,
+        "20 cm is far within its margin"
+    );
     // At the margin, it stays where it is.
     let params = AutopilotParams { block_cm: AVOID_MARGIN, ..policy(Policy::Block) };
     let flight = fly(params, &far(), UNFIT, END);
-    assert_eq!((flight.px4(UNFIT + NEXT, END), flight.ardu(UNFIT + NEXT, END)), (Px4Says::Stops, ArduSays::Stops));
+    assert_eq!(
+        (flight.px4(UNFIT + NEXT, END), flight.ardu(UNFIT + NEXT, END)),
+        (Px4Says::Stops, ArduSays::Stops)
+    );
     // Behind CP_DIST a blocked sector is an obstacle that moves away: PX4 creeps on.
     let params = AutopilotParams { block_cm: CP_DIST + 1, ..policy(Policy::Block) };
     assert_eq!(fly(params, &far(), UNFIT, END).px4(UNFIT + NEXT, END), Px4Says::Moves);
@@ -271,10 +311,18 @@ fn block_stops_both_at_once() {
 #[test]
 fn unknown_stops_px4_for_good_and_frees_ardupilot_when_nothing_is_kept() {
     let flight = fly(policy(Policy::Unknown), &far(), UNFIT, END);
-    assert_eq!(flight.px4(UNFIT + PX4_STALE_MS + NEXT, END), Px4Says::Stops, "and never holds: messages arrive");
+    assert_eq!(
+        flight.px4(UNFIT + PX4_STALE_MS + NEXT, END),
+        Px4Says::Stops,
+        "and never holds: messages arrive"
+    );
     assert_eq!(flight.ardu(UNFIT, END), ArduSays::Free, "nothing says that anything is wrong");
     let flight = fly(policy(Policy::Unknown), &[edge(160, 15.0)], UNFIT, END);
-    assert_eq!(flight.ardu(UNFIT, UNFIT + 400), ArduSays::Stops, "an obstacle is kept for half a second");
+    assert_eq!(
+        flight.ardu(UNFIT, UNFIT + 400),
+        ArduSays::Stops,
+        "an obstacle is kept for half a second"
+    );
     assert_eq!(flight.ardu(UNFIT + 500 + NEXT, END), ArduSays::Free);
     assert_eq!(flight.px4(UNFIT, END), Px4Says::Stops);
 }
@@ -303,7 +351,9 @@ fn px4_with_36_bins_sees_an_obstacle_between_them_because_it_is_widened() {
         let mut stream = AutopilotStream::new(params, &plan).unwrap();
         let mut px4 = Px4::new(36);
         let sent = stream.turn(&obstacles, &plan, 0, &mut |frame: &[u8]| {
-            if let (_, MavMessage::OBSTACLE_DISTANCE(message)) = MavlinkReader::new(frame).read_any_message()? {
+            if let (_, MavMessage::OBSTACLE_DISTANCE(message)) =
+                MavlinkReader::new(frame).read_any_message()?
+            {
                 px4.receive(&message, 0);
             }
             Ok::<(), mavlink::error::MessageReadError>(())
@@ -321,9 +371,13 @@ fn distances_are_never_0_clear_is_beyond_the_range_and_outside_stays_unknown() {
     matches.extend([edge(160, 64.0), edge(240, 29.0)]);
     let mut obstacles = Obstacles::new();
     obstacles.update(&plan, &matches, None, HealthFlags::GOOD, 0);
-    let params = AutopilotParams { min_distance_cm: 60, block_cm: 60, widen: false, ..Default::default() };
+    let params =
+        AutopilotParams { min_distance_cm: 60, block_cm: 60, widen: false, ..Default::default() };
     let message = AutopilotStream::new(params, &plan).unwrap().distances(&obstacles, &plan, 7);
-    assert_eq!(message.distances[0], 60, "47 cm are nearer than what can be measured: ArduPilot would ignore them");
+    assert_eq!(
+        message.distances[0], 60,
+        "47 cm are nearer than what can be measured: ArduPilot would ignore them"
+    );
     assert_eq!(message.distances[3], 107);
     assert_eq!([message.distances[1], message.distances[2]], [1001; 2]);
     assert!(message.distances[7..66].iter().all(|&distance| distance == u16::MAX));
@@ -340,11 +394,15 @@ fn distances_are_never_0_clear_is_beyond_the_range_and_outside_stays_unknown() {
 #[test]
 fn the_sensor_ahead_is_clear_only_if_all_ahead_is() {
     let plan = plan();
-    let stream = AutopilotStream::new(AutopilotParams { widen: false, ..Default::default() }, &plan).unwrap();
+    let stream =
+        AutopilotStream::new(AutopilotParams { widen: false, ..Default::default() }, &plan)
+            .unwrap();
     let ahead = |matches: &[Match]| {
         let mut obstacles = Obstacles::new();
         obstacles.update(&plan, matches, None, HealthFlags::GOOD, 0);
-        stream.forward(&stream.distances(&obstacles, &plan, 0), &plan).map(|sensor| sensor.current_distance)
+        stream
+            .forward(&stream.distances(&obstacles, &plan, 0), &plan)
+            .map(|sensor| sensor.current_distance)
     };
     assert_eq!(ahead(&far()), Some(1001));
     assert_eq!(ahead(&[edge(160, 1.5)]), None, "free ahead, unknown beside it");

@@ -1,10 +1,12 @@
-//! MAVLink frames: byte for byte those of the `mavlink` crate, which also reads them back; and how many of them a serial line carries.
+//! MAVLink frames: byte for byte those of the `mavlink` crate, which also reads them back; and how
+//! many of them a serial line carries.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
 use linestereo::{Dims, HealthFlags, Params, Rig};
 use linestereo_mavlink::{
-    AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink, ObstacleDistance, Pace,
-    ParamValue, Policy, Received, Receiver, Sender, StreamError, SystemStatus, Timesync, UNKNOWN_CM,
+    AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink,
+    ObstacleDistance, Pace, ParamValue, Policy, Received, Receiver, Sender, StreamError,
+    SystemStatus, Timesync, UNKNOWN_CM,
 };
 use mavlink::dialects::common as theirs;
 use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message as _, MessageData};
@@ -46,8 +48,11 @@ fn read(bytes: &[u8]) -> (MavHeader, theirs::MavMessage) {
 
 /// Compares both encodings, and what the crate reads from ours with what it was told.
 fn check<M: Mavlink>(sender: Sender, message: &M, expected: &theirs::MavMessage) {
-    let header =
-        MavHeader { system_id: sender.system.into(), component_id: sender.component, sequence: sender.sequence };
+    let header = MavHeader {
+        system_id: sender.system.into(),
+        component_id: sender.component,
+        sequence: sender.sequence,
+    };
     let bytes = ours(sender, message);
     assert_eq!(bytes, frame_of(header, expected), "{expected:?}");
     let (found_header, found) = read(&bytes);
@@ -56,7 +61,11 @@ fn check<M: Mavlink>(sender: Sender, message: &M, expected: &theirs::MavMessage)
 }
 
 fn any_sender(random: &mut Random) -> Sender {
-    Sender { system: random.next() as u8, component: random.next() as u8, sequence: random.next() as u8 }
+    Sender {
+        system: random.next() as u8,
+        component: random.next() as u8,
+        sequence: random.next() as u8,
+    }
 }
 
 fn their_obstacles(message: &ObstacleDistance) -> theirs::MavMessage {
@@ -92,9 +101,15 @@ fn their_sensor(message: &DistanceSensor) -> theirs::MavMessage {
 
 #[test]
 fn ids_and_checksum_bytes_are_those_of_the_definitions() {
-    assert_eq!((Heartbeat::ID, Heartbeat::CRC_EXTRA), (theirs::HEARTBEAT_DATA::ID, theirs::HEARTBEAT_DATA::EXTRA_CRC));
+    assert_eq!(
+        (Heartbeat::ID, Heartbeat::CRC_EXTRA),
+        (theirs::HEARTBEAT_DATA::ID, theirs::HEARTBEAT_DATA::EXTRA_CRC)
+    );
     type Obstacle = theirs::OBSTACLE_DISTANCE_DATA;
-    assert_eq!((ObstacleDistance::ID, ObstacleDistance::CRC_EXTRA), (Obstacle::ID, Obstacle::EXTRA_CRC));
+    assert_eq!(
+        (ObstacleDistance::ID, ObstacleDistance::CRC_EXTRA),
+        (Obstacle::ID, Obstacle::EXTRA_CRC)
+    );
     type Sensor = theirs::DISTANCE_SENSOR_DATA;
     assert_eq!((DistanceSensor::ID, DistanceSensor::CRC_EXTRA), (Sensor::ID, Sensor::EXTRA_CRC));
 }
@@ -126,7 +141,8 @@ fn distances_of_any_values_are_those_of_the_crate() {
     for round in 0..3000 {
         // Zeros at the end are what is cut off: some rounds have many.
         let zeros = round % 4 == 0;
-        let mut word = || if zeros && random.next().is_multiple_of(3) { 0 } else { random.next() as u16 };
+        let mut word =
+            || if zeros && random.next().is_multiple_of(3) { 0 } else { random.next() as u16 };
         let message = ObstacleDistance {
             time_usec: [u64::from(word()), u64::MAX, 0][round % 3],
             distances: core::array::from_fn(|_| word()),
@@ -158,7 +174,12 @@ fn plan() -> ObstaclePlan {
 }
 
 /// Messages of a stream over some seconds, each with its time.
-fn messages(params: AutopilotParams, seconds: u64, step_us: u64, is_fit: bool) -> Vec<(u64, Vec<u8>)> {
+fn messages(
+    params: AutopilotParams,
+    seconds: u64,
+    step_us: u64,
+    is_fit: bool,
+) -> Vec<(u64, Vec<u8>)> {
     let plan = plan();
     let mut stream = AutopilotStream::new(params, &plan).unwrap();
     let mut obstacles = Obstacles::new();
@@ -181,10 +202,18 @@ fn messages(params: AutopilotParams, seconds: u64, step_us: u64, is_fit: bool) -
 fn a_line_of_57600_baud_carries_the_fastest_stream() {
     const SECONDS: u64 = 10;
     for rate_hz in [10, 15, 20] {
-        let params = AutopilotParams { rate_hz, distance_sensor: true, policy: Policy::Block, ..Default::default() };
-        // Blocked, so that DISTANCE_SENSOR is sent every time as well: the most that a stream ever sends.
+        let params = AutopilotParams {
+            rate_hz,
+            distance_sensor: true,
+            policy: Policy::Block,
+            ..Default::default()
+        };
+        // Blocked, so that DISTANCE_SENSOR is sent every time as well: the most that a stream ever
+        // sends.
         let sent = messages(params, SECONDS, 1000, false);
-        let count = |id: u32| sent.iter().filter(|(_, frame)| read(frame).1.message_id() == id).count() as u64;
+        let count = |id: u32| {
+            sent.iter().filter(|(_, frame)| read(frame).1.message_id() == id).count() as u64
+        };
         assert_eq!(count(ObstacleDistance::ID), SECONDS * u64::from(rate_hz));
         assert_eq!(count(DistanceSensor::ID), SECONDS * u64::from(rate_hz));
         assert_eq!(count(Heartbeat::ID), SECONDS);
@@ -205,11 +234,19 @@ fn a_line_of_57600_baud_carries_the_fastest_stream() {
 #[test]
 fn pairs_that_come_rarely_or_in_bursts_neither_speed_nor_stop_the_stream() {
     let params = AutopilotParams { rate_hz: 20, ..Default::default() };
-    let times =
-        |step| messages(params, 6, step, true).into_iter().filter(|(_, frame)| frame[7] != 0).map(|(time, _)| time);
+    let times = |step| {
+        messages(params, 6, step, true)
+            .into_iter()
+            .filter(|(_, frame)| frame[7] != 0)
+            .map(|(time, _)| time)
+    };
     assert_eq!(times(250_000).count(), 24, "every pair is sent at 4 a second");
     let counted = times(33_333).collect::<Vec<_>>();
-    assert!((115..=120).contains(&counted.len()), "{} in 6 s at 20 Hz and 30 pairs a second", counted.len());
+    assert!(
+        (115..=120).contains(&counted.len()),
+        "{} in 6 s at 20 Hz and 30 pairs a second",
+        counted.len()
+    );
     assert!(counted.windows(2).all(|pair| pair[1] - pair[0] >= 33_333));
 }
 
@@ -217,7 +254,10 @@ fn pairs_that_come_rarely_or_in_bursts_neither_speed_nor_stop_the_stream() {
 fn a_pace_keeps_its_rhythm_and_forgets_a_pause() {
     let mut pace = Pace::per_second(10);
     let mut due = |times: &[u64]| times.iter().map(|&time| pace.is_due(time)).collect::<Vec<_>>();
-    assert_eq!(due(&[7, 8, 100_006, 130_000, 200_008, 200_009]), [true, false, true, false, true, false]);
+    assert_eq!(
+        due(&[7, 8, 100_006, 130_000, 200_008, 200_009]),
+        [true, false, true, false, true, false]
+    );
     assert_eq!(due(&[9_000_000, 9_000_001, 9_099_999, 9_100_000]), [true, false, false, true]);
     assert!(Pace::per_second(0).is_due(u64::MAX));
 }
@@ -227,7 +267,10 @@ fn a_stream_without_sense_is_refused() {
     let plan = plan();
     let refused = |params| AutopilotStream::new(params, &plan).unwrap_err();
     for rate_hz in [0, 9, 21, 255] {
-        assert_eq!(refused(AutopilotParams { rate_hz, ..Default::default() }), StreamError::Rate(rate_hz));
+        assert_eq!(
+            refused(AutopilotParams { rate_hz, ..Default::default() }),
+            StreamError::Rate(rate_hz)
+        );
     }
     for cm in [0, 1000, u16::MAX] {
         assert_eq!(
@@ -236,9 +279,15 @@ fn a_stream_without_sense_is_refused() {
         );
     }
     for cm in [19, 1000] {
-        assert_eq!(refused(AutopilotParams { block_cm: cm, ..Default::default() }), StreamError::Block(cm));
+        assert_eq!(
+            refused(AutopilotParams { block_cm: cm, ..Default::default() }),
+            StreamError::Block(cm)
+        );
     }
-    assert_eq!(StreamError::Rate(9).to_string(), "9 messages a second, allowed are 10 to 20");
+    assert_eq!(
+        StreamError::Rate(9).to_string(),
+        "the rate is 9 messages a second but must be 10 to 20"
+    );
 }
 
 #[test]
@@ -253,11 +302,14 @@ fn a_port_that_fails_ends_the_turn() {
     assert_eq!((turned, calls), (Err("full"), 1));
 }
 
-/// The bytes of a message in which nothing is known: sector by sector unknown, never 0, the whole turn.
+/// The bytes of a message in which nothing is known: sector by sector unknown, never 0, the whole
+/// turn.
 #[test]
 fn nothing_known_is_65535_everywhere() {
     let sent = messages(AutopilotParams::default(), 1, 1_000_000, true);
-    let theirs::MavMessage::OBSTACLE_DISTANCE(found) = read(&sent[1].1).1 else { panic!("{sent:?}") };
+    let theirs::MavMessage::OBSTACLE_DISTANCE(found) = read(&sent[1].1).1 else {
+        panic!("{sent:?}")
+    };
     assert_eq!(found.distances, [UNKNOWN_CM; 72]);
     assert_eq!((found.increment, found.increment_f, found.angle_offset), (5, 5.0, 0.0));
     assert_eq!((found.min_distance, found.max_distance), (20, 1000));
@@ -289,7 +341,11 @@ fn parameters_and_times_are_sent_as_the_crate_sends_them() {
             param_id: id(name).into(),
             param_type: theirs::MavParamType::MAV_PARAM_TYPE_REAL32,
         });
-        check(any_sender(&mut random), &ParamValue { id: id(name), value, index, count }, &expected);
+        check(
+            any_sender(&mut random),
+            &ParamValue { id: id(name), value, index, count },
+            &expected,
+        );
     }
     let (tc1, ts1) = (-1, 0x0123_4567_89ab_cdef);
     let expected = theirs::TIMESYNC_DATA { tc1, ts1, ..theirs::TIMESYNC_DATA::default() };
@@ -334,7 +390,8 @@ fn requests() -> (Vec<Vec<u8>>, Vec<Received>) {
             ]);
         }
     }
-    let times = theirs::TIMESYNC_DATA { tc1: 0, ts1: 5_000_000_000, ..theirs::TIMESYNC_DATA::default() };
+    let times =
+        theirs::TIMESYNC_DATA { tc1: 0, ts1: 5_000_000_000, ..theirs::TIMESYNC_DATA::default() };
     frames.push(frame_of(header, &theirs::MavMessage::TIMESYNC(times)));
     expected.push(Received::Timesync(Timesync { tc1: 0, ts1: 5_000_000_000 }));
     (frames, expected)
@@ -344,7 +401,8 @@ fn requests() -> (Vec<Vec<u8>>, Vec<Received>) {
 fn requests_are_taken_out_of_any_stream() {
     let (frames, expected) = requests();
     assert_eq!(received(&frames.concat()), expected);
-    let noisy: Vec<u8> = frames.iter().flat_map(|frame| [b"noise\0".as_slice(), frame].concat()).collect();
+    let noisy: Vec<u8> =
+        frames.iter().flat_map(|frame| [b"noise\0".as_slice(), frame].concat()).collect();
     assert_eq!(received(&noisy), expected);
 }
 
@@ -355,7 +413,8 @@ fn nothing_is_taken_out_of_damage() {
         for (at, bit) in (1..frame.len()).flat_map(|at| (0..8).map(move |bit| (at, bit))) {
             let mut damaged = frame.clone();
             damaged[at] ^= 1 << bit;
-            // Flags of the head that change nothing for the reader are not damage: they are part of the checksum.
+            // Flags of the head that change nothing for the reader are not damage: they are part of
+            // the checksum.
             assert_eq!(received(&damaged), [], "byte {at}, bit {bit}");
         }
     }

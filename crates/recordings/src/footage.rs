@@ -18,7 +18,8 @@ pub struct Footage {
 }
 
 impl Footage {
-    /// What lies at this path: a recording, a video with both views, or a folder, whose images hold both views where that is said.
+    /// Footage at this path: a recording, a video with both views, or a folder, whose images hold
+    /// both views where that is said.
     pub fn open(root: &Path, side_by_side: bool, stop: Stop) -> Result<Self, FrameError> {
         if is_recording(root) {
             return Self::recorded(root, &Choice::default());
@@ -41,7 +42,8 @@ impl Footage {
         Ok(Self { pairs, alone, recording: Some(recording), video: None })
     }
 
-    /// Pairs of a video with both views side by side, or of a left and a right one, by the numbers of their frames.
+    /// Pairs of a video with both views side by side, or of a left and a right one, by the numbers
+    /// of their frames.
     pub fn video(paths: &[&Path], stop: Stop) -> Result<Self, FrameError> {
         let (pairs, alone, video) = video::pairs(paths, stop)?;
         Ok(Self { pairs, alone, recording: None, video: Some(video) })

@@ -8,7 +8,8 @@
 //! footage     the pairs of whatever lies at a path
 //! ```
 //!
-//! A pair is a [`StoredPair`](linestereo_frames::StoredPair) whose images are read when it is loaded.
+//! A pair is a [`StoredPair`](linestereo_frames::StoredPair) whose images are read when it is
+//! loaded.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
@@ -20,6 +21,12 @@ mod video;
 
 pub use footage::Footage;
 pub use recording::{
-    Choice, DEFAULT_WINDOW_MS, Detection, Detections, Recording, RecordingFault, is_mcap, is_recording,
+    Choice, DEFAULT_WINDOW_MS, Detection, Detections, Recording, RecordingFault, is_mcap,
+    is_recording,
 };
 pub use video::{Camera, Stop, Video, VideoFault, is_video};
+
+/// The example of the package's page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -29,7 +29,8 @@ impl fmt::Display for CameraSide {
     }
 }
 
-/// A calibrated pair: a point at `X` in the left camera's coordinates is at `R X + t` in the right one's.
+/// A calibrated pair: a point at `X` in the left camera's coordinates is at `R X + t` in the right
+/// one's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
     left: Camera,
@@ -51,7 +52,9 @@ pub enum CalibrationError {
     #[error("the cameras are turned against each other by more than 60 degrees")]
     Turned,
     /// The baseline is outside 0.0001 ..= 10 m, or not finite.
-    #[error("a baseline of {0} m is outside 0.0001 to 10: lengths are in metres, not in millimetres")]
+    #[error(
+        "a baseline of {0} m is outside 0.0001 to 10: lengths are in metres, not in millimetres"
+    )]
     Baseline(f64),
     /// The right camera lies to the left of the left one.
     #[error(
@@ -64,7 +67,8 @@ pub enum CalibrationError {
 }
 
 impl Calibration {
-    /// A pair from its cameras, the rotation as a unit quaternion `[w, x, y, z]` and the translation in metres.
+    /// A pair from its cameras, the rotation as a unit quaternion `[w, x, y, z]` and the
+    /// translation in metres.
     pub fn new(
         left: Camera,
         right: Camera,
@@ -78,7 +82,8 @@ impl Calibration {
         if !(0.99..=1.01).contains(&length) {
             return Err(CalibrationError::Rotation);
         }
-        // A unit quaternion is not divided, so that a stored one keeps its bits: once divided, its length is 1 within 1e-15.
+        // A unit quaternion is not divided, so that a stored one keeps its bits: once divided, its
+        // length is 1 within 1e-15.
         let length = if (length - 1.0).abs() < 1e-14 { 1.0 } else { length };
         let sign = if rotation[0] < 0.0 { -length } else { length };
         let rotation = rotation.map(|q| q / sign);
@@ -127,18 +132,21 @@ impl Calibration {
         libm::sqrt(self.translation.iter().map(|t| t * t).sum())
     }
 
-    /// Unit vector from the left to the right camera, in coordinates turned half way from one to the other.
+    /// Unit vector from the left to the right camera, in coordinates turned half way from one to
+    /// the other.
     fn direction(&self) -> [f64; 3] {
         let t = rotation_matrix(half(self.rotation)).tr_mul(&Vector3::from(self.translation));
         (t / -self.baseline()).into()
     }
 
-    /// Rotations from each camera's coordinates to common ones whose x axis runs along the baseline, as rows: each camera is turned half of the way
-    /// to the other, then both by the smallest angle (Bouguet's choice, as OpenCV's `stereoRectify`).
+    /// Rotations from each camera's coordinates to common ones whose x axis runs along the
+    /// baseline, as rows: each camera is turned half of the way to the other, then both by the
+    /// smallest angle (Bouguet's choice, as OpenCV's `stereoRectify`).
     pub(crate) fn common_rotations(&self) -> [[[f64; 3]; 3]; 2] {
         let half = rotation_matrix(half(self.rotation));
         let [x, y, z] = self.direction();
-        // The shortest rotation that takes the direction to the x axis: about their cross product (0, z, -y).
+        // The shortest rotation that takes the direction to the x axis: about their cross product
+        // (0, z, -y).
         let length = libm::sqrt(2.0 * (1.0 + x));
         let align = rotation_matrix([length / 2.0, 0.0, z / length, -y / length]);
         [align * half, align * half.transpose()].map(|m| m.transpose().into())

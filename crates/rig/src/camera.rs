@@ -1,6 +1,7 @@
 //! Camera model: projection of rays to raw pixels, and its inverse.
 //!
-//! In: focal lengths, centre, skew and lens, checked once. Out: raw positions of rays. Set-up only: floating point.
+//! In: focal lengths, centre, skew and lens, checked once. Out: raw positions of rays. Set-up only:
+//! floating point.
 //!
 //! ```text
 //! (x, y) = (X/Z, Y/Z)                              normalised plane
@@ -18,7 +19,8 @@
 use crate::real::Real;
 use linestereo::image::Dims;
 
-/// Tangent of the largest angle of rays off the axis, 76 degrees; a flat rectified image cannot show more.
+/// Tangent of the largest angle of rays off the axis, 76 degrees; a flat rectified image cannot
+/// show more.
 pub const MAX_TANGENT: f64 = 4.0;
 
 /// Largest lens coefficient: those of the rational model reach some hundreds.
@@ -27,7 +29,8 @@ const MOST_COEFFICIENT: f32 = 10_000.0;
 /// Number of steps in which a lens is tested for folding.
 const STEPS: u32 = 512;
 
-/// Distortion of a lens on the normalised plane, in double precision or, behind a [`Remap`](crate::Remap), in single.
+/// Distortion of a lens on the normalised plane, in double precision or, behind a
+/// [`Remap`](crate::Remap), in single.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lens<T = f64> {
     /// Radial (barrel, pincushion, and both at once: mustache) and tangential.
@@ -45,7 +48,8 @@ pub enum Lens<T = f64> {
         /// Tangential, as of Brown-Conrady.
         p: [T; 2],
     },
-    /// Equidistant: `theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` in place of `tan(theta)`.
+    /// Equidistant: `theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)` in place of
+    /// `tan(theta)`.
     Fisheye {
         /// Coefficients of the polynomial in the angle.
         k: [T; 4],
@@ -56,7 +60,8 @@ impl Lens {
     /// No distortion.
     pub const NONE: Self = Self::BrownConrady { k: [0.0; 3], p: [0.0; 2] };
 
-    /// Distorted position of a point of the normalised plane. The polynomial may fold far outside of the image: [`Camera::project`] excludes that.
+    /// Distorted position of a point of the normalised plane. The polynomial may fold far outside
+    /// of the image: [`Camera::project`] excludes that.
     #[must_use]
     pub fn distort(&self, point: [f64; 2]) -> [f64; 2] {
         self.distorted(point)
@@ -78,7 +83,8 @@ impl Lens {
             Self::Fisheye { k: [k1, k2, k3, k4] } => {
                 let theta = libm::atan(r);
                 let t = theta * theta;
-                (1.0 + t * (3.0 * k1 + t * (5.0 * k2 + t * (7.0 * k3 + t * 9.0 * k4)))) / (1.0 + r * r)
+                (1.0 + t * (3.0 * k1 + t * (5.0 * k2 + t * (7.0 * k3 + t * 9.0 * k4))))
+                    / (1.0 + r * r)
             }
         }
     }
@@ -111,8 +117,12 @@ impl<T: Real> Lens<T> {
     pub(crate) fn coefficients(&self) -> [T; 8] {
         let zero = T::from(0.0);
         match *self {
-            Self::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => [k1, k2, k3, p1, p2, zero, zero, zero],
-            Self::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => [k1, k2, k3, p1, p2, k4, k5, k6],
+            Self::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => {
+                [k1, k2, k3, p1, p2, zero, zero, zero]
+            }
+            Self::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => {
+                [k1, k2, k3, p1, p2, k4, k5, k6]
+            }
             Self::Fisheye { k: [k1, k2, k3, k4] } => [k1, k2, k3, k4, zero, zero, zero, zero],
         }
     }
@@ -137,7 +147,9 @@ impl<T: Real> Lens<T> {
         let one = T::from(1.0);
         match *self {
             Self::BrownConrady { k, .. } => cubic(s, k),
-            Self::Rational { k: [k1, k2, k3, k4, k5, k6], .. } => cubic(s, [k1, k2, k3]) / cubic(s, [k4, k5, k6]),
+            Self::Rational { k: [k1, k2, k3, k4, k5, k6], .. } => {
+                cubic(s, [k1, k2, k3]) / cubic(s, [k4, k5, k6])
+            }
             Self::Fisheye { k: [k1, k2, k3, k4] } => {
                 let r = s.sqrt();
                 let theta = r.atan();
@@ -153,7 +165,10 @@ impl<T: Real> Lens<T> {
             Self::BrownConrady { p: [p1, p2], .. } | Self::Rational { p: [p1, p2], .. } => {
                 let two = T::from(2.0);
                 let s = x * x + y * y;
-                [two * p1 * x * y + p2 * (s + two * x * x), p1 * (s + two * y * y) + two * p2 * x * y]
+                [
+                    two * p1 * x * y + p2 * (s + two * x * x),
+                    p1 * (s + two * y * y) + two * p2 * x * y,
+                ]
             }
             Self::Fisheye { .. } => [T::from(0.0); 2],
         }
@@ -211,7 +226,8 @@ pub(crate) fn check_numbers<T: Real>(
     if !within(&skew, -1000.0, 1000.0) {
         return Err(CameraError::Skew(skew.into()));
     }
-    match lens.coefficients().into_iter().find(|k| !within(k, -MOST_COEFFICIENT, MOST_COEFFICIENT)) {
+    match lens.coefficients().into_iter().find(|k| !within(k, -MOST_COEFFICIENT, MOST_COEFFICIENT))
+    {
         Some(wrong) => Err(CameraError::Lens(wrong.into())),
         None => Ok(()),
     }
@@ -243,15 +259,26 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera from the size of its raw images, focal lengths `[fx, fy]`, centre `[cx, cy]` and skew in px, and its lens.
-    pub fn new(dims: Dims, focal: [f64; 2], centre: [f64; 2], skew: f64, lens: Lens) -> Result<Self, CameraError> {
+    /// A camera from the size of its raw images, focal lengths `[fx, fy]`, centre `[cx, cy]` and
+    /// skew in px, and its lens.
+    pub fn new(
+        dims: Dims,
+        focal: [f64; 2],
+        centre: [f64; 2],
+        skew: f64,
+        lens: Lens,
+    ) -> Result<Self, CameraError> {
         check_numbers(dims, focal, centre, skew, &lens)?;
         let [cx, cy] = centre;
         let camera = Self { dims, focal, centre, skew, lens, limit: lens.limit() };
-        // The middle of each border must be in view: a lens that folds before that does not belong to this image.
+        // The middle of each border must be in view: a lens that folds before that does not belong
+        // to this image.
         let (right, bottom) = (f64::from(dims.width - 1), f64::from(dims.height - 1));
         for border in [[0.0, cy], [right, cy], [cx, 0.0], [cx, bottom]] {
-            if camera.is_inside(border) && camera.unproject(border).is_none() && camera.limit < MAX_TANGENT {
+            if camera.is_inside(border)
+                && camera.unproject(border).is_none()
+                && camera.limit < MAX_TANGENT
+            {
                 return Err(CameraError::Folds(camera.limit));
             }
         }
@@ -288,14 +315,17 @@ impl Camera {
         self.lens
     }
 
-    /// True when this position, px, lies between the centres of the outermost raw pixels, where the image can be interpolated.
+    /// True when this position, px, lies between the centres of the outermost raw pixels, where the
+    /// image can be interpolated.
     #[must_use]
     pub fn is_inside(&self, [u, v]: [f64; 2]) -> bool {
-        (0.0..=f64::from(self.dims.width - 1)).contains(&u) && (0.0..=f64::from(self.dims.height - 1)).contains(&v)
+        (0.0..=f64::from(self.dims.width - 1)).contains(&u)
+            && (0.0..=f64::from(self.dims.height - 1)).contains(&v)
     }
 
-    /// Raw position, px, of a ray in this camera's coordinates (x right, y down, z forward); may lie outside the image. `None` behind the camera,
-    /// beyond [`MAX_TANGENT`], and where the lens folds.
+    /// Raw position, px, of a ray in this camera's coordinates (x right, y down, z forward); may
+    /// lie outside the image. `None` behind the camera, beyond [`MAX_TANGENT`], and where the lens
+    /// folds.
     #[must_use]
     pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
         if z <= 0.0 {
@@ -305,7 +335,8 @@ impl Camera {
         (libm::sqrt(x * x + y * y) <= self.limit).then(|| self.pixel(self.lens.distort([x, y])))
     }
 
-    /// Tangent of the largest viewing angle that is used: [`MAX_TANGENT`], or that at which the lens starts to fold.
+    /// Tangent of the largest viewing angle that is used: [`MAX_TANGENT`], or that at which the
+    /// lens starts to fold.
     pub(crate) fn limit(&self) -> f64 {
         self.limit
     }
@@ -315,10 +346,12 @@ impl Camera {
         [fx * x + self.skew * y + cx, fy * y + cy]
     }
 
-    /// Point of the normalised plane (z = 1) that is projected to a raw position, px, to 1e-9; `None` where there is none.
+    /// Point of the normalised plane (z = 1) that is projected to a raw position, px, to 1e-9;
+    /// `None` where there is none.
     ///
     /// # Cost
-    /// A few hundred floating-point operations: the radius by Newton's method, the tangential part by iteration.
+    /// A few hundred floating-point operations: the radius by Newton's method, the tangential part
+    /// by iteration.
     #[must_use]
     pub fn unproject(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         let ([fx, fy], [cx, cy]) = (self.focal, self.centre);
@@ -342,7 +375,8 @@ impl Camera {
         ((u2 - u).abs() < 1e-6 && (v2 - v).abs() < 1e-6).then_some(point)
     }
 
-    /// Undistorted radius of a distorted one, without the tangential part: Newton's steps, halving where they leave the bracket.
+    /// Undistorted radius of a distorted one, without the tangential part: Newton's steps, halving
+    /// where they leave the bracket.
     fn radius(&self, distorted: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, self.limit);
         if high * self.lens.radial(high * high) < distorted {

@@ -1,18 +1,19 @@
 //! Computation and interpolation of one camera's nodes: a mesh without its memory.
 //!
-//! In: a remap and memory for nodes and rows. Out: pieces of each row, the pixels that have a source, the last raw row each row needs.
-//! Method and bounds: [`mesh`](crate::mesh).
+//! In: a remap and memory for nodes and rows. Out: pieces of each row, the pixels that have a
+//! source, the last raw row each row needs. Method and bounds: [`mesh`](crate::mesh).
 
 use crate::calibration::CameraSide;
 use crate::nodes::{
-    BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces, fine_mesh_nodes, is_behind,
-    is_seen, node_at, nodes_along,
+    BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces,
+    fine_mesh_nodes, is_behind, is_seen, node_at, nodes_along,
 };
 use crate::remap::Remap;
 use linestereo::diagnostics::kernel::{X_ROUNDING, columns, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH, Span};
 
-/// Largest distance of a position from the outermost raw pixels, px in Q16, to count as inside: 1/64 px, for the rounding of the mesh.
+/// Largest distance of a position from the outermost raw pixels, px in Q16, to count as inside:
+/// 1/64 px, for the rounding of the mesh.
 const TOLERANCE: i32 = ONE / 64;
 
 /// Sizes, and parameters of interpolation.
@@ -42,7 +43,16 @@ impl Grid {
     pub(crate) const EMPTY: Self = {
         const NOTHING: Dims = Dims { width: 0, height: 0 };
         let (columns, band_rows, error_q16) = (0, 0, 0);
-        Self { dims: NOTHING, raw: NOTHING, columns, cell: 0, piece: 0, band_rows, is_inner: false, error_q16 }
+        Self {
+            dims: NOTHING,
+            raw: NOTHING,
+            columns,
+            cell: 0,
+            piece: 0,
+            band_rows,
+            is_inner: false,
+            error_q16,
+        }
     };
 
     /// Computes the nodes and rows of one camera; `None` when no rectified pixel has a source.
@@ -54,7 +64,10 @@ impl Grid {
     ) -> Option<Self> {
         let mut grid = Self::with_nodes(remap, eye, COARSE, nodes);
         let mut cubic = grid.cubic_error(nodes);
-        if cubic > ONE / 64 && fine_mesh_nodes(grid.dims) <= nodes.len() && grid.dims.width <= MAX_WIDTH / 2 {
+        if cubic > ONE / 64
+            && fine_mesh_nodes(grid.dims) <= nodes.len()
+            && grid.dims.width <= MAX_WIDTH / 2
+        {
             grid = Self::with_nodes(remap, eye, FINE, nodes);
             cubic = grid.cubic_error(nodes);
         }
@@ -91,7 +104,8 @@ impl Grid {
         is_seen(node) && inside(node.x, self.raw.width) && inside(node.y, self.raw.height)
     }
 
-    /// Largest error of a cubic through four nodes in their middle, px in Q16: 3/128 of the fourth difference, summed over both directions.
+    /// Largest error of a cubic through four nodes in their middle, px in Q16: 3/128 of the fourth
+    /// difference, summed over both directions.
     fn cubic_error(&self, nodes: &[Node]) -> i32 {
         let fourth = |at: [Node; 5]| {
             if !at.iter().all(|node| self.is_near(*node)) {
@@ -125,20 +139,25 @@ impl Grid {
         a.y - 2 * b.y + c.y
     }
 
-    /// Shift from the second difference of nodes to h^2/16 times the second derivative, where h is the length of a piece.
+    /// Shift from the second difference of nodes to h^2/16 times the second derivative, where h is
+    /// the length of a piece.
     fn bend_shift(&self, piece: u8) -> u8 {
         4 + 2 * (self.cell - piece)
     }
 
-    /// Chooses the longest pieces with an error of at most 1/32 px: that of rows in the middle of a piece, h^2/8 times the second derivative, half of
-    /// that once centred; that of columns, at most h^3/31 times the third one; and that of cubics.
+    /// Chooses the longest pieces with an error of at most 1/32 px: that of rows in the middle of a
+    /// piece, h^2/8 times the second derivative, half of that once centred; that of columns, at
+    /// most h^3/31 times the third one; and that of cubics.
     fn choose_pieces(&mut self, nodes: &[Node], cubic: i32) {
         let (mut second, mut third) = (0, 0);
         for row in self.node_rows(nodes) {
             for four in row.windows(4).filter_map(|four| four.first_chunk::<4>()) {
                 if four.iter().all(|node| self.is_near(*node)) {
                     let [a, b, c, d] = *four;
-                    second = Self::bend_of_rows([a, b, c]).abs().max(Self::bend_of_rows([b, c, d]).abs()).max(second);
+                    second = Self::bend_of_rows([a, b, c])
+                        .abs()
+                        .max(Self::bend_of_rows([b, c, d]).abs())
+                        .max(second);
                     third = (d.x - a.x + 3 * (b.x - c.x)).abs().max(third);
                 }
             }
@@ -147,11 +166,15 @@ impl Grid {
             let columns = third >> (5 + 3 * (self.cell - piece));
             (second >> self.bend_shift(piece)).saturating_add(columns).saturating_add(cubic)
         };
-        let piece = [4, 3].into_iter().find(|piece| *piece <= self.cell && error(*piece) <= ONE / 32).unwrap_or(2);
+        let piece = [4, 3]
+            .into_iter()
+            .find(|piece| *piece <= self.cell && error(*piece) <= ONE / 32)
+            .unwrap_or(2);
         (self.piece, self.error_q16) = (piece, error(piece));
     }
 
-    /// Moves the nodes against the curvature of their rows by half of the error of a line between knots in its middle.
+    /// Moves the nodes against the curvature of their rows by half of the error of a line between
+    /// knots in its middle.
     fn centre_pieces(&self, nodes: &mut [Node]) {
         let shift = self.bend_shift(self.piece);
         let rows = usize::from(nodes_along(self.dims.height, self.cell));
@@ -211,7 +234,9 @@ impl Grid {
             for (i, x) in (0..length).zip(start..) {
                 let seen = match visibility {
                     Visibility::Whole => true,
-                    Visibility::Part => remap.source(eye, [f32::from(x), f32::from(y)]).is_some_and(|(_, seen)| seen),
+                    Visibility::Part => remap
+                        .source(eye, [f32::from(x), f32::from(y)])
+                        .is_some_and(|(_, seen)| seen),
                     Visibility::Nothing => false,
                 };
                 if !(seen && self.is_inside(piece.at(i))) {
@@ -231,7 +256,8 @@ impl Grid {
     }
 
     fn is_inside(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
-        let inside = |v: i32, side: u16| (-TOLERANCE..=(i32::from(side) - 1) * ONE + TOLERANCE).contains(&v);
+        let inside =
+            |v: i32, side: u16| (-TOLERANCE..=(i32::from(side) - 1) * ONE + TOLERANCE).contains(&v);
         inside(x_q16 - X_ROUNDING, self.raw.width) && inside(y_q14 << 2, self.raw.height)
     }
 
@@ -239,7 +265,8 @@ impl Grid {
     #[inline]
     pub(crate) fn is_between(&self, [x_q16, y_q14]: [i32; 2]) -> bool {
         let end = |side: u16| i32::from(side.saturating_sub(1));
-        (0..end(self.raw.width) << 16).contains(&x_q16) && (0..end(self.raw.height) << 14).contains(&y_q14)
+        (0..end(self.raw.width) << 16).contains(&x_q16)
+            && (0..end(self.raw.height) << 14).contains(&y_q14)
     }
 
     /// Visibility of one cell to the camera.
@@ -268,7 +295,9 @@ impl Grid {
         let columns = usize::from(self.columns);
         let first = usize::from(y >> self.cell) * columns;
         let Some(weights) = CUBIC.get(usize::from(y << (4 - self.cell) & 15)) else { return &[] };
-        let row = |v: usize| nodes.get(first + v * columns..).and_then(|row| row.get(..columns)).unwrap_or(&[]);
+        let row = |v: usize| {
+            nodes.get(first + v * columns..).and_then(|row| row.get(..columns)).unwrap_or(&[])
+        };
         weigh_knots([row(0), row(1), row(2), row(3)], *weights, memory);
         memory.get(..columns).unwrap_or(&[])
     }

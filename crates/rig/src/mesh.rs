@@ -1,16 +1,22 @@
 //! Raw positions of rectified pixels as a coarse mesh of integers.
 //!
-//! In: a [`Remap`], once. Out: raw positions along every rectified row, and the raw rows that a [`Band`](crate::Band) has to hold.
+//! In: a [`Remap`], once. Out: raw positions along every rectified row, and the raw rows that a
+//! [`Band`](crate::Band) has to hold.
 //!
 //! ```text
 //! set-up, floating point:
-//!     nodes:  raw position of every 16th pixel of every 16th row, and one more on each side; every 8th, if the error of the cubic through
-//!             them, by their fourth differences, is above 1/64 px and the memory suffices
-//!     pieces: 16, 8 or 4 consecutive pixels, their raw columns by a parabola, their raw rows by a line
-//!     nodes' rows -= their second difference along the row, scaled, so that the errors of lines are centred and halved
-//!     rows:   the pixels that have a source, the last raw row they need; the most raw rows that are needed at once
+//!     nodes:  raw position of every 16th pixel of every 16th row, and one more on each side; every
+//!             8th, if the error of the cubic through them, by their fourth differences, is above
+//!             1/64 px and the memory suffices
+//!     pieces: 16, 8 or 4 consecutive pixels, their raw columns by a parabola, their raw rows by a
+//!             line
+//!     nodes' rows -= their second difference along the row, scaled, so that the errors of
+//!         lines are centred and halved
+//!     rows:   the pixels that have a source, the last raw row they need; the most raw rows that
+//!             are needed at once
 //! per row, integers:
-//!     four rows of nodes -> one, four nodes of that -> ends of pieces: the cubic through four points, twice
+//!     four rows of nodes -> one, four nodes of that -> ends of pieces: the cubic through four
+//!         points, twice
 //! ```
 //!
 //! # Cost
@@ -23,8 +29,8 @@ use crate::remap::Remap;
 use linestereo::diagnostics::kernel::X_ROUNDING;
 use linestereo::image::{Dims, Span, shrink_to_valid};
 
-/// The mesh of one camera, in the caller's memory: [`mesh_nodes`] and as many rows as the rectified image has. `new` is empty, `build`
-/// fills it.
+/// The mesh of one camera, in the caller's memory: [`mesh_nodes`] and as many rows as the rectified
+/// image has. `new` is empty, `build` fills it.
 ///
 /// ```
 /// use linestereo::Dims;
@@ -95,7 +101,8 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
     /// Size, bytes.
     pub const BYTES: usize = size_of::<Self>();
 
-    /// An empty mesh, with which every raw row is refused. All zero, so that a static of it takes no flash.
+    /// An empty mesh, with which every raw row is refused. All zero, so that a static of it takes
+    /// no flash.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -147,15 +154,17 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         self.grid.band_bytes()
     }
 
-    /// Pixels of each rectified row that have a source (the largest run of them); all others become 0. For
-    /// [`Gray::with_valid`](linestereo::Gray::with_valid) after [`shrink_to_valid`](linestereo::image::shrink_to_valid).
+    /// Pixels of each rectified row that have a source (the largest run of them); all others become
+    /// 0. For [`Gray::with_valid`](linestereo::Gray::with_valid) after
+    /// [`shrink_to_valid`](linestereo::image::shrink_to_valid).
     #[must_use]
     pub fn spans(&self) -> &[Span] {
         self.spans.get(..usize::from(self.grid.dims.height)).unwrap_or(&[])
     }
 
-    /// Spans of valid pixels for [`Gray::with_valid`](linestereo::Gray::with_valid), in the caller's memory of as many spans as the rectified
-    /// image has rows; empty when every pixel has a source.
+    /// Spans of valid pixels for [`Gray::with_valid`](linestereo::Gray::with_valid), in the
+    /// caller's memory of as many spans as the rectified image has rows; empty when every pixel has
+    /// a source.
     pub fn valid<'a>(&self, memory: &'a mut [Span]) -> &'a [Span] {
         let width = self.grid.dims.width;
         let whole = Span { start: 0, end: width };
@@ -170,7 +179,8 @@ impl<const NODES: usize, const ROWS: usize> Mesh<NODES, ROWS> {
         valid
     }
 
-    /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside its row's [`Mesh::spans`].
+    /// Raw position of a rectified pixel as the rows are interpolated, px in Q16; `None` outside
+    /// its row's [`Mesh::spans`].
     #[must_use]
     pub fn source(&self, x: u16, y: u16) -> Option<[i32; 2]> {
         let plan = self.plan();
@@ -226,7 +236,12 @@ impl MeshPlan<'_> {
 
     /// Calls `each` with first pixel, length and positions of every piece of row `y`.
     #[inline(always)]
-    pub(crate) fn for_each_piece(&self, y: u16, memory: &mut Knots, each: impl FnMut(u16, u16, Piece)) {
+    pub(crate) fn for_each_piece(
+        &self,
+        y: u16,
+        memory: &mut Knots,
+        each: impl FnMut(u16, u16, Piece),
+    ) {
         self.grid.pieces_between(self.grid.knots(self.nodes, y, memory), each);
     }
 }

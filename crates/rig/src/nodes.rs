@@ -1,13 +1,15 @@
 //! Nodes of a mesh, and pieces of rows between four of them.
 //!
-//! In: raw positions of four nodes in a line. Out: the cubic through them, at sixteenths; pieces between.
+//! In: raw positions of four nodes in a line. Out: the cubic through them, at sixteenths; pieces
+//! between.
 //!
 //! # Bounds
-//! Nodes are clamped to 8192 px, 2^29 in Q16: two of them sum to 2^30. Weights in Q30 sum to 2^30 and their sizes to less than 2^31: upper
-//! halves of products sum to less than 2^28, which is Q14.
+//! Nodes are clamped to 8192 px, 2^29 in Q16: two of them sum to 2^30. Weights in Q30 sum to 2^30
+//! and their sizes to less than 2^31: upper halves of products sum to less than 2^28, which is Q14.
 //!
 //! # Source
-//! Lagrange's interpolation. A bilinear mesh of 16 px has an error of 0.16 px on a common lens; Catmull-Rom's cubic is one order worse.
+//! Lagrange's interpolation. A bilinear mesh of 16 px has an error of 0.16 px on a common lens;
+//! Catmull-Rom's cubic is one order worse.
 
 use linestereo::diagnostics::kernel::{Knot, X_ROUNDING, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH};
@@ -27,13 +29,15 @@ pub const fn mesh_nodes(dims: Dims) -> usize {
     nodes_along(dims.width, COARSE) as usize * nodes_along(dims.height, COARSE) as usize
 }
 
-/// Number of nodes with which a [`Mesh`](crate::Mesh) can halve their distance, where a lens needs it: very wide ones, and images below 200 px.
+/// Number of nodes with which a [`Mesh`](crate::Mesh) can halve their distance, where a lens needs
+/// it: very wide ones, and images below 200 px.
 #[must_use]
 pub const fn fine_mesh_nodes(dims: Dims) -> usize {
     nodes_along(dims.width, FINE) as usize * nodes_along(dims.height, FINE) as usize
 }
 
-/// Number of nodes along a side: one before the first pixel, two behind the start of the last pixel's cell.
+/// Number of nodes along a side: one before the first pixel, two behind the start of the last
+/// pixel's cell.
 pub(crate) const fn nodes_along(side: u16, cell: u8) -> u16 {
     (side.saturating_sub(1) >> cell) + 4
 }
@@ -46,7 +50,8 @@ pub(crate) type Node = Knot;
 /// Node of an empty mesh.
 pub(crate) const NO_NODE: Node = Node { x: 0, y: 0 };
 
-/// Node of a raw position, px, with a flag that is true in view of the camera; `None` is behind the camera.
+/// Node of a raw position, px, with a flag that is true in view of the camera; `None` is behind the
+/// camera.
 #[expect(clippy::float_arithmetic, reason = "set-up")]
 pub(crate) fn node_at(source: Option<([f32; 2], bool)>) -> Node {
     let Some(([x, y], seen)) = source else { return BEHIND };
@@ -115,7 +120,8 @@ const fn rounded(value: i32, by: i64) -> i32 {
     ((value + if value < 0 { -by / 2 } else { by / 2 }) / by) as i32
 }
 
-/// Consecutive pixels: their raw columns by a polynomial of the second degree, their raw rows on a straight line.
+/// Consecutive pixels: their raw columns by a polynomial of the second degree, their raw rows on a
+/// straight line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     /// Raw column of the first pixel, px in Q16, plus half a step of the kernel's fraction.

@@ -3,9 +3,16 @@
 
 use core::ops::{Add, Div, Mul};
 
-/// `f32` or `f64`. Square root and arc tangent are libm's on every machine, so that bits are the same.
+/// `f32` or `f64`. Square root and arc tangent are libm's on every machine, so that bits are the
+/// same.
 pub trait Real:
-    Copy + PartialOrd + From<f32> + Into<f64> + Add<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+    Copy
+    + PartialOrd
+    + From<f32>
+    + Into<f64>
+    + Add<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
 {
     fn sqrt(self) -> Self;
     fn atan(self) -> Self;

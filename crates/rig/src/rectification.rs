@@ -1,10 +1,13 @@
-//! Rectification of a calibrated pair: two virtual cameras with the same direction, focal length and centre, corresponding points on one row.
+//! Rectification of a calibrated pair: two virtual cameras with the same direction, focal length
+//! and centre, corresponding points on one row.
 //!
-//! In: a [`Calibration`], the size of the rectified images, the part of the view to keep. Out: the raw position of every rectified pixel, in
-//! double precision: [`Remap`](crate::Remap) has it in single, [`Mesh`](crate::Mesh) in integers.
+//! In: a [`Calibration`], the size of the rectified images, the part of the view to keep. Out: the
+//! raw position of every rectified pixel, in double precision: [`Remap`](crate::Remap) has it in
+//! single, [`Mesh`](crate::Mesh) in integers.
 //!
 //! # Source
-//! Fusiello, Trucco, Verri, 2000, and Bouguet's toolbox for the rotations; both centres are the same, so that disparity 0 is infinity.
+//! Fusiello, Trucco, Verri, 2000, and Bouguet's toolbox for the rotations; both centres are the
+//! same, so that disparity 0 is infinity.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use crate::calibration::{Calibration, CameraSide};
@@ -19,15 +22,18 @@ const STRETCHES: u16 = 16;
 const HALVINGS: u16 = 6;
 /// Number of directions in which the edge of a lens's view is sampled.
 const DIRECTIONS: i16 = 64;
-/// Margin inside the outermost raw pixels of a view without pixels that lack a source, px: more than the error of a mesh.
+/// Margin inside the outermost raw pixels of a view without pixels that lack a source, px: more
+/// than the error of a mesh.
 const MARGIN: f64 = 1.0 / 32.0;
-/// Number of points sampled along each border of a rectified image where the raw borders do not determine the view.
+/// Number of points sampled along each border of a rectified image where the raw borders do not
+/// determine the view.
 const CHECKED: u16 = 64;
 
 /// Part of the view that the rectified images keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum View {
-    /// 0: as much as fits without a pixel that has no source; 1: every raw pixel of both cameras is in view; interpolated between.
+    /// 0: as much as fits without a pixel that has no source; 1: every raw pixel of both cameras is
+    /// in view; interpolated between.
     Alpha(f64),
     /// Focal length, px, around the middle of the common view.
     Focal(f64),
@@ -43,10 +49,12 @@ impl Default for View {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RectifyError {
     /// The rectified size is outside the core's limits.
-    #[error("rectified images of {0} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")]
+    #[error(
+        "rectified images of {0} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}"
+    )]
     Dims(Dims),
     /// Alpha is outside 0 ..= 1.
-    #[error("alpha is {0}, allowed are 0 to 1")]
+    #[error("alpha is {0} but must be 0 to 1")]
     Alpha(f64),
     /// The two cameras have no common view.
     #[error("the two cameras share no view: are they turned apart?")]
@@ -76,7 +84,9 @@ impl Calibration {
     pub fn rectify(&self, dims: Dims, view: View) -> Result<Rectification, RectifyError> {
         let mut found = Rectification::new(self, dims)?;
         let [left, right] = CameraSide::BOTH.map(|eye| found.bounds(eye));
-        let (Some(left), Some(right)) = (left, right) else { return Err(RectifyError::NoCommonView) };
+        let (Some(left), Some(right)) = (left, right) else {
+            return Err(RectifyError::NoCommonView);
+        };
         let inner = left.inner.common(right.inner).ok_or(RectifyError::NoCommonView)?;
         match view {
             View::Alpha(alpha) if (0.0..=1.0).contains(&alpha) => {
@@ -99,8 +109,8 @@ impl Calibration {
         Ok(found)
     }
 
-    /// A rectification with given rotations, focal length and centre (OpenCV's R1, R2, P1, P2): each rotation by rows, from the camera's coordinates
-    /// to common ones.
+    /// A rectification with given rotations, focal length and centre (OpenCV's R1, R2, P1, P2):
+    /// each rotation by rows, from the camera's coordinates to common ones.
     pub fn rectify_as(
         &self,
         dims: Dims,
@@ -109,7 +119,9 @@ impl Calibration {
         centre: [f64; 2],
     ) -> Result<Rectification, RectifyError> {
         let mut found = Rectification::new(self, dims)?;
-        for ((rows, to_camera), eye) in rotations.into_iter().zip(&mut found.to_camera).zip(CameraSide::BOTH) {
+        for ((rows, to_camera), eye) in
+            rotations.into_iter().zip(&mut found.to_camera).zip(CameraSide::BOTH)
+        {
             // nalgebra reads columns: the rows of a rotation are the columns of its inverse.
             *to_camera = Matrix3::from(rows);
             let off = (to_camera.tr_mul(&*to_camera) - Matrix3::identity()).abs().max();
@@ -175,7 +187,8 @@ impl Rectification {
         }
     }
 
-    /// Rotations from left and right camera coordinates to common ones, by rows, as [`Calibration::rectify_as`] takes them.
+    /// Rotations from left and right camera coordinates to common ones, by rows, as
+    /// [`Calibration::rectify_as`] takes them.
     #[must_use]
     pub fn rotations(&self) -> [[[f64; 3]; 3]; 2] {
         // The columns of a rotation are the rows of its inverse.
@@ -190,7 +203,8 @@ impl Rectification {
         }
     }
 
-    /// Raw position of a rectified one, px; may lie outside the raw image. `None` outside of the camera's view.
+    /// Raw position of a rectified one, px; may lie outside the raw image. `None` outside of the
+    /// camera's view.
     #[must_use]
     pub fn source(&self, eye: CameraSide, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         self.camera(eye).project(self.ray(eye, [x, y]))
@@ -207,7 +221,8 @@ impl Rectification {
         (self.turn(eye) * Vector3::new((x - cx) / self.focal, (y - cy) / self.focal, 1.0)).into()
     }
 
-    /// Rectified position of a raw one, px: the inverse of [`Rectification::source`]. `None` where it is behind the rectified view.
+    /// Rectified position of a raw one, px: the inverse of [`Rectification::source`]. `None` where
+    /// it is behind the rectified view.
     #[must_use]
     pub fn rectified(&self, eye: CameraSide, raw: [f64; 2]) -> Option<[f64; 2]> {
         let [x, y] = self.normalised(eye, raw)?;
@@ -229,7 +244,8 @@ impl Rectification {
     /// View of one camera on the common normalised plane; `None` when it is empty.
     fn bounds(&self, eye: CameraSide) -> Option<Bounds> {
         let camera = self.camera(eye);
-        let mut bounds = Bounds { inner: Window::EVERYTHING, outer: Window::NOTHING, is_closed: true };
+        let mut bounds =
+            Bounds { inner: Window::EVERYTHING, outer: Window::NOTHING, is_closed: true };
         for border in Border::ALL {
             self.walk(eye, border, &mut bounds);
         }
@@ -242,7 +258,8 @@ impl Rectification {
             .then(|| Bounds { inner: bounds.inner.limited(bounds.outer), ..bounds })
     }
 
-    /// Samples points along a border, more densely where it reaches furthest to the inside or outside, or enters the view.
+    /// Samples points along a border, more densely where it reaches furthest to the inside or
+    /// outside, or enters the view.
     fn walk(&self, eye: CameraSide, border: Border, bounds: &mut Bounds) {
         let (mut innermost, mut outermost) = (None, None);
         let mut sample = |share: f64| {
@@ -291,7 +308,8 @@ impl Rectification {
         }
     }
 
-    /// Extends the view to the angle up to which the lens can be used, where borders are out of view.
+    /// Extends the view to the angle up to which the lens can be used, where borders are out of
+    /// view.
     fn extend_to_limit(&self, eye: CameraSide, bounds: &mut Bounds) {
         let camera = self.camera(eye);
         let radius = camera.limit() * 0.9999;
@@ -314,7 +332,8 @@ impl Rectification {
         }
     }
 
-    /// Least focal length, not below `focal`, at which every pixel of both images has a source around the middle of the window.
+    /// Least focal length, not below `focal`, at which every pixel of both images has a source
+    /// around the middle of the window.
     fn shrunk(&mut self, window: Window, focal: f64) -> Option<(f64, [f64; 2])> {
         let (mut fits, mut low) = (None, focal);
         let mut high = focal;
@@ -349,7 +368,8 @@ impl Rectification {
                 let share = f64::from(i) / f64::from(CHECKED);
                 let (x, y) = (right * share, bottom * share);
                 [[0.0, y], [right, y], [x, 0.0], [x, bottom]].into_iter().all(|position| {
-                    self.source(eye, position).is_some_and(|[u, v]| inside(u, dims.width) && inside(v, dims.height))
+                    self.source(eye, position)
+                        .is_some_and(|[u, v]| inside(u, dims.width) && inside(v, dims.height))
                 })
             })
         })
@@ -358,7 +378,9 @@ impl Rectification {
 
 /// Checks the size of rectified images against the core's limits.
 pub(crate) fn check_dims(dims: Dims) -> Result<(), RectifyError> {
-    if (MIN_SIDE..=MAX_WIDTH).contains(&dims.width) && (MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
+    if (MIN_SIDE..=MAX_WIDTH).contains(&dims.width)
+        && (MIN_SIDE..=MAX_HEIGHT).contains(&dims.height)
+    {
         Ok(())
     } else {
         Err(RectifyError::Dims(dims))

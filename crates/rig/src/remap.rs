@@ -1,7 +1,10 @@
-//! Raw positions of rectified pixels, in single precision: what a mesh is built from, and what a rig image holds.
+//! Raw positions of rectified pixels, in single precision: what a mesh is built from, and what a
+//! rig image holds.
 //!
-//! In: a [`Rectification`](crate::Rectification), or the numbers of a [`RigImage`](crate::RigImage). Out: the raw position of any rectified one.
-//! The search for the common view, in double precision, is behind it: a board that gets its rig as an image needs none of that.
+//! In: a [`Rectification`](crate::Rectification), or the numbers of a
+//! [`RigImage`](crate::RigImage). Out: the raw position of any rectified one. The search for the
+//! common view, in double precision, is behind it: a board that gets its rig as an image needs none
+//! of that.
 //!
 //! ```text
 //! ray   = R ((x - cx) / f, (y - cy) / f, 1)        R: from common to the camera's coordinates
@@ -9,8 +12,9 @@
 //! ```
 //!
 //! # Bounds
-//! A dozen roundings of 2^-24: positions are within 1/1000 px of those in double precision for raw images up to 1280 px, where meshes
-//! tolerate 1/64 px. Additions, products, quotients and square roots alone, and `atan` by libm for a fisheye: equal bits on every machine.
+//! A dozen roundings of 2^-24: positions are within 1/1000 px of those in double precision for raw
+//! images up to 1280 px, where meshes tolerate 1/64 px. Additions, products, quotients and square
+//! roots alone, and `atan` by libm for a fisheye: equal bits on every machine.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use crate::calibration::CameraSide;
@@ -19,7 +23,8 @@ use crate::rectification::{Rectification, RectifyError, check_dims};
 use linestereo::image::Dims;
 use linestereo::{Rig, RigError};
 
-/// Both cameras of a rectified pair: `remap` of a rectified position is the raw position that is shown there.
+/// Both cameras of a rectified pair: `remap` of a rectified position is the raw position that is
+/// shown there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remap {
     pub(crate) dims: Dims,
@@ -43,7 +48,8 @@ pub struct RemapCamera {
     pub skew: f32,
     /// Distortion.
     pub lens: Lens<f32>,
-    /// Tangent of the largest viewing angle that is used: where the lens starts to fold, at most [`MAX_TANGENT`].
+    /// Tangent of the largest viewing angle that is used: where the lens starts to fold, at most
+    /// [`MAX_TANGENT`].
     pub limit: f32,
 }
 
@@ -93,8 +99,8 @@ impl Remap {
         Rig::new(self.focal, self.baseline, 0.0)?.with_principal_point(self.centre)
     }
 
-    /// Raw position of a rectified one, px, continued smoothly beyond the limit of the lens, with a flag that is true within the limit; may lie
-    /// outside the raw image. `None` behind the camera.
+    /// Raw position of a rectified one, px, continued smoothly beyond the limit of the lens, with a
+    /// flag that is true within the limit; may lie outside the raw image. `None` behind the camera.
     pub(crate) fn source(&self, side: CameraSide, [x, y]: [f32; 2]) -> Option<([f32; 2], bool)> {
         let ([cx, cy], f) = (self.centre, self.focal);
         let ray = [(x - cx) / f, (y - cy) / f];
@@ -107,7 +113,8 @@ impl Remap {
         self.rig().map_err(|error| RemapError::View(RectifyError::Rig(error)))?;
         for (camera, side) in self.cameras.iter().zip(CameraSide::BOTH) {
             let RemapCamera { rotation, focal, centre, skew, lens, limit } = camera;
-            check_numbers(self.raw, *focal, *centre, *skew, lens).map_err(|error| RemapError::Camera(side, error))?;
+            check_numbers(self.raw, *focal, *centre, *skew, lens)
+                .map_err(|error| RemapError::Camera(side, error))?;
             if !(0.0..=MAX_TANGENT as f32).contains(limit) {
                 return Err(RemapError::Camera(side, CameraError::Folds((*limit).into())));
             }
@@ -142,7 +149,10 @@ impl RemapCamera {
 impl Rectification {
     /// The same in single precision.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, reason = "the range is checked; see the module's bounds")]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the range is checked; see the module's bounds"
+    )]
     pub fn remap(&self) -> Remap {
         let single = |v: f64| v as f32;
         let cameras = CameraSide::BOTH.map(|side| {

@@ -1,7 +1,9 @@
-//! Binary image of a rig for storage on a board: what rectifies both cameras, and the disparity range, in [`RigImage::BYTES`] bytes.
+//! Binary image of a rig for storage on a board: what rectifies both cameras, and the disparity
+//! range, in [`RigImage::BYTES`] bytes.
 //!
-//! In: a calibration, a view and a disparity range. Out: bytes. The common view is found once, where the image is made: decoding checks
-//! numbers and computes none, so that a board and a PC rectify alike.
+//! In: a calibration, a view and a disparity range. Out: bytes. The common view is found once,
+//! where the image is made: decoding checks numbers and computes none, so that a board and a PC
+//! rectify alike.
 //!
 //! ```text
 //! offset  bytes                      all numbers little endian
@@ -15,20 +17,24 @@
 //!     20    2+2  raw size            px
 //!     24    4*4  rectified view      f32: focal length, centre x y, px; baseline, m
 //!     40     96  left camera         f32: rotation from common to the camera's coordinates by rows (9*4), focal lengths x y, centre x y, skew,
-//!                                    px; lens (4) 0: Brown-Conrady, 1: fisheye, 2: rational, then eight coefficients, k1 k2 k3 p1 p2 0 0 0,
-//!                                    k1 k2 k3 k4 0 0 0 0, or k1 k2 k3 p1 p2 k4 k5 k6, and the tangent of the angle up to which the lens is used
+//!                                    px; lens (4) 0: Brown-Conrady, 1: fisheye, 2: rational,
+//!                                        then eight coefficients, k1 k2 k3 p1 p2 0 0 0,
+//!                                    k1 k2 k3 k4 0 0 0 0, or k1 k2 k3 p1 p2 k4 k5 k6, and the
+//!                                        tangent of the angle up to which the lens is used
 //!    136     96  right camera        the same
 //!    232      4  CRC-32              of all bytes before it
 //! ```
 //!
-//! Magic, version, length, sequence and a CRC-32 at the end have the same offsets in every version, so that another one is recognised.
+//! Magic, version, length, sequence and a CRC-32 at the end have the same offsets in every version,
+//! so that another one is recognised.
 //!
 //! # Bounds
-//! A CRC-32 detects one, two or three damaged bits in an image this short; other damage passes with a probability of 1 / (4 * 10^9), and its
-//! numbers then still have to be within their ranges.
+//! A CRC-32 detects one, two or three damaged bits in an image this short; other damage passes with
+//! a probability of 1 / (4 * 10^9), and its numbers then still have to be within their ranges.
 //!
 //! # Cost
-//! Checking an image: one pass over its bytes; decoding one: some hundred comparisons. No allocation, no panic path.
+//! Checking an image: one pass over its bytes; decoding one: some hundred comparisons. No
+//! allocation, no panic path.
 
 use crate::calibration::{Calibration, CameraSide};
 use crate::camera::{CameraError, Lens};
@@ -45,7 +51,8 @@ const VERSION: u16 = 3;
 /// Value of erased flash.
 const ERASED: u8 = 0xff;
 
-/// A rig that a board can use: its cameras can be rectified to this size and view, and the disparity range fits.
+/// A rig that a board can use: its cameras can be rectified to this size and view, and the
+/// disparity range fits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigImage {
     remap: Remap,
@@ -92,7 +99,7 @@ pub enum RigImageError {
         given: usize,
     },
     /// The checksum is not that of the bytes.
-    #[error("damaged: the checksum is not that of the bytes")]
+    #[error("damaged: the checksum does not match the bytes")]
     Damaged,
     /// A whole image of another version.
     #[error("other version: it is {found}, this program knows {VERSION}")]
@@ -129,7 +136,8 @@ impl RigImageHead {
         if MAGIC.iter().zip(bytes).any(|(a, b)| a != b) {
             return Err(RigImageError::Foreign);
         }
-        let Ok((Head { version, length, sequence, .. }, _)) = postcard::take_from_bytes(bytes) else {
+        let Ok((Head { version, length, sequence, .. }, _)) = postcard::take_from_bytes(bytes)
+        else {
             return Err(RigImageError::Truncated { needed: RigImage::BYTES, given: bytes.len() });
         };
         let image = bytes.get(..length.into()).unwrap_or_default();
@@ -144,8 +152,12 @@ impl RigImageHead {
         let head = Self::read(bytes)?;
         let (needed, given) = (RigImage::BYTES, bytes.len());
         match usize::from(head.length) {
-            RigImage::BYTES if given < needed => return Err(RigImageError::Truncated { needed, given }),
-            RigImage::BYTES if given > needed => return Err(RigImageError::Surplus { needed, given }),
+            RigImage::BYTES if given < needed => {
+                return Err(RigImageError::Truncated { needed, given });
+            }
+            RigImage::BYTES if given > needed => {
+                return Err(RigImageError::Surplus { needed, given });
+            }
             RigImage::BYTES if !head.is_whole => return Err(RigImageError::Damaged),
             RigImage::BYTES if head.version == VERSION => return Ok(head),
             // The version field is valid only with a valid checksum.
@@ -160,7 +172,8 @@ impl RigImage {
     /// Size of an image, bytes.
     pub const BYTES: usize = 236;
 
-    /// A rig whose images are rectified to this size and view and searched at disparities `min_disparity .. max_disparity`, px.
+    /// A rig whose images are rectified to this size and view and searched at disparities
+    /// `min_disparity .. max_disparity`, px.
     pub fn new(
         calibration: Calibration,
         dims: Dims,
@@ -224,9 +237,22 @@ impl RigImage {
     /// ```
     pub fn decode(bytes: &[u8]) -> Result<Self, RigImageError> {
         RigImageHead::check(bytes)?;
-        let Ok((numbers, _)) = postcard::take_from_bytes::<Numbers>(bytes) else { return Err(RigImageError::Damaged) };
+        let Ok((numbers, _)) = postcard::take_from_bytes::<Numbers>(bytes) else {
+            return Err(RigImageError::Damaged);
+        };
         let size = |[Short(width), Short(height)]: [Short; 2]| Dims { width, height };
-        let Numbers { dims, min_disparity, max_disparity, raw, focal, centre, baseline, left, right, .. } = numbers;
+        let Numbers {
+            dims,
+            min_disparity,
+            max_disparity,
+            raw,
+            focal,
+            centre,
+            baseline,
+            left,
+            right,
+            ..
+        } = numbers;
         let cameras = [left.camera(CameraSide::Left)?, right.camera(CameraSide::Right)?];
         let remap = Remap { dims: size(dims), raw: size(raw), focal, centre, baseline, cameras };
         Self { remap, min_disparity, max_disparity }.checked()
@@ -246,7 +272,8 @@ impl RigImage {
 
     /// `params` with this rig and its disparity range.
     pub fn params(&self, params: Params) -> Result<Params, RigImageError> {
-        let rig = self.remap.rig().map_err(|error| RigImageError::View(RectifyError::Rig(error)))?;
+        let rig =
+            self.remap.rig().map_err(|error| RigImageError::View(RectifyError::Rig(error)))?;
         let (min_disparity, max_disparity) = self.disparities();
         Ok(Params { min_disparity, max_disparity, rig: Some(rig), ..params })
     }
@@ -318,7 +345,15 @@ impl From<RemapCamera> for CameraNumbers {
 
 impl CameraNumbers {
     fn camera(self, side: CameraSide) -> Result<RemapCamera, RigImageError> {
-        let Self { rotation, focal, centre, skew, lens_kind, lens: [a, b, c, d, e, f, g, h], limit } = self;
+        let Self {
+            rotation,
+            focal,
+            centre,
+            skew,
+            lens_kind,
+            lens: [a, b, c, d, e, f, g, h],
+            limit,
+        } = self;
         let lens = match lens_kind {
             LensKind::BROWN_CONRADY => Lens::BrownConrady { k: [a, b, c], p: [d, e] },
             LensKind::FISHEYE => Lens::Fisheye { k: [a, b, c, d] },

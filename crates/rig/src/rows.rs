@@ -1,10 +1,12 @@
 //! Rectification row by row: raw rows -> rectified rows.
 //!
-//! In: raw rows in the order of the camera. Out: rectified rows, in order, each as soon as the last raw row that it needs is given.
+//! In: raw rows in the order of the camera. Out: rectified rows, in order, each as soon as the last
+//! raw row that it needs is given.
 //!
 //! ```text
 //! push(raw row):
-//!     store it in the band, a ring of as many raw rows as any rectified row needs at once, over the oldest
+//!     store it in the band, a ring of as many raw rows as any rectified row needs at once,
+//!         over the oldest
 //!     for each rectified row that can be computed now:
 //!         for each piece of it (see Mesh):
 //!             split where the raw row changes; bilinear_runs
@@ -98,8 +100,16 @@ impl<const BYTES: usize> Band<BYTES> {
     /// An empty band.
     #[must_use]
     pub const fn new() -> Self {
-        const NOTHING: Run =
-            Run { top: 0, bottom: 0, x_q16: 0, dx_q16: 0, ddx_q16: 0, fy_q14: 0, dfy_q14: 0, length: 0 };
+        const NOTHING: Run = Run {
+            top: 0,
+            bottom: 0,
+            x_q16: 0,
+            dx_q16: 0,
+            ddx_q16: 0,
+            fy_q14: 0,
+            dfy_q14: 0,
+            length: 0,
+        };
         let work = Work { knots: [NO_NODE; _], runs: [NOTHING; RUNS] };
         Self { bytes: Bytes([0; BYTES]), progress: Progress { raw: 0, row: 0 }, work }
     }
@@ -109,8 +119,9 @@ impl<const BYTES: usize> Band<BYTES> {
         self.progress = Progress::default();
     }
 
-    /// Stores the next raw row, writes the rectified rows that can be computed now to `frame` (row-major, as wide as the rectified image), and
-    /// returns their range. Pixels outside a row's [`Mesh::spans`] become 0.
+    /// Stores the next raw row, writes the rectified rows that can be computed now to `frame`
+    /// (row-major, as wide as the rectified image), and returns their range. Pixels outside a row's
+    /// [`Mesh::spans`] become 0.
     pub fn push<const NODES: usize, const ROWS: usize>(
         &mut self,
         mesh: &Mesh<NODES, ROWS>,
@@ -122,7 +133,10 @@ impl<const BYTES: usize> Band<BYTES> {
 
     /// True when every row of the rectified frame is written.
     #[must_use]
-    pub fn is_complete<const NODES: usize, const ROWS: usize>(&self, mesh: &Mesh<NODES, ROWS>) -> bool {
+    pub fn is_complete<const NODES: usize, const ROWS: usize>(
+        &self,
+        mesh: &Mesh<NODES, ROWS>,
+    ) -> bool {
         self.progress.row >= mesh.dims().height
     }
 
@@ -149,19 +163,29 @@ impl Progress {
             return Err(RowError::NoMesh);
         }
         let needed = mesh.grid.band_bytes();
-        let Some(bytes) = bytes.get_mut(..needed) else { return Err(RowError::Band { needed, given }) };
+        let Some(bytes) = bytes.get_mut(..needed) else {
+            return Err(RowError::Band { needed, given });
+        };
         if raw_row.len() != width {
             return Err(RowError::Width { needed: raw.width, given: raw_row.len() });
         }
         let (needed, given) = (usize::from(dims.width) * usize::from(dims.height), frame.len());
-        let Some(frame) = frame.get_mut(..needed) else { return Err(RowError::Frame { needed, given }) };
+        let Some(frame) = frame.get_mut(..needed) else {
+            return Err(RowError::Frame { needed, given });
+        };
         if self.raw >= raw.height {
             return Err(RowError::TooMany);
         }
-        if let Some(slot) = slot(self.raw, mesh).and_then(|start| bytes.get_mut(start..)?.get_mut(..width)) {
+        if let Some(slot) =
+            slot(self.raw, mesh).and_then(|start| bytes.get_mut(start..)?.get_mut(..width))
+        {
             slot.copy_from_slice(raw_row);
         }
-        let rows = Rows { mesh: *mesh, bytes, lap: self.raw - self.raw.checked_rem(mesh.grid.band_rows).unwrap_or(0) };
+        let rows = Rows {
+            mesh: *mesh,
+            bytes,
+            lap: self.raw - self.raw.checked_rem(mesh.grid.band_rows).unwrap_or(0),
+        };
         let first = self.row;
         let out = frame.chunks_exact_mut(usize::from(dims.width).max(1)).skip(first.into());
         for out in out {
@@ -216,7 +240,9 @@ impl Rows<'_> {
             return self.rectify_inner(y, work, out);
         }
         let (before, rest) = out.split_at_mut_checked(span.start.into()).unwrap_or_default();
-        let (valid, behind) = rest.split_at_mut_checked(span.end.saturating_sub(span.start).into()).unwrap_or_default();
+        let (valid, behind) = rest
+            .split_at_mut_checked(span.end.saturating_sub(span.start).into())
+            .unwrap_or_default();
         before.fill(0);
         behind.fill(0);
         let mut list = List { rows: self, runs: &mut work.runs, count: 0, pixels: 0, left: valid };
@@ -242,8 +268,9 @@ impl Rows<'_> {
         while knots.len() > 3 && !left.is_empty() {
             let listed = self.list(knots, left.len() as i32, &mut work.runs);
             let runs = work.runs.get(..listed.runs).unwrap_or(&[]);
-            let (out, behind) =
-                core::mem::take(&mut left).split_at_mut_checked(listed.pixels as usize).unwrap_or_default();
+            let (out, behind) = core::mem::take(&mut left)
+                .split_at_mut_checked(listed.pixels as usize)
+                .unwrap_or_default();
             bilinear_runs(self.bytes, width, runs, out);
             left = behind;
             knots = knots.get(listed.cells..).unwrap_or(&[]);
@@ -280,7 +307,16 @@ impl Rows<'_> {
             let Piece { x_q16, dx_q16, ddx_q16, y_q14, dy_q14 } = piece;
             let (row, fy_q14) = (y_q14 >> 14, y_q14 & 0x3fff);
             let (top, bottom) = self.starts(row);
-            let mut run = Run { top, bottom, x_q16, dx_q16, ddx_q16, fy_q14, dfy_q14: dy_q14, length: left as u32 };
+            let mut run = Run {
+                top,
+                bottom,
+                x_q16,
+                dx_q16,
+                ddx_q16,
+                fy_q14,
+                dfy_q14: dy_q14,
+                length: left as u32,
+            };
             if y_q14.wrapping_add(dy_q14.wrapping_mul(left - 1)) >> 14 == row {
                 return put(run);
             }
@@ -295,15 +331,21 @@ impl Rows<'_> {
     /// Interpolates pixel by pixel, at clamped positions.
     fn paint_border(&self, piece: Piece, out: &mut [u8]) {
         let raw = self.mesh.grid.raw;
-        let (ends_x, ends_y) = ((i32::from(raw.width) - 1) << 16, (i32::from(raw.height) - 1) << 14);
+        let (ends_x, ends_y) =
+            ((i32::from(raw.width) - 1) << 16, (i32::from(raw.height) - 1) << 14);
         for (pixel, i) in out.iter_mut().zip(0..) {
             let [x, y] = piece.at(i);
             let (x, y) = (x.min(ends_x).max(0), y.min(ends_y).max(0));
             // The last column and row are interpolated from the last two, with the full fraction.
-            let (column, row) = ((x >> 16).min(i32::from(raw.width) - 2), (y >> 14).min(i32::from(raw.height) - 2));
-            let two = |row: &[u8]| row.get(column as usize..).and_then(|row| row.first_chunk::<2>()).copied();
+            let (column, row) =
+                ((x >> 16).min(i32::from(raw.width) - 2), (y >> 14).min(i32::from(raw.height) - 2));
+            let two = |row: &[u8]| {
+                row.get(column as usize..).and_then(|row| row.first_chunk::<2>()).copied()
+            };
             *pixel = match (two(self.raw(row)), two(self.raw(row + 1))) {
-                (Some(top), Some(bottom)) => bilinear(top, bottom, (x - (column << 16)) >> 9, y - (row << 14)),
+                (Some(top), Some(bottom)) => {
+                    bilinear(top, bottom, (x - (column << 16)) >> 9, y - (row << 14))
+                }
                 _ => 0,
             };
         }
@@ -349,7 +391,9 @@ impl List<'_> {
             return;
         }
         self.paint();
-        if let Some((out, behind)) = core::mem::take(&mut self.left).split_at_mut_checked(length.into()) {
+        if let Some((out, behind)) =
+            core::mem::take(&mut self.left).split_at_mut_checked(length.into())
+        {
             self.rows.paint_border(piece, out);
             self.left = behind;
         }
@@ -367,7 +411,8 @@ impl List<'_> {
     }
 }
 
-/// Number of pixels, at least one, before a position that starts at a fraction of a row and moves by `step` leaves the row.
+/// Number of pixels, at least one, before a position that starts at a fraction of a row and moves
+/// by `step` leaves the row.
 fn before_next_row(fraction: i32, step: i32) -> i32 {
     let distance = if step < 0 { fraction } else { (1 << 14) - 1 - fraction };
     distance.checked_div(step.wrapping_abs()).map_or(i32::MAX, |steps| steps.wrapping_add(1))

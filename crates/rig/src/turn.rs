@@ -1,4 +1,5 @@
-//! Rotations as unit quaternions `[w, x, y, z]`: no trigonometry, so that results are equal on every machine.
+//! Rotations as unit quaternions `[w, x, y, z]`: no trigonometry, so that results are equal on
+//! every machine.
 #![allow(clippy::float_arithmetic, reason = "set-up")]
 
 use nalgebra::Matrix3;

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct Reset {
     /// Why.
     pub cause: ResetCause,
-    /// Of a fault, the address of the instruction, for `addr2line`; of a panic, the line in its source file; 0 when it is not known.
+    /// Of a fault, the address of the instruction, for `addr2line`; of a panic, the line in its
+    /// source file; 0 when it is not known.
     pub location: u32,
 }
 
@@ -47,7 +48,10 @@ impl Reset {
     /// Did it come out of a fault of the supply or of the program?
     #[must_use]
     pub const fn is_fault(&self) -> bool {
-        !matches!(self.cause, ResetCause::PowerOn | ResetCause::Pin | ResetCause::Software | ResetCause::Unknown)
+        !matches!(
+            self.cause,
+            ResetCause::PowerOn | ResetCause::Pin | ResetCause::Software | ResetCause::Unknown
+        )
     }
 }
 
@@ -115,8 +119,15 @@ pub struct CaptureReport {
 
 impl CaptureReport {
     /// The kinds of faults.
-    pub const KINDS: [&str; KINDS] =
-        ["overrun", "missing_vsync", "early_vsync", "short_line", "torn_frame", "stopped", "too_slow"];
+    pub const KINDS: [&str; KINDS] = [
+        "overrun",
+        "missing_vsync",
+        "early_vsync",
+        "short_line",
+        "torn_frame",
+        "stopped",
+        "too_slow",
+    ];
 
     /// Has nothing been lost?
     #[must_use]
@@ -132,7 +143,9 @@ impl fmt::Display for CaptureReport {
             return f.write_str("nothing");
         }
         let mut separator = "";
-        for (name, (faults, sensor)) in ["left", "right"].into_iter().zip(self.faults.iter().zip(self.sensors)) {
+        for (name, (faults, sensor)) in
+            ["left", "right"].into_iter().zip(self.faults.iter().zip(self.sensors))
+        {
             let all = Self::KINDS.into_iter().zip(*faults).chain([("sensor", sensor)]);
             let mut before = (separator, name, ": ");
             for (kind, count) in all.filter(|&(_, count)| count > 0) {
@@ -141,7 +154,9 @@ impl fmt::Display for CaptureReport {
                 separator = "; ";
             }
         }
-        for (name, count) in [("unpaired", self.unpaired), ("skipped", self.skipped)].into_iter().filter(|of| of.1 > 0)
+        for (name, count) in [("unpaired", self.unpaired), ("skipped", self.skipped)]
+            .into_iter()
+            .filter(|of| of.1 > 0)
         {
             write!(f, "{separator}{name} {count}")?;
             separator = "; ";

@@ -1,4 +1,5 @@
-//! Records of the program `selftest`: the machine, and of each built-in pair the digests and the cost of each stage.
+//! Records of the program `selftest`: the machine, and of each built-in pair the digests and the
+//! cost of each stage.
 
 use heapless::String;
 use linestereo::diagnostics::Stage;
@@ -13,11 +14,13 @@ pub const DIGESTS: usize = Stage::ALL.len() + 1;
 pub struct MachineReport {
     /// Version of the firmware.
     pub firmware: String<24>,
-    /// Unit of the costs of its pairs: `cycles` of the core's own counter (DWT_CYCCNT), `instructions` of an emulator.
+    /// Unit of the costs of its pairs: `cycles` of the core's own counter (DWT_CYCCNT),
+    /// `instructions` of an emulator.
     pub unit: String<16>,
     /// Built-in pairs, which `Request::RunCase` counts from 0.
     pub cases: u16,
-    /// FNV-1a of the digests that the firmware was built with: another one for another version of the method.
+    /// FNV-1a of the digests that the firmware was built with: another one for another version of
+    /// the method.
     pub expected: u32,
     /// The chip and how it is set up; `None` on an emulated board.
     pub silicon: Option<Silicon>,
@@ -29,7 +32,8 @@ pub struct MachineReport {
 pub struct Silicon {
     /// Identification of the processor with its revision: CPUID.
     pub processor_id: u32,
-    /// Identification of the chip with its revision: DBGMCU_IDCODE of an STM32, SYSINFO CHIP_ID of an RP2350.
+    /// Identification of the chip with its revision: DBGMCU_IDCODE of an STM32, SYSINFO CHIP_ID of
+    /// an RP2350.
     pub chip_id: u32,
     /// Clock of the core as it was set, Hz.
     pub core_hz: u32,

@@ -1,7 +1,8 @@
 //! Commands of a host, and why a board refuses one.
 //!
-//! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by the core alone, or the name, value and
-//! range of the one that is wrong. Bytes that were damaged never get here: see `Decoder`.
+//! In: some parameters in plain numbers. Out: the board's parameters with these put in, checked by
+//! the core alone, or the name, value and range of the one that is wrong. Bytes that were damaged
+//! never get here: see `Decoder`.
 
 use crate::object::{MAX_REGIONS, Regions};
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
@@ -20,7 +21,8 @@ pub type Name = String<32>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Command {
-    /// Chosen by the host; the answer carries it. The same command with the same id may come again, when the answer was lost.
+    /// Chosen by the host; the answer carries it. The same command with the same id may come again,
+    /// when the answer was lost.
     pub id: u16,
     /// The request.
     pub request: Request,
@@ -51,21 +53,26 @@ pub enum Request {
     Stop,
     /// Change parameters.
     SetParams(ParamUpdate),
-    /// Match this pair, whose pixels follow the packet: all of the left image, all of the right one, row by row, one byte each. For
-    /// programs that are fed by a file; a board with cameras refuses it.
+    /// Match this pair, whose pixels follow the packet: all of the left image, all of the right
+    /// one, row by row, one byte each. For programs that are fed by a file; a board with cameras
+    /// refuses it.
     Pair(PairHead),
-    /// Use this rig from now on, and keep it where there is flash for it: its view, disparity range and depths.
+    /// Use this rig from now on, and keep it where there is flash for it: its view, disparity range
+    /// and depths.
     SetRig(RigBytes),
-    /// Rectify this pair with the rig, and match it. Pixels follow the packet as two cameras deliver them: the first row of the left image,
-    /// the first row of the right one, the second rows, and so on. The sizes are those of the raw images. For programs that are fed by a
-    /// file, as [`Request::Pair`].
+    /// Rectify this pair with the rig, and match it. Pixels follow the packet as two cameras
+    /// deliver them: the first row of the left image, the first row of the right one, the second
+    /// rows, and so on. The sizes are those of the raw images. For programs that are fed by a file,
+    /// as [`Request::Pair`].
     RawPair(PairHead),
-    /// Say the depth of these objects with every pair from now on; what was asked for before is forgotten.
+    /// Say the depth of these objects with every pair from now on; what was asked for before is
+    /// forgotten.
     SetRegions(Regions),
-    /// Send the next pair as the cameras deliver it, before it is rectified: `Message::Photo` and its pixels, after
-    /// the answer. For calibration, and to see what a camera sees.
+    /// Send the next pair as the cameras deliver it, before it is rectified: `Message::Photo` and
+    /// its pixels, after the answer. For calibration, and to see what a camera sees.
     Photograph,
-    /// Match the built-in pair of this number: `Message::Case` and the answer. For the program `selftest`; others refuse it.
+    /// Match the built-in pair of this number: `Message::Case` and the answer. For the program
+    /// `selftest`; others refuse it.
     RunCase(u16),
     /// Change a [`Setting`].
     Set(SettingValue),
@@ -73,11 +80,13 @@ pub enum Request {
     Settings,
     /// Keep the settings in the flash, so that they outlive a reset.
     KeepSettings,
-    /// Go back to the settings that the board was built with and to the disparity range of its rig, in the flash as well.
+    /// Go back to the settings that the board was built with and to the disparity range of its rig,
+    /// in the flash as well.
     ResetSettings,
     /// Say the time: `Message::Clock` and the answer.
     ReadClock,
-    /// From now on give times in the host's clock: its time when the board's was 0, microseconds. To be measured anew every few seconds.
+    /// From now on give times in the host's clock: its time when the board's was 0, microseconds.
+    /// To be measured anew every few seconds.
     SetClock(u64),
     /// Leave the program for the boot loader, which takes another one over USB; after the answer.
     Bootloader,
@@ -96,7 +105,8 @@ pub struct PairHead {
     pub height: u16,
     /// When it was captured (the left image), microseconds; comes back with the result.
     pub capture_time_us: u64,
-    /// When the right image was captured, by the same clock; `None` when nobody knows. Too far from the left one, the pair is refused.
+    /// When the right image was captured, by the same clock; `None` when nobody knows. Too far from
+    /// the left one, the pair is refused.
     pub right_capture_time_us: Option<u64>,
 }
 
@@ -148,7 +158,8 @@ impl RigUpdate {
 }
 
 impl ParamUpdate {
-    /// `params` with these put in. Only the rig is checked here, because it cannot be made otherwise; the rest is for [`Params::plan`].
+    /// `params` with these put in. Only the rig is checked here, because it cannot be made
+    /// otherwise; the rest is for [`Params::plan`].
     pub fn apply(&self, params: Params) -> Result<Params, Refusal> {
         let rig = match self.rig {
             Some(rig) => Some(rig.rig()?),
@@ -170,7 +181,8 @@ impl ParamUpdate {
         })
     }
 
-    /// `params` with these put in, and their plan for images of this size: both take the place of the old ones, or neither does.
+    /// `params` with these put in, and their plan for images of this size: both take the place of
+    /// the old ones, or neither does.
     ///
     /// ```
     /// use linestereo::{Dims, Params};
@@ -179,7 +191,7 @@ impl ParamUpdate {
     /// let update = ParamUpdate { max_disparity: Some(96), ..ParamUpdate::default() };
     /// assert_eq!(update.plan(Params::default(), dims).unwrap().0.max_disparity, 96);
     /// let refusal = ParamUpdate { cell: Some(7), ..update }.plan(Params::default(), dims).unwrap_err();
-    /// assert_eq!(refusal.to_string(), "cell is 7, allowed are 8 to 256");
+    /// assert_eq!(refusal.to_string(), "cell is 7 but must be 8 to 256");
     /// ```
     pub fn plan(&self, params: Params, dims: Dims) -> Result<(Params, Plan), Refusal> {
         let params = self.apply(params)?;
@@ -192,7 +204,7 @@ impl ParamUpdate {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refusal {
     /// [`ParamError::OutOfRange`].
-    #[error("{name} is {value}, allowed are {low} to {high}")]
+    #[error("{name} is {value} but must be {low} to {high}")]
     OutOfRange {
         /// Name of the parameter.
         name: Name,
@@ -243,7 +255,10 @@ pub enum Refusal {
     #[error("the rig image is refused: {0}")]
     Rig(RigFault),
     /// The raw images are not of the size of the rig's.
-    #[error("the rig is one of raw images of {}x{}, these are {}x{}", .needed[0], .needed[1], .given[0], .given[1])]
+    #[error(
+        "the rig is for raw images of {}x{}, but these are {}x{}",
+        .needed[0], .needed[1], .given[0], .given[1]
+    )]
     RawSize {
         /// Width and height of the rig's raw images.
         needed: [u16; 2],
@@ -251,19 +266,22 @@ pub enum Refusal {
         given: [u16; 2],
     },
     /// There is no flash, or it does not keep what is written.
-    #[error("the board's flash does not keep it")]
+    #[error("the board cannot keep it in flash")]
     NotKept,
     /// The box with this index of the list has no pixel in the board's largest image.
     #[error("box {0} has no pixel in the image")]
     Region(u8),
     /// The cameras delivered no whole pair.
-    #[error("the cameras delivered no whole pair: look at what they lost")]
+    #[error("the cameras delivered no complete pair: check what each camera lost")]
     NoPair,
     /// The images of the pair were captured too far apart.
     #[error("{0}")]
     Skewed(Skewed),
     /// A [`Setting`] outside of its range.
-    #[error("{} is {value}, allowed are {}{least} to {largest}", Setting::words(*.number).0, Setting::words(*.number).1)]
+    #[error(
+        "{} is {value} but must be {}{least} to {largest}",
+        Setting::words(*.number).0, Setting::words(*.number).1
+    )]
     Setting {
         /// Its number.
         number: u8,
@@ -319,7 +337,9 @@ pub fn name(text: &str) -> Name {
 impl Setting {
     /// Name and kind of the setting of this number in a refusal.
     fn words(number: u8) -> (&'static str, &'static str) {
-        Self::get(number).map_or(("setting", ""), |of| (of.name, if of.is_whole { "whole numbers from " } else { "" }))
+        Self::get(number).map_or(("setting", ""), |of| {
+            (of.name, if of.is_whole { "a whole number from " } else { "" })
+        })
     }
 
     /// Refuses what is no value of the setting of this number.
@@ -327,7 +347,9 @@ impl Setting {
         match Self::get(number) {
             None => Err(Refusal::Unsupported),
             Some(setting) if setting.takes(value) => Ok(()),
-            Some(&Self { least, largest, .. }) => Err(Refusal::Setting { number, value, least, largest }),
+            Some(&Self { least, largest, .. }) => {
+                Err(Refusal::Setting { number, value, least, largest })
+            }
         }
     }
 }

@@ -18,7 +18,8 @@ pub const POINTS_PER_PACKET: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameHead {
-    /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose result did not arrive.
+    /// Number of the captured pair: one more than the last one's, wrapping. A gap is a pair whose
+    /// result did not arrive.
     pub sequence: u32,
     /// When the pair was captured, microseconds of the clock that `clock` names.
     pub capture_time_us: u64,
@@ -41,14 +42,31 @@ pub struct FrameHead {
 }
 
 impl FrameHead {
-    /// The head of a result of the core; what its counts say about full lists is added to `health`, and `send_frame`
-    /// fills in the number of segments.
+    /// The head of a result of the core; what its counts say about full lists is added to `health`,
+    /// and `send_frame` fills in the number of segments.
     #[must_use]
-    pub fn new(sequence: u32, capture_time_us: u64, dims: Dims, health: Health, counts: &linestereo::Counts) -> Self {
+    pub fn new(
+        sequence: u32,
+        capture_time_us: u64,
+        dims: Dims,
+        health: Health,
+        counts: &linestereo::Counts,
+    ) -> Self {
         let Dims { width, height } = dims;
         let health = health | Health::of(counts);
         let (times, counts, clock) = (FrameTimes::default(), counts.into(), TimeSource::Board);
-        Self { sequence, capture_time_us, width, height, health, pair: None, times, counts, segments: 0, clock }
+        Self {
+            sequence,
+            capture_time_us,
+            width,
+            height,
+            health,
+            pair: None,
+            times,
+            counts,
+            segments: 0,
+            clock,
+        }
     }
 
     /// The same with the health of the pair.
@@ -102,7 +120,11 @@ impl Counts {
     /// Left segments lost for this reason.
     #[must_use]
     pub fn rejected(&self, reason: Rejection) -> u16 {
-        Rejection::ALL.iter().zip(self.rejected).find(|&(&of, _)| of == reason).map_or(0, |(_, count)| count)
+        Rejection::ALL
+            .iter()
+            .zip(self.rejected)
+            .find(|&(&of, _)| of == reason)
+            .map_or(0, |(_, count)| count)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Faults of a frame, as a set of flags, and the numbers behind them.
 //!
-//! In: what the board saw, the core's counts and its [`PairHealth`]. Out: 32 bits, of which the unnamed ones are left for later and survive
-//! the journey, and a [`PairReport`].
+//! In: what the board saw, the core's counts and its [`PairHealth`]. Out: 32 bits, of which the
+//! unnamed ones are left for later and survive the journey, and a [`PairReport`].
 //!
 //! ```text
 //! bits 0 ..= 7    the board and its port, named here
@@ -39,13 +39,16 @@ bitflags::bitflags! {
     pub struct Health: u32 {
         /// The pair was refused: its size is not the planned one.
         const SIZE_MISMATCH = 1;
-        /// A list of detected segments was full, or a budget of work for edges or comparisons was spent.
+        /// A list of detected segments was full, or a budget of work for edges or comparisons was
+        /// spent.
         const SEGMENTS_DROPPED = 1 << 1;
-        /// Results between the last record and this one were not sent: the port is slower than the board.
+        /// Results between the last record and this one were not sent: the port is slower than the
+        /// board.
         const RESULTS_SKIPPED = 1 << 4;
         /// The camera delivered no whole pair for this frame.
         const PAIR_MISSING = 1 << 5;
-        /// The cameras are not triggered together: how far apart a pair's images are is chance, and differs from pair to pair.
+        /// The cameras are not triggered together: how far apart a pair's images are is chance, and
+        /// differs from pair to pair.
         const FREE_RUNNING = 1 << 6;
         // The core's flags, and those of later versions.
         const _ = !0;
@@ -72,58 +75,112 @@ impl Health {
     /// Name and remedy of each flag, in the order of [`Health::NAMES`].
     pub const ADVICE: [(&'static str, &'static str); Self::NAMES.len()] = [
         ("size_mismatch", "the pair has another size than planned: check the cameras' settings"),
-        ("segments_dropped", "more segments than there is memory or time for: those that fit are used"),
+        (
+            "segments_dropped",
+            "more segments than there is memory or time for: those that fit are used",
+        ),
         ("results_skipped", "the port is slower than the board: raise its speed"),
         ("pair_missing", "a camera gave no picture: check its cable and power"),
         (
             "free_running",
-            "the cameras are not triggered together: wire one trigger to both, or trust only what stands still",
+            "the cameras are not triggered together: wire one trigger to both, or trust only \
+             what stands still",
         ),
-        ("left_exposure", "left image too dark or too bright: set its exposure or change the light"),
-        ("right_exposure", "right image too dark or too bright: set its exposure or change the light"),
+        (
+            "left_exposure",
+            "left image too dark or too bright: set its exposure or change the light",
+        ),
+        (
+            "right_exposure",
+            "right image too dark or too bright: set its exposure or change the light",
+        ),
         ("left_saturated", "much of the left image is black or white: change its exposure"),
         ("right_saturated", "much of the right image is black or white: change its exposure"),
         ("left_dead", "left image has one grey level: check the camera's cable and power"),
         ("right_dead", "right image has one grey level: check the camera's cable and power"),
-        ("left_covered", "left camera sees next to nothing of what the right one sees: free and clean its lens"),
-        ("right_covered", "right camera sees next to nothing of what the left one sees: free and clean its lens"),
-        ("left_frozen", "left image does not change: restart the camera, check the buffers of its driver"),
-        ("right_frozen", "right image does not change: restart the camera, check the buffers of its driver"),
+        (
+            "left_covered",
+            "left camera sees next to nothing of what the right one sees: free and clean its lens",
+        ),
+        (
+            "right_covered",
+            "right camera sees next to nothing of what the left one sees: free and clean its lens",
+        ),
+        (
+            "left_frozen",
+            "left image does not change: restart the camera, check the buffers of its driver",
+        ),
+        (
+            "right_frozen",
+            "right image does not change: restart the camera, check the buffers of its driver",
+        ),
         (
             "left_view",
-            "little of the left rectified image has a source: rectify with a smaller --alpha, or calibrate again",
+            "the left camera sees little of its rectified image: rectify with a smaller --alpha, \
+             or calibrate again",
         ),
         (
             "right_view",
-            "little of the right rectified image has a source: rectify with a smaller --alpha, or calibrate again",
+            "the right camera sees little of its rectified image: rectify with a smaller --alpha, \
+             or calibrate again",
         ),
-        ("exposures_differ", "one image is much brighter: give both cameras the same exposure and gain"),
-        ("skew", "captured too far apart, not matched: trigger both cameras together"),
+        (
+            "exposures_differ",
+            "one image is much brighter: give both cameras the same exposure and gain",
+        ),
+        (
+            "skew",
+            "the images were captured too far apart, so they are not matched: trigger both cameras \
+             together",
+        ),
         (
             "rows_off",
-            "rows differ, and are corrected: were the images rectified? then the rig has moved: calibrate again",
+            "one image is shifted up or down, which is corrected: rectify the images; if they are \
+             rectified, the rig has moved: calibrate again",
         ),
-        ("rows_drift", "rows are moving against each other: tighten the mount, then calibrate again"),
-        ("rows_uneven", "rows match in one part of the image only: were the images rectified? then calibrate again"),
+        (
+            "rows_drift",
+            "rows are moving against each other: tighten the mount, then calibrate again",
+        ),
+        (
+            "rows_uneven",
+            "rows match in one part of the image only: rectify the images; if they are rectified, \
+             calibrate again",
+        ),
         (
             "few_matches",
-            "few edges find a partner: are the images swapped, far from rectified, the disparity range too small?",
+            "few edges have a match: check that left and right are not swapped, that the images \
+             are rectified, and that the disparity range is large enough",
         ),
         (
             "beyond_infinity",
-            "matches lie beyond infinity: a camera has turned about the vertical axis: calibrate again",
+            "several disparities are below that of infinity: a camera has turned left or right: \
+             calibrate again",
         ),
-        ("range_small", "something is nearer than the disparity range: search more disparities, or keep it away"),
+        (
+            "range_small",
+            "something is nearer than the disparity range: search more disparities, or keep it \
+             away",
+        ),
         (
             "no_parallax",
-            "most of the picture is at the same pixel of both images: is one camera delivered twice? or all that is seen is far",
+            "most of the picture is at the same pixels of both images: check that they come from \
+             two cameras; a scene that is far away looks the same",
         ),
         (
             "same_pixel",
-            "something is at the same pixel of both images: a window or lens with dirt, overlaid text, noise of the sensor: remove it, subtract it",
+            "something is at the same pixels of both images: remove dirt on a window or lens, or \
+             overlaid text; subtract the fixed noise of the sensors",
         ),
-        ("torn", "the lower part of one image is moved sideways: a cable or a buffer loses bytes"),
-        ("rows_far", "rows differ by more than is corrected: calibrate again"),
+        (
+            "torn",
+            "the lower part of one image is shifted sideways: bytes were lost; check the camera's \
+             cable and buffers",
+        ),
+        (
+            "rows_far",
+            "one image is shifted up or down by more than can be corrected: calibrate again",
+        ),
     ];
 
     /// The flags that follow from what the core counted: full lists, and work left out.
@@ -232,7 +289,11 @@ pub struct RangeReport {
 
 impl From<&PairHealth> for PairReport {
     fn from(health: &PairHealth) -> Self {
-        let range = |RangeCheck { windows, beyond, disparity, .. }| RangeReport { windows, beyond, disparity };
+        let range = |RangeCheck { windows, beyond, disparity, .. }| RangeReport {
+            windows,
+            beyond,
+            disparity,
+        };
         Self {
             cameras: health.cameras,
             skew_us: health.skew_us,

@@ -17,7 +17,8 @@ pub type BoardName = String<32>;
 /// One record from the board to the host.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
-    /// Description of the board: sent when it starts, and for `Request::Describe` before the answer.
+    /// Description of the board: sent when it starts, and for `Request::Describe` before the
+    /// answer.
     Hello(Hello),
     /// A frame begins.
     Frame(FrameHead),
@@ -25,7 +26,8 @@ pub enum Message {
     Segments(Segments),
     /// Outcome of a command.
     Answer(Answer),
-    /// Points of the frame that began last: only from programs that are fed by a file, a serial port is too slow.
+    /// Points of the frame that began last: only from programs that are fed by a file, a serial
+    /// port is too slow.
     Points(Points),
     /// Depths of the wanted objects, of the frame that began last.
     Objects(Objects),
@@ -43,7 +45,8 @@ pub enum Message {
     Setting(SettingValue),
     /// State of the stored settings, for `Request::Settings`, before the answer.
     Kept(KeptReport),
-    /// Time of the board's own clock, in which pairs are captured, microseconds: for `Request::ReadClock`, before the answer.
+    /// Time of the board's own clock, in which pairs are captured, microseconds: for
+    /// `Request::ReadClock`, before the answer.
     Clock(u64),
 }
 
@@ -53,9 +56,11 @@ impl Record for Message {
     const TAG: u8 = VERSION;
 }
 
-/// Bytes of the largest packet of a [`Message`], which is a full list of segments whose numbers all take their longest form.
+/// Bytes of the largest packet of a [`Message`], which is a full list of segments whose numbers all
+/// take their longest form.
 pub const MAX_PACKET: usize = {
-    // postcard: 16 bits take 3 bytes, 32 take 5; ends 12, disparities 6, sigma 3, confidence 3, owner 1, depths 2 * 11, techniques 10
+    // postcard: 16 bits take 3 bytes, 32 take 5; ends 12, disparities 6, sigma 3, confidence 3,
+    // owner 1, depths 2 * 11, techniques 10
     const SEGMENT: usize = 57;
     // kind 1, sequence 5, first 3, length 1
     packet_bytes(10 + SEGMENTS_PER_PACKET * SEGMENT)

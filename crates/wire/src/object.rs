@@ -1,10 +1,12 @@
 //! Regions of a host, and the depths of the objects in them.
 //!
-//! In: boxes of a detector, in pixels of the rectified left image. Out: an [`ObjectRecord`] for each, of the same bits as the core's
-//! [`ObjectDepth`].
+//! In: boxes of a detector, in pixels of the rectified left image. Out: an [`ObjectRecord`] for
+//! each, of the same bits as the core's [`ObjectDepth`].
 
 use heapless::Vec;
-use linestereo::{Area, Confidence, Depth, Dims, Disparity, NoDepth, ObjectDepth, Region, RegionError};
+use linestereo::{
+    Area, Confidence, Depth, Dims, Disparity, NoDepth, ObjectDepth, Region, RegionError,
+};
 use serde::{Deserialize, Serialize};
 
 /// Most regions that a board keeps.
@@ -78,7 +80,8 @@ pub struct Objects {
 pub struct ObjectRecord {
     /// Of its region.
     pub label: u16,
-    /// Disparity at the region's centre, 1/64 px, or why there is none: its index in [`NoDepth::ALL`].
+    /// Disparity at the region's centre, 1/64 px, or why there is none: its index in
+    /// [`NoDepth::ALL`].
     pub disparity_q6: Result<i16, u8>,
     /// Standard deviation of the disparity, 1/64 px.
     pub sigma_q6: i16,
@@ -86,7 +89,8 @@ pub struct ObjectRecord {
     pub slope_q10: [i16; 2],
     /// Half of the range of disparities around the plane, 1/64 px.
     pub spread_q6: i16,
-    /// Depth at the centre, its standard deviation, and the nearest credible depth, 1/65536 m; `i32::MAX` is infinite.
+    /// Depth at the centre, its standard deviation, and the nearest credible depth, 1/65536 m;
+    /// `i32::MAX` is infinite.
     pub depth_q16: Option<[i32; 3]>,
     /// Segments that support the answer.
     pub support: u16,
@@ -96,10 +100,13 @@ pub struct ObjectRecord {
 
 impl From<&ObjectDepth> for ObjectRecord {
     fn from(object: &ObjectDepth) -> Self {
-        let index =
-            |reason: NoDepth| (0..).zip(NoDepth::ALL).find(|&(_, of)| of == reason).map_or(0, |(index, _)| index);
+        let index = |reason: NoDepth| {
+            (0..).zip(NoDepth::ALL).find(|&(_, of)| of == reason).map_or(0, |(index, _)| index)
+        };
         let depth_q16 = match (object.depth, object.depth_sigma, object.nearest) {
-            (Some(depth), Some(sigma), Some(nearest)) => Some([depth, sigma, nearest].map(Depth::to_bits)),
+            (Some(depth), Some(sigma), Some(nearest)) => {
+                Some([depth, sigma, nearest].map(Depth::to_bits))
+            }
             _ => None,
         };
         Self {
@@ -117,7 +124,9 @@ impl From<&ObjectDepth> for ObjectRecord {
 
 impl From<&ObjectRecord> for ObjectDepth {
     fn from(record: &ObjectRecord) -> Self {
-        let reason = |index: u8| NoDepth::ALL.get(usize::from(index)).copied().unwrap_or(NoDepth::LittleSupport);
+        let reason = |index: u8| {
+            NoDepth::ALL.get(usize::from(index)).copied().unwrap_or(NoDepth::LittleSupport)
+        };
         let [depth, depth_sigma, nearest] = match record.depth_q16 {
             Some(bits) => bits.map(|bits| Some(Depth::from_bits(bits))),
             None => [None; 3],

@@ -4,7 +4,8 @@
 //!
 //! ```text
 //! encode: version byte, record -> postcard -> (each byte) CRC-32, COBS -> buffer; CRC; 0x00
-//! decode: byte -> COBS -> payload memory; at 0x00: length, framing, checksum, version, record, in this order
+//! decode: byte -> COBS -> payload memory; at 0x00: length, framing, checksum, version, record,
+//!     in this order
 //! ```
 //!
 //! # Bounds
@@ -31,7 +32,8 @@ pub(crate) const fn packet_bytes(record: usize) -> usize {
 
 /// Content of a packet: a message or a command.
 pub trait Record: Serialize + DeserializeOwned + Sealed {
-    /// First byte of the payload: the version, and which way the record goes, so that an echo is not taken for an answer.
+    /// First byte of the payload: the version, and which way the record goes, so that an echo is
+    /// not taken for an answer.
     const TAG: u8;
 }
 
@@ -49,7 +51,8 @@ pub enum EncodeError {
 
 /// One record as a packet, delimiter included, at the start of `buffer`.
 pub fn encode<'a, T: Record>(record: &T, buffer: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
-    // A full buffer is the only error there is: every length is known, and nothing here serializes by hand.
+    // A full buffer is the only error there is: every length is known, and nothing here serializes
+    // by hand.
     let full = |_| EncodeError::BufferTooSmall;
     let mut payload = Payload { cobs: CobsEncoder::new(buffer), digest: CRC_32.digest() };
     payload.try_push(T::TAG).map_err(full)?;
@@ -134,8 +137,15 @@ pub struct Counters {
 
 impl Counters {
     /// No packet received.
-    pub const ZERO: Self =
-        Self { good: 0, too_long: 0, cobs: 0, checksum: 0, other_version: 0, malformed: 0, skipped_bytes: 0 };
+    pub const ZERO: Self = Self {
+        good: 0,
+        too_long: 0,
+        cobs: 0,
+        checksum: 0,
+        other_version: 0,
+        malformed: 0,
+        skipped_bytes: 0,
+    };
 
     /// Packets that are no record.
     #[must_use]
@@ -158,7 +168,8 @@ impl Counters {
     }
 }
 
-/// Finds the records in a stream of bytes. `N` bytes of memory: `MAX_PACKET` for messages, `MAX_COMMAND` for commands.
+/// Finds the records in a stream of bytes. `N` bytes of memory: `MAX_PACKET` for messages,
+/// `MAX_COMMAND` for commands.
 #[derive(Debug)]
 pub struct Decoder<T, const N: usize> {
     payload: [u8; N],
@@ -208,12 +219,16 @@ impl<T: Record, const N: usize> Decoder<T, N> {
             Ok(DecodeResult::DataComplete) => Ok(()),
             Err(_) => Err(DecodeError::Cobs),
         };
-        let result = if self.too_long { Err(DecodeError::TooLong) } else { framing.and_then(|()| self.record()) };
+        let result = if self.too_long {
+            Err(DecodeError::TooLong)
+        } else {
+            framing.and_then(|()| self.record())
+        };
         Some(self.end_packet(result))
     }
 
-    /// Says that no more bytes come: what was received of a packet counts as [`DecodeError::Cobs`], or as too long. The decoder is at the
-    /// start of a packet again.
+    /// Says that no more bytes come: what was received of a packet counts as [`DecodeError::Cobs`],
+    /// or as too long. The decoder is at the start of a packet again.
     pub fn finish(&mut self) -> Option<DecodeError> {
         self.cobs = DecoderState::Idle;
         if self.received == 0 {
@@ -240,7 +255,8 @@ impl<T: Record, const N: usize> Decoder<T, N> {
 
     fn record(&self) -> Result<T, DecodeError> {
         let received = self.payload.get(..self.length).unwrap_or(&[]);
-        let (payload, crc) = received.split_last_chunk::<CRC_BYTES>().ok_or(DecodeError::Checksum)?;
+        let (payload, crc) =
+            received.split_last_chunk::<CRC_BYTES>().ok_or(DecodeError::Checksum)?;
         if CRC_32.checksum(payload) != u32::from_le_bytes(*crc) {
             return Err(DecodeError::Checksum);
         }

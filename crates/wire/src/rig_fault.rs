@@ -1,13 +1,15 @@
 //! State of a board's rig: which one it uses, and what is wrong with the slots that hold none.
 //!
-//! The numbers behind a fault stay on the board: who made the image gets them from [`RigImage::decode`].
+//! The numbers behind a fault stay on the board: who made the image gets them from
+//! [`RigImage::decode`].
 
 use core::fmt;
 use linestereo::Dims;
 use linestereo_rig::{CameraSide, RigImage, RigImageError};
 use serde::{Deserialize, Serialize};
 
-/// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or that there is no image to look at.
+/// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or
+/// that there is no image to look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RigFault {
@@ -53,12 +55,10 @@ impl From<RigImageError> for RigFault {
             RigImageError::Damaged => Self::Damaged,
             RigImageError::OtherVersion { .. } => Self::OtherVersion,
             RigImageError::Length { .. } => Self::Length,
-            RigImageError::Camera(CameraSide::Left, _) | RigImageError::LensKind(CameraSide::Left, _) => {
-                Self::LeftCamera
-            }
-            RigImageError::Camera(CameraSide::Right, _) | RigImageError::LensKind(CameraSide::Right, _) => {
-                Self::RightCamera
-            }
+            RigImageError::Camera(CameraSide::Left, _)
+            | RigImageError::LensKind(CameraSide::Left, _) => Self::LeftCamera,
+            RigImageError::Camera(CameraSide::Right, _)
+            | RigImageError::LensKind(CameraSide::Right, _) => Self::RightCamera,
             RigImageError::View(_) => Self::View,
             RigImageError::Range(_) => Self::Range,
         }
@@ -141,7 +141,8 @@ impl fmt::Display for RigReport {
                 Ok(sequence) => write!(f, "{text}image {sequence}")?,
                 Err(fault) => write!(f, "{text}{fault}")?,
             }
-            if self.in_use.and_then(|rig| rig.slot).is_some_and(|slot| usize::from(slot) == number) {
+            if self.in_use.and_then(|rig| rig.slot).is_some_and(|slot| usize::from(slot) == number)
+            {
                 write!(f, " (in use)")?;
             }
         }

@@ -1,6 +1,7 @@
 //! Sending: what a board needs to put a result on its port.
 //!
-//! In: records, or a head and the core's matches, and a function that writes bytes. Out: one call of it per packet.
+//! In: records, or a head and the core's matches, and a function that writes bytes. Out: one call
+//! of it per packet.
 //!
 //! # Cost
 //! [`MAX_PACKET`] bytes and one list of segments on the stack.
@@ -24,12 +25,16 @@ pub enum SendError<E> {
 
 /// Sends one record.
 #[inline(never)] // its packet is on the stack only while it sends
-pub fn send<T: Record, E>(record: &T, write: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), SendError<E>> {
+pub fn send<T: Record, E>(
+    record: &T,
+    write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<(), SendError<E>> {
     let mut buffer = [0; MAX_PACKET];
     write(encode(record, &mut buffer).map_err(SendError::Encode)?).map_err(SendError::Port)
 }
 
-/// Sends a whole frame: its head, with the number of these matches in it, and the matches. Stops at the first failure of the port.
+/// Sends a whole frame: its head, with the number of these matches in it, and the matches. Stops at
+/// the first failure of the port.
 ///
 /// ```
 /// # let (counts, matches) = (linestereo::Counts::default(), []);
@@ -63,7 +68,8 @@ pub fn send_frame<E>(
     Ok(())
 }
 
-/// The points of a frame as they are made, after [`send_frame`]: a packet whenever enough are together, the rest by [`PointStream::finish`].
+/// The points of a frame as they are made, after [`send_frame`]: a packet whenever enough are
+/// together, the rest by [`PointStream::finish`].
 #[derive(Clone, Debug)]
 pub struct PointStream {
     points: Points,
@@ -87,15 +93,24 @@ impl PointStream {
     }
 
     /// Sends what is left.
-    pub fn finish<E>(mut self, write: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), SendError<E>> {
+    pub fn finish<E>(
+        mut self,
+        write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), SendError<E>> {
         if self.points.list.is_empty() { Ok(()) } else { self.flush(write) }
     }
 
     #[inline(never)]
-    fn flush<E>(&mut self, write: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), SendError<E>> {
+    fn flush<E>(
+        &mut self,
+        write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), SendError<E>> {
         let Points { sequence, first, .. } = self.points;
-        let next =
-            Points { sequence, first: first.saturating_add(POINTS_PER_PACKET as u32), list: heapless::Vec::new() };
+        let next = Points {
+            sequence,
+            first: first.saturating_add(POINTS_PER_PACKET as u32),
+            list: heapless::Vec::new(),
+        };
         let points = core::mem::replace(&mut self.points, next);
         send(&Message::Points(points), write)
     }

@@ -1,9 +1,11 @@
 //! Numbered settings of a board: those of the method, then those of the vehicle and its autopilot.
 //!
-//! In: numbers and values, of a host's command or of an autopilot's parameters. Out: the name and range of each. A board keeps them over a reset.
+//! In: numbers and values, of a host's command or of an autopilot's parameters. Out: the name and
+//! range of each. A board keeps them over a reset.
 //!
-//! Every value is an `f32`, which holds each whole number here exactly. `parts` is 0 for both and 1 for support alone, `policy` 0 for silent,
-//! 1 for block and 2 for unknown, `block_cm` 0 for the near limit of the rig, `distance_sensor` 0 for off and 1 for on.
+//! Every value is an `f32`, which holds each whole number here exactly. `parts` is 0 for both and 1
+//! for support alone, `policy` 0 for silent, 1 for block and 2 for unknown, `block_cm` 0 for the
+//! near limit of the rig, `distance_sensor` 0 for off and 1 for on.
 
 use crate::rig_fault::RigFault;
 use serde::{Deserialize, Serialize};
@@ -17,7 +19,8 @@ pub type SettingValues = [f32; SETTINGS];
 /// Name and range of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Its name with its unit, of at most 16 characters; px where there is none. In capitals it is that of the MAVLink parameter.
+    /// Its name with its unit, of at most 16 characters; px where there is none. In capitals it is
+    /// that of the MAVLink parameter.
     pub name: &'static str,
     /// Least value.
     pub least: f32,
@@ -28,7 +31,8 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Every setting. The order is that of the numbers: a change of it is another version of the settings that boards keep.
+    /// Every setting. The order is that of the numbers: a change of it is another version of the
+    /// settings that boards keep.
     pub const ALL: [Self; SETTINGS] = [
         Self::whole("min_disparity", -32.0, 0.0),
         Self::whole("max_disparity", 0.0, 256.0),
@@ -71,7 +75,10 @@ impl Setting {
     /// Number of the setting of this name, in capitals or not.
     #[must_use]
     pub fn number(name: &[u8]) -> Option<u8> {
-        (0..).zip(&TABLE).find(|(_, of)| of.name.as_bytes().eq_ignore_ascii_case(name)).map(|(number, _)| number)
+        (0..)
+            .zip(&TABLE)
+            .find(|(_, of)| of.name.as_bytes().eq_ignore_ascii_case(name))
+            .map(|(number, _)| number)
     }
 
     /// The setting of this number.

@@ -2,11 +2,16 @@
 
 use crate::support::*;
 use linestereo::health::{CameraHealth, Rows, Still, Tear};
-use linestereo::{Confidence, Depth, Dims, Disparity, HealthFlags, NoDepth, ObjectDepth, PairHealth, Point, Source};
+use linestereo::{
+    Confidence, Depth, Dims, Disparity, HealthFlags, NoDepth, ObjectDepth, PairHealth, Point,
+    Source,
+};
 use linestereo_wire::*;
 
 /// Sends by `send` and gives the messages that arrive.
-fn received(send: impl FnOnce(&mut dyn FnMut(&[u8]) -> Result<(), ()>) -> Result<(), SendError<()>>) -> Vec<Message> {
+fn received(
+    send: impl FnOnce(&mut dyn FnMut(&[u8]) -> Result<(), ()>) -> Result<(), SendError<()>>,
+) -> Vec<Message> {
     let mut wire = Vec::new();
     let sent = send(&mut |packet| {
         wire.extend_from_slice(packet);
@@ -41,18 +46,22 @@ fn any_object(random: &mut Random, label: u16) -> ObjectDepth {
 fn objects_of_any_bits_come_back_equal() {
     let mut random = Random(31);
     for length in [0, 1, OBJECTS_PER_PACKET, OBJECTS_PER_PACKET + 1, 60] {
-        let objects: Vec<_> = (0..length as u16).map(|label| any_object(&mut random, label)).collect();
+        let objects: Vec<_> =
+            (0..length as u16).map(|label| any_object(&mut random, label)).collect();
         let messages = received(|mut write| send_objects(9, &objects, &mut write));
         assert_eq!(messages.len(), length.div_ceil(OBJECTS_PER_PACKET));
         let mut back = Vec::new();
         for message in messages {
-            let Message::Objects(Objects { sequence: 9, list }) = message else { panic!("{message:?}") };
+            let Message::Objects(Objects { sequence: 9, list }) = message else {
+                panic!("{message:?}")
+            };
             back.extend(list.iter().map(ObjectDepth::from));
         }
         assert_eq!(back, objects);
     }
     // A reason of a later version is one that claims nothing.
-    let unknown = ObjectRecord { disparity_q6: Err(200), ..ObjectRecord::from(&any_object(&mut random, 1)) };
+    let unknown =
+        ObjectRecord { disparity_q6: Err(200), ..ObjectRecord::from(&any_object(&mut random, 1)) };
     assert_eq!(ObjectDepth::from(&unknown).disparity, Err(NoDepth::LittleSupport));
 }
 
@@ -65,7 +74,8 @@ fn points_of_any_bits_come_back_in_order() {
             y: random.next() as u16,
             disparity: Disparity::from_bits(random.next() as i16),
             confidence: Confidence::from_bits(random.next() as u16),
-            source: [Source::Side, Source::Segment(random.next() as u16), Source::Support][random.below(3)],
+            source: [Source::Side, Source::Segment(random.next() as u16), Source::Support]
+                [random.below(3)],
         };
         let points: Vec<Point> = (0..length).map(|_| point()).collect();
         let messages = received(|mut write| {
@@ -76,7 +86,9 @@ fn points_of_any_bits_come_back_in_order() {
         assert_eq!(messages.len(), length.div_ceil(POINTS_PER_PACKET));
         let mut back = Vec::new();
         for message in messages {
-            let Message::Points(Points { sequence: 9, first, list }) = message else { panic!("{message:?}") };
+            let Message::Points(Points { sequence: 9, first, list }) = message else {
+                panic!("{message:?}")
+            };
             assert_eq!(first as usize, back.len());
             back.extend(list);
         }
@@ -86,7 +98,13 @@ fn points_of_any_bits_come_back_in_order() {
 
 #[test]
 fn the_health_of_a_pair_is_in_its_head() {
-    let camera = |level| CameraHealth { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
+    let camera = |level| CameraHealth {
+        level,
+        detail_q4: 2,
+        black_permille: 3,
+        white_permille: 4,
+        view_permille: 5,
+    };
     let pair = PairHealth {
         flags: HealthFlags::TORN,
         cameras: [camera(1), camera(6)],
@@ -100,7 +118,8 @@ fn the_health_of_a_pair_is_in_its_head() {
         ..PairHealth::default()
     };
     let dims = Dims { width: 96, height: 64 };
-    let head = FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::Counts::default()).with_pair(&pair);
+    let head = FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::Counts::default())
+        .with_pair(&pair);
     assert_eq!(head.health, Health::FREE_RUNNING | HealthFlags::TORN.into());
     assert_eq!(head.health.of_pair(), HealthFlags::TORN);
     assert_eq!(format!("{:?}", head.health), "Health(free_running+torn)");
@@ -132,7 +151,8 @@ fn settings_take_their_range_and_nothing_else() {
             (0.5 * least + 0.5 * largest + 0.25, !is_whole),
         ] {
             assert_eq!(setting.takes(value), is_taken, "{name} {value}");
-            let refused = |why: Refusal| matches!(why, Refusal::Setting { number: of, .. } if of == number);
+            let refused =
+                |why: Refusal| matches!(why, Refusal::Setting { number: of, .. } if of == number);
             match Setting::check(number, value) {
                 Ok(()) => assert!(is_taken, "{name} {value}"),
                 Err(why) => assert!(!is_taken && refused(why), "{name} {value}"),

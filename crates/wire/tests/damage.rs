@@ -1,4 +1,5 @@
-//! Damaged records: every one is named and counted, none becomes another record, and the next good one is received.
+//! Damaged records: every one is named and counted, none becomes another record, and the next good
+//! one is received.
 
 use crate::support::*;
 use linestereo_wire::*;
@@ -32,8 +33,8 @@ fn a_flipped_bit_costs_its_packet_and_no_other() {
             let (last, before) = results.split_last().unwrap();
             assert_eq!(last, &Ok(next.clone()), "bit {bit} of {message:?}");
             assert!(before.iter().all(Result::is_err), "bit {bit} of {message:?}: {before:?}");
-            let empty =
-                u64::from(damaged[0] == DELIMITER) + damaged.windows(2).filter(|pair| *pair == [0, 0]).count() as u64;
+            let empty = u64::from(damaged[0] == DELIMITER)
+                + damaged.windows(2).filter(|pair| *pair == [0, 0]).count() as u64;
             assert_eq!(
                 (counters.good, counters.skipped_bytes + empty),
                 (1, good.len() as u64),
@@ -57,7 +58,10 @@ fn a_flipped_bit_costs_its_packet_and_no_other() {
         for bit in 0..8 * (good.len() - 1) {
             let mut damaged = good.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
-            assert!(decode::<Command>(&damaged).0.iter().all(Result::is_err), "bit {bit} of {command:?}");
+            assert!(
+                decode::<Command>(&damaged).0.iter().all(Result::is_err),
+                "bit {bit} of {command:?}"
+            );
         }
     }
 }
@@ -67,16 +71,28 @@ fn a_packet_cut_anywhere_is_one_error() {
     let (_, second, first, next) = example();
     for length in 1..first.len() - 1 {
         for missing_at_start in [false, true] {
-            let piece =
-                if missing_at_start { &first[first.len() - 1 - length..first.len() - 1] } else { &first[..length] };
+            let piece = if missing_at_start {
+                &first[first.len() - 1 - length..first.len() - 1]
+            } else {
+                &first[..length]
+            };
             let stream = [piece, &[DELIMITER], &next].concat();
             let (results, counters) = decode::<Message>(&stream);
-            assert!(matches!(&results[..], [Err(_), Ok(good)] if *good == second), "{length}: {results:?}");
-            assert_eq!((counters.good, counters.bad(), counters.skipped_bytes), (1, 1, length as u64 + 1));
+            assert!(
+                matches!(&results[..], [Err(_), Ok(good)] if *good == second),
+                "{length}: {results:?}"
+            );
+            assert_eq!(
+                (counters.good, counters.bad(), counters.skipped_bytes),
+                (1, 1, length as u64 + 1)
+            );
 
             // Without a delimiter it takes the next packet with it, never the one after.
             let (results, _) = decode::<Message>(&[piece, &next, &next].concat());
-            assert!(matches!(&results[..], [Err(_), Ok(good)] if *good == second), "{length}: {results:?}");
+            assert!(
+                matches!(&results[..], [Err(_), Ok(good)] if *good == second),
+                "{length}: {results:?}"
+            );
         }
     }
 }
@@ -90,7 +106,10 @@ fn an_end_in_the_middle_of_a_packet_is_counted() {
         let expected = (length > 0).then_some(DecodeError::Cobs);
         assert_eq!(decoder.finish(), expected, "{length}");
         assert_eq!(decoder.finish(), None, "it is counted once");
-        assert_eq!((decoder.counters().cobs, decoder.counters().skipped_bytes), (u32::from(length > 0), length as u64));
+        assert_eq!(
+            (decoder.counters().cobs, decoder.counters().skipped_bytes),
+            (u32::from(length > 0), length as u64)
+        );
         let results: Vec<_> = bytes.iter().filter_map(|&byte| decoder.push(byte)).collect();
         assert_eq!(results, [Ok(first.clone())], "the decoder starts afresh");
     }
@@ -108,7 +127,8 @@ fn garbage_eats_only_what_shares_its_delimiter() {
         for place in 0..1 + random.below(3) {
             let list = (0..random.below(SEGMENTS_PER_PACKET + 1)).map(|_| any_match(&mut random));
             let list = list.collect();
-            let message = Message::Segments(Segments { sequence: sent.len() as u32, first: 0, list });
+            let message =
+                Message::Segments(Segments { sequence: sent.len() as u32, first: 0, list });
             if clean_end || place > 0 {
                 expected.push(message.clone());
             }
@@ -126,7 +146,10 @@ fn garbage_eats_only_what_shares_its_delimiter() {
     assert_eq!(received, expected);
     assert_eq!(counters.good as usize, expected.len());
     assert_eq!(counters.bad() as usize, results.len() - expected.len());
-    assert!(counters.checksum > 0 && counters.cobs > 0 && counters.too_long > 0, "every kind occurs: {counters:?}");
+    assert!(
+        counters.checksum > 0 && counters.cobs > 0 && counters.too_long > 0,
+        "every kind occurs: {counters:?}"
+    );
 }
 
 #[test]
@@ -170,7 +193,10 @@ fn another_version_is_named() {
         }
     }
     let text = |found| DecodeError::Version { found }.to_string();
-    assert_eq!(text(1), "the packet goes from a board and has version 1, this program has version 6");
+    assert_eq!(
+        text(1),
+        "the packet goes from a board and has version 1, this program has version 6"
+    );
 }
 
 #[test]
@@ -214,7 +240,13 @@ fn whole_packets_without_a_record_are_malformed() {
 fn a_decoder_with_too_little_memory_says_so() {
     let (_, _, bytes, _) = example();
     let mut decoder: Decoder<Message, 32> = Decoder::new();
-    let results: Vec<_> =
-        [&bytes[..], &packet(&commands()[0])].concat().iter().filter_map(|&b| decoder.push(b)).collect();
-    assert_eq!(results, [Err(DecodeError::TooLong), Err(DecodeError::Version { found: VERSION | 0x80 })]);
+    let results: Vec<_> = [&bytes[..], &packet(&commands()[0])]
+        .concat()
+        .iter()
+        .filter_map(|&b| decoder.push(b))
+        .collect();
+    assert_eq!(
+        results,
+        [Err(DecodeError::TooLong), Err(DecodeError::Version { found: VERSION | 0x80 })]
+    );
 }

@@ -1,11 +1,12 @@
-//! Undamaged records: what is sent is what arrives, in packets of the promised size and these very bytes.
+//! Undamaged records: what is sent is what arrives, in packets of the promised size and these very
+//! bytes.
 
 use crate::support::*;
 use linestereo::diagnostics::Techniques;
 use linestereo::health::{CameraHealth, Rows, Still, Tear};
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, HealthFlags, ImagePosition, Margin, Match, Owner, Params, Parts, Point,
-    Position, Rejection, Rig, Source,
+    Confidence, Depth, Dims, Disparity, HealthFlags, ImagePosition, Margin, Match, Owner, Params,
+    Parts, Point, Position, Rejection, Rig, Source,
 };
 use linestereo_wire::*;
 
@@ -24,7 +25,8 @@ fn every_record_comes_back() {
 #[test]
 fn matches_of_any_bits_come_back_equal() {
     let mut random = Random(1);
-    for length in [0, 1, SEGMENTS_PER_PACKET - 1, SEGMENTS_PER_PACKET, SEGMENTS_PER_PACKET + 1, 174] {
+    for length in [0, 1, SEGMENTS_PER_PACKET - 1, SEGMENTS_PER_PACKET, SEGMENTS_PER_PACKET + 1, 174]
+    {
         let matches: Vec<_> = (0..length).map(|_| any_match(&mut random)).collect();
         let mut wire = Vec::new();
         let mut packets = 0;
@@ -59,7 +61,8 @@ fn a_port_that_fails_ends_the_frame() {
     assert_eq!((sent, calls), (Err(SendError::Port("full")), 3));
 }
 
-/// A pair of vertical bars that are nearer than the wall behind them: enough for the core to count something of most kinds.
+/// A pair of vertical bars that are nearer than the wall behind them: enough for the core to count
+/// something of most kinds.
 fn bars() -> (linestereo::Counts, Dims) {
     let dims = Dims { width: 96, height: 64 };
     let mut random = Random(3);
@@ -75,7 +78,12 @@ fn bars() -> (linestereo::Counts, Dims) {
     let view = |pixels| linestereo::Gray::new(pixels, dims, 96).unwrap();
     let mut scratch = Box::new(<linestereo::scratch!(Dims { width: 96, height: 64 }, 64)>::new());
     let params = Params { max_disparity: 32, ..Params::default() };
-    let counts = *params.plan(dims).unwrap().run([view(&left), view(&right)], scratch.view()).unwrap().counts();
+    let counts = *params
+        .plan(dims)
+        .unwrap()
+        .run([view(&left), view(&right)], scratch.view())
+        .unwrap()
+        .counts();
     (counts, dims)
 }
 
@@ -84,10 +92,18 @@ fn counts_are_the_cores() {
     let (counts, dims) = bars();
     let counts = &counts;
     let sent = FrameHead::new(1, 2, dims, Health::RESULTS_SKIPPED, counts);
-    let Ok(Message::Frame(head)) = decode(&packet(&Message::Frame(sent))).0.remove(0) else { panic!("no frame") };
+    let Ok(Message::Frame(head)) = decode(&packet(&Message::Frame(sent))).0.remove(0) else {
+        panic!("no frame")
+    };
     let wire = head.counts;
-    assert!(counts.segments_left > 0 && counts.segments_right > 0, "the bars are found: {counts:?}");
-    assert!(Rejection::ALL.iter().any(|&reason| counts.rejected(reason) > 0), "something is rejected: {counts:?}");
+    assert!(
+        counts.segments_left > 0 && counts.segments_right > 0,
+        "the bars are found: {counts:?}"
+    );
+    assert!(
+        Rejection::ALL.iter().any(|&reason| counts.rejected(reason) > 0),
+        "something is rejected: {counts:?}"
+    );
     for reason in Rejection::ALL {
         assert_eq!(wire.rejected(reason), counts.rejected(reason), "{}", reason.name());
     }
@@ -100,7 +116,10 @@ fn counts_are_the_cores() {
         (counts.segments_left_dropped, counts.segments_right_dropped)
     );
     assert_eq!((wire.edges_cut, wire.comparisons_cut), (counts.edges_cut, counts.comparisons_cut));
-    assert_eq!((head.width, head.height, head.health), (96, 64, Health::RESULTS_SKIPPED | Health::of(counts)));
+    assert_eq!(
+        (head.width, head.height, head.health),
+        (96, 64, Health::RESULTS_SKIPPED | Health::of(counts))
+    );
 }
 
 #[test]
@@ -120,14 +139,23 @@ fn health_follows_full_lists() {
     let all = Health::NAMES.iter().fold(Health::GOOD, |set, &(flag, _)| set | flag);
     assert_eq!(all.bits().count_ones() as usize, Health::NAMES.len(), "one bit each");
     assert_eq!(Health::GOOD.to_string(), "good");
-    assert_eq!((Health::SIZE_MISMATCH | Health::from_bits_retain(1 << 7)).to_string(), "size_mismatch+0x00000080");
+    assert_eq!(
+        (Health::SIZE_MISMATCH | Health::from_bits_retain(1 << 7)).to_string(),
+        "size_mismatch+0x00000080"
+    );
 }
 
 #[test]
 fn the_largest_packets_are_exactly_as_large_as_promised() {
     let largest = |lengths: Vec<usize>| lengths.into_iter().max().unwrap();
-    assert_eq!(largest(messages().iter().map(|message| packet(message).len()).collect()), MAX_PACKET);
-    assert_eq!(largest(commands().iter().map(|command| packet(command).len()).collect()), MAX_COMMAND);
+    assert_eq!(
+        largest(messages().iter().map(|message| packet(message).len()).collect()),
+        MAX_PACKET
+    );
+    assert_eq!(
+        largest(commands().iter().map(|command| packet(command).len()).collect()),
+        MAX_COMMAND
+    );
     const { assert!(MAX_PACKET < 600) };
 }
 
@@ -136,7 +164,11 @@ fn a_buffer_needs_every_byte_of_the_packet() {
     for message in messages() {
         let whole = packet(&message);
         for length in 0..whole.len() {
-            assert_eq!(encode(&message, &mut vec![0x55; length]), Err(EncodeError::BufferTooSmall), "{length}");
+            assert_eq!(
+                encode(&message, &mut vec![0x55; length]),
+                Err(EncodeError::BufferTooSmall),
+                "{length}"
+            );
         }
         assert_eq!(encode(&message, &mut vec![0x55; whole.len()]), Ok(&whole[..]));
         assert_eq!(whole.iter().position(|&byte| byte == DELIMITER), Some(whole.len() - 1));
@@ -151,7 +183,10 @@ fn the_layout_of_this_version_is_exactly_this() {
         let mut bytes = packet(record);
         let length = cobs::decode_in_place(&mut bytes).unwrap();
         let (payload, crc) = bytes[..length].split_last_chunk().unwrap();
-        assert_eq!(u32::from_le_bytes(*crc), crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload));
+        assert_eq!(
+            u32::from_le_bytes(*crc),
+            crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload)
+        );
         payload.to_vec()
     }
     assert_eq!(VERSION, 6);
@@ -166,17 +201,23 @@ fn the_layout_of_this_version_is_exactly_this() {
         reset: Some(Reset { cause: ResetCause::Fault, location: 300 }),
     };
     let expected = [
-        6, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2, 0xcc, 1, 1, 1, 1, 6,
-        0, 0xac, 2, 1, 6, 0xac, 2,
+        6, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2,
+        0xcc, 1, 1, 1, 1, 6, 0, 0xac, 2, 1, 6, 0xac, 2,
     ];
     assert_eq!(payload(&Message::Hello(hello)), expected);
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
     let expected = [
-        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 11, 12, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10,
-        11, 12, 13, 14, 15, 16, 3, 0,
+        6, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 11, 12, 10, 5, 0x80,
+        0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 3, 0,
     ];
     assert_eq!(payload(&Message::Frame(head)), expected);
-    let camera = |level| CameraHealth { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 };
+    let camera = |level| CameraHealth {
+        level,
+        detail_q4: 2,
+        black_permille: 3,
+        white_permille: 4,
+        view_permille: 5,
+    };
     let pair = PairReport {
         cameras: [camera(1), camera(6)],
         skew_us: Some(7),
@@ -190,12 +231,18 @@ fn the_layout_of_this_version_is_exactly_this() {
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
-    let report =
-        [1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 16, 33, 1, 18, 37];
-    assert_eq!(watched, [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat());
+    let report = [
+        1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 16,
+        33, 1, 18, 37,
+    ];
+    assert_eq!(
+        watched,
+        [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat()
+    );
     let px = Disparity::from_bits;
     let segment = Match {
-        ends: [[1, 2], [3, 4]].map(|[x, y]| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) }),
+        ends: [[1, 2], [3, 4]]
+            .map(|[x, y]| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) }),
         disparity: [5, -6].map(px),
         sigma: px(7),
         confidence: Confidence::from_bits(8),
@@ -207,29 +254,52 @@ fn the_layout_of_this_version_is_exactly_this() {
     let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
     let expected = [6, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
     assert_eq!(payload(&Message::Segments(segments)), expected);
-    let point = |source| Point { x: 1, y: 2, disparity: px(-3), confidence: Confidence::from_bits(4), source };
-    let list = [Source::Side, Source::Segment(300), Source::Support].map(point).into_iter().collect();
+    let point = |source| Point {
+        x: 1,
+        y: 2,
+        disparity: px(-3),
+        confidence: Confidence::from_bits(4),
+        source,
+    };
+    let list =
+        [Source::Side, Source::Segment(300), Source::Support].map(point).into_iter().collect();
     let expected = [6, 4, 5, 9, 3, 1, 2, 5, 4, 0, 1, 2, 5, 4, 1, 0xac, 2, 1, 2, 5, 4, 2];
     assert_eq!(payload(&Message::Points(Points { sequence: 5, first: 9, list })), expected);
-    let margins =
-        [Margin::Pixels(px(1)), Margin::Metres { nearer: Depth::from_bits(-1), farther: Depth::from_bits(1) }];
+    let margins = [
+        Margin::Pixels(px(1)),
+        Margin::Metres { nearer: Depth::from_bits(-1), farther: Depth::from_bits(1) },
+    ];
     for (margin, expected) in margins.into_iter().zip([&[0, 2][..], &[1, 1, 2]]) {
         let (min_confidence, parts) = (Some(Confidence::from_bits(300)), Some(Parts::Support));
-        let update = ParamUpdate { margin: Some(margin), min_confidence, parts, ..ParamUpdate::default() };
+        let update =
+            ParamUpdate { margin: Some(margin), min_confidence, parts, ..ParamUpdate::default() };
         let bytes = payload(&Command { id: 5, request: Request::SetParams(update) });
-        assert_eq!(bytes, [&[0x86, 5, 3, 0, 0, 0, 0, 0, 0, 1], expected, &[1, 0xac, 2, 0, 0, 1, 1]].concat());
+        assert_eq!(
+            bytes,
+            [&[0x86, 5, 3, 0, 0, 0, 0, 0, 0, 1], expected, &[1, 0xac, 2, 0, 0, 1, 1]].concat()
+        );
     }
-    let refused = Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
+    let refused =
+        Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
     let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
     let expected = [6, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
     assert_eq!(payload(&Message::Answer(answer)), expected);
     assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x86, 4, 2]);
-    let update = ParamUpdate { min_disparity: Some(-1), cell: Some(16), reach: Some(4), ..ParamUpdate::default() };
+    let update = ParamUpdate {
+        min_disparity: Some(-1),
+        cell: Some(16),
+        reach: Some(4),
+        ..ParamUpdate::default()
+    };
     let expected = [0x86, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0, 0];
     assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
     let bytes = [7, 8, 9].into_iter().collect();
-    assert_eq!(payload(&Command { id: 6, request: Request::SetRig(bytes) }), [0x86, 6, 5, 3, 7, 8, 9]);
-    let head = PairHead { width: 752, height: 480, capture_time_us: 300, right_capture_time_us: None };
+    assert_eq!(
+        payload(&Command { id: 6, request: Request::SetRig(bytes) }),
+        [0x86, 6, 5, 3, 7, 8, 9]
+    );
+    let head =
+        PairHead { width: 752, height: 480, capture_time_us: 300, right_capture_time_us: None };
     let expected = [0x86, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
     assert_eq!(payload(&Command { id: 7, request: Request::RawPair(head) }), expected);
     let of = RegionBox { label: 9, left: 1, top: 2, right: 300, bottom: 4 };
@@ -248,7 +318,8 @@ fn the_layout_of_this_version_is_exactly_this() {
     };
     let refused = ObjectRecord { disparity_q6: Err(2), depth_q16: None, ..object };
     let objects = Objects { sequence: 4, list: [object, refused].into_iter().collect() };
-    let expected = [6, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
+    let expected =
+        [6, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
     assert_eq!(payload(&Message::Objects(objects)), expected);
     let silicon = Silicon {
         processor_id: 1,
@@ -293,7 +364,10 @@ fn an_update_changes_what_it_names_and_nothing_else() {
     let cases = [
         (ParamUpdate { min_disparity: Some(-4), ..none }, Params { min_disparity: -4, ..before }),
         (ParamUpdate { max_disparity: Some(99), ..none }, Params { max_disparity: 99, ..before }),
-        (ParamUpdate { anchor_gradient: Some(50), ..none }, Params { anchor_gradient: 50, ..before }),
+        (
+            ParamUpdate { anchor_gradient: Some(50), ..none },
+            Params { anchor_gradient: 50, ..before },
+        ),
         (ParamUpdate { edge_gradient: Some(30), ..none }, Params { edge_gradient: 30, ..before }),
         (ParamUpdate { min_extent: Some(8), ..none }, Params { min_extent: 8, ..before }),
         (ParamUpdate { cell: Some(32), ..none }, Params { cell: 32, ..before }),
@@ -306,7 +380,10 @@ fn an_update_changes_what_it_names_and_nothing_else() {
             ParamUpdate { margin: Some(Margin::Pixels(Disparity::from_num(2))), ..none },
             Params { margin: Margin::Pixels(Disparity::from_num(2)), ..before },
         ),
-        (ParamUpdate { rig: Some(rig), ..none }, Params { rig: Some(Rig::new(400.0, 0.1, -0.5).unwrap()), ..before }),
+        (
+            ParamUpdate { rig: Some(rig), ..none },
+            Params { rig: Some(Rig::new(400.0, 0.1, -0.5).unwrap()), ..before },
+        ),
     ];
     for (update, expected) in cases {
         assert_eq!(update.apply(before), Ok(expected));
@@ -325,15 +402,24 @@ fn what_the_core_refuses_is_refused_by_name() {
         ..none
     };
     let cases = [
-        (ParamUpdate { max_disparity: Some(320), ..none }, "max_disparity is 320, allowed are 8 to 256"),
-        (ParamUpdate { min_disparity: Some(1), ..none }, "min_disparity is 1, allowed are -32 to 0"),
-        (ParamUpdate { edge_gradient: Some(49), ..none }, "edge_gradient is 49, allowed are 4 to 48"),
         (
-            ParamUpdate { min_confidence: Some(Confidence::ZERO), ..none },
-            "min_confidence (percent) is 0, allowed are 10 to 99",
+            ParamUpdate { max_disparity: Some(320), ..none },
+            "max_disparity is 320 but must be 8 to 256",
+        ),
+        (ParamUpdate { min_disparity: Some(1), ..none }, "min_disparity is 1 but must be -32 to 0"),
+        (
+            ParamUpdate { edge_gradient: Some(49), ..none },
+            "edge_gradient is 49 but must be 4 to 48",
         ),
         (
-            ParamUpdate { margin: Some(Margin::Metres { nearer: Depth::DELTA, farther: Depth::DELTA }), ..none },
+            ParamUpdate { min_confidence: Some(Confidence::ZERO), ..none },
+            "min_confidence (percent) is 0 but must be 10 to 99",
+        ),
+        (
+            ParamUpdate {
+                margin: Some(Margin::Metres { nearer: Depth::DELTA, farther: Depth::DELTA }),
+                ..none
+            },
             "a margin in metres needs a rig (focal length and baseline)",
         ),
         (rig(0.5, 0.1, 0.0), "focal length 0.5 px is outside 1 to 100000"),
@@ -342,7 +428,9 @@ fn what_the_core_refuses_is_refused_by_name() {
         (full_update(), "baseline"),
     ];
     for (update, says) in cases {
-        let Err(refusal) = update.plan(Params::default(), DIMS) else { panic!("{update:?} is accepted") };
+        let Err(refusal) = update.plan(Params::default(), DIMS) else {
+            panic!("{update:?} is accepted")
+        };
         let outcome = Outcome::from(Err(refusal.clone()));
         let text = refusal.to_string();
         if update == full_update() {
@@ -351,7 +439,9 @@ fn what_the_core_refuses_is_refused_by_name() {
             assert_eq!(text, says);
         }
         let answer = Message::Answer(Answer { command: 1, outcome });
-        let Ok(Message::Answer(answer)) = decode(&packet(&answer)).0.remove(0) else { panic!("no answer") };
+        let Ok(Message::Answer(answer)) = decode(&packet(&answer)).0.remove(0) else {
+            panic!("no answer")
+        };
         let Outcome::Refused(received) = answer.outcome else { panic!("accepted") };
         assert_eq!(received.to_string(), text);
     }
@@ -370,5 +460,8 @@ fn a_board_says_what_its_slots_hold() {
     assert_eq!(RigReport { in_use: None, slots }.to_string(), "rig: none; slots: empty, damaged");
     let rig = RigInUse { raw: [640, 480], rectified: [320, 240], slot: Some(0) };
     let report = RigReport { in_use: Some(rig), slots: [Ok(8), Err(RigFault::OtherVersion)] };
-    assert_eq!(report.to_string(), "rig: 640x480 rectified to 320x240; slots: image 8 (in use), other version");
+    assert_eq!(
+        report.to_string(),
+        "rig: 640x480 rectified to 320x240; slots: image 8 (in use), other version"
+    );
 }

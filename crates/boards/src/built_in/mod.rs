@@ -1,5 +1,5 @@
-//! Built-in pairs: every scene in a board's sizes, with the default parameters, and some with those that cost most; and what a PC
-//! computes of them.
+//! Built-in pairs: every scene in a board's sizes, with the default parameters, and some with those
+//! that cost most; and what a PC computes of them.
 
 pub mod digests;
 mod scene;
@@ -38,7 +38,8 @@ impl Case {
     pub fn all(board: &Board) -> impl Iterator<Item = Self> {
         let of = move |dims| {
             let usual = Scene::ALL.map(|scene| Self { scene, dims, worst_case: false });
-            let worst_case = [Scene::Bricks, Scene::Noise].map(|scene| Self { scene, dims, worst_case: true });
+            let worst_case =
+                [Scene::Bricks, Scene::Noise].map(|scene| Self { scene, dims, worst_case: true });
             usual.into_iter().chain(worst_case)
         };
         board.sizes.iter().copied().flat_map(of)

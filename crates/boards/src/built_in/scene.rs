@@ -1,7 +1,9 @@
-//! Scenes of the built-in pairs, painted by integers alone: the same bytes on every machine, without a file.
+//! Scenes of the built-in pairs, painted by integers alone: the same bytes on every machine,
+//! without a file.
 //!
-//! In: a scene and a size. Out: both images. Every pixel is a function of its coordinates, so nothing is kept. `Blocks` looks like a
-//! scene; the others are what costs the method most, each in another way.
+//! In: a scene and a size. Out: both images. Every pixel is a function of its coordinates, so
+//! nothing is kept. `Blocks` looks like a scene; the others are what costs the method most, each in
+//! another way.
 
 use linestereo::Dims;
 
@@ -12,7 +14,8 @@ pub enum Scene {
     Blocks,
     /// The same with the right image one row lower.
     RowsOff,
-    /// Bricks of random grey, shifted by 8 px: as many segments as an image can hold, all of which match.
+    /// Bricks of random grey, shifted by 8 px: as many segments as an image can hold, all of which
+    /// match.
     Bricks,
     /// Bricks of black and white, shifted by 12 px.
     Contrast,
@@ -64,10 +67,12 @@ impl Scene {
         }
     }
 
-    /// Paints the left and the right image at the start of their memories; what does not fit is left out.
+    /// Paints the left and the right image at the start of their memories; what does not fit is
+    /// left out.
     pub fn paint(self, dims: Dims, left: &mut [u8], right: &mut [u8]) {
         for (image, eye) in [(left, CameraSide::Left), (right, CameraSide::Right)] {
-            let rows = image.chunks_exact_mut(usize::from(dims.width).max(1)).take(dims.height.into());
+            let rows =
+                image.chunks_exact_mut(usize::from(dims.width).max(1)).take(dims.height.into());
             for (row, y) in rows.zip(0..) {
                 for (pixel, x) in row.iter_mut().zip(0..) {
                     *pixel = self.grey(x, y, eye, dims.width.into());
@@ -81,7 +86,9 @@ impl Scene {
         let black_or_white = |white: bool| if white { 255 } else { 0 };
         match self {
             Self::Blocks => blocks(x, y, eye, width),
-            Self::RowsOff => blocks(x, if eye == CameraSide::Right { y - 1 } else { y }, eye, width),
+            Self::RowsOff => {
+                blocks(x, if eye == CameraSide::Right { y - 1 } else { y }, eye, width)
+            }
             Self::Bricks => hash(shifted(8) >> 3, y >> 3, 1) as u8,
             Self::Contrast => black_or_white(hash(shifted(12) >> 3, y >> 3, 2) & 1 == 1),
             Self::Noise => hash(shifted(4), y, 3) as u8,
@@ -111,12 +118,14 @@ fn blocks(x: i32, y: i32, eye: CameraSide, width: i32) -> u8 {
             return (texture(u, y, 8 + board) / 2 + random(5, 128) + noise) as u8;
         }
     }
-    (texture(if eye == CameraSide::Right { x + width / 100 } else { x }, y, 7) / 2 + 60 + noise) as u8
+    (texture(if eye == CameraSide::Right { x + width / 100 } else { x }, y, 7) / 2 + 60 + noise)
+        as u8
 }
 
 /// Spots of 3 px on spots of 11 px, 0 to 90.
 fn texture(x: i32, y: i32, seed: i32) -> i32 {
-    (hash(x / 11, y / 11, seed) & 63) as i32 + (hash(x / 3, y / 3, seed) & 31) as i32 - 4 * i32::from(x & 16 == 0)
+    (hash(x / 11, y / 11, seed) & 63) as i32 + (hash(x / 3, y / 3, seed) & 31) as i32
+        - 4 * i32::from(x & 16 == 0)
 }
 
 /// Bits that look random: the finaliser of MurmurHash3 (Appleby) over the three numbers.

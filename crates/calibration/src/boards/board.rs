@@ -1,10 +1,12 @@
 //! The board that is photographed, and how its corners are numbered.
 //!
-//! Corners of a board with markers are counted row by row from the upper left of the upright print: the markers tell. Inner corners of a
-//! chessboard are counted row by row from a corner chosen so that the numbering runs clockwise in the image (columns, then a right turn,
-//! then rows: a board is never seen from behind) and, where the colours tell, so that the first four corners enclose a dark square.
-//! A board with an odd and an even number of corners has one such numbering. On others two or four are left: the one whose rows
-//! run most to the right is taken, and the right image follows the left one ([`BoardCorners::turned_like`]).
+//! Corners of a board with markers are counted row by row from the upper left of the upright print:
+//! the markers tell. Inner corners of a chessboard are counted row by row from a corner chosen so
+//! that the numbering runs clockwise in the image (columns, then a right turn, then rows: a board
+//! is never seen from behind) and, where the colours tell, so that the first four corners enclose a
+//! dark square. A board with an odd and an even number of corners has one such numbering. On others
+//! two or four are left: the one whose rows run most to the right is taken, and the right image
+//! follows the left one ([`BoardCorners::turned_like`]).
 
 use super::markers::{Dictionary, Pattern};
 use core::fmt;
@@ -17,7 +19,8 @@ const SIDE: core::ops::RangeInclusive<u8> = 3..=60;
 /// Squares and tags along one side of boards with markers.
 const SQUARES: core::ops::RangeInclusive<u8> = 3..=60;
 const TAGS: core::ops::RangeInclusive<u8> = 2..=30;
-/// Side of a marker as the share of its square: below, it has no pixels left; above, its square has no white rim.
+/// Side of a marker as the share of its square: below, it has no pixels left; above, its square has
+/// no white rim.
 const MARKER: core::ops::RangeInclusive<f64> = 0.3..=0.95;
 /// Gap between tags as the share of their side.
 const SPACING: core::ops::RangeInclusive<f64> = 0.1..=1.0;
@@ -58,7 +61,8 @@ pub enum BoardError {
 }
 
 impl Board {
-    /// A board from its inner corners (one less than squares) along each side and the side of a square in metres.
+    /// A board from its inner corners (one less than squares) along each side and the side of a
+    /// square in metres.
     pub fn new(cols: u8, rows: u8, square_m: f64) -> Result<Self, BoardError> {
         if let Some(side) = [cols, rows].into_iter().find(|side| !SIDE.contains(side)) {
             return Err(BoardError::Side(side));
@@ -66,7 +70,8 @@ impl Board {
         Self { cols, rows, square_m, pattern: Pattern::Chessboard }.checked()
     }
 
-    /// A ChArUco board from its squares along each side, as OpenCV counts them, and the sides of a square and of a marker in metres.
+    /// A ChArUco board from its squares along each side, as OpenCV counts them, and the sides of a
+    /// square and of a marker in metres.
     pub fn charuco(
         [cols, rows]: [u8; 2],
         square_m: f64,
@@ -86,7 +91,8 @@ impl Board {
         Ok(board)
     }
 
-    /// An AprilGrid from its tags along each side, the side of a tag in metres, and the gap between tags as a share of it.
+    /// An AprilGrid from its tags along each side, the side of a tag in metres, and the gap between
+    /// tags as a share of it.
     pub fn april_grid([cols, rows]: [u8; 2], tag_m: f64, spacing: f64) -> Result<Self, BoardError> {
         if let Some(side) = [cols, rows].into_iter().find(|side| !TAGS.contains(side)) {
             return Err(BoardError::Tags(side));
@@ -94,7 +100,13 @@ impl Board {
         if !SPACING.contains(&spacing) {
             return Err(BoardError::Spacing(spacing));
         }
-        Self { cols: 2 * cols, rows: 2 * rows, square_m: tag_m, pattern: Pattern::AprilGrid { spacing } }.checked()
+        Self {
+            cols: 2 * cols,
+            rows: 2 * rows,
+            square_m: tag_m,
+            pattern: Pattern::AprilGrid { spacing },
+        }
+        .checked()
     }
 
     fn checked(self) -> Result<Self, BoardError> {
@@ -103,7 +115,9 @@ impl Board {
         }
         let needed = self.markers().len();
         match self.pattern.dictionary() {
-            Some(dictionary) if dictionary.len() < needed => Err(BoardError::Dictionary(needed, dictionary.len())),
+            Some(dictionary) if dictionary.len() < needed => {
+                Err(BoardError::Dictionary(needed, dictionary.len()))
+            }
             _ => Ok(self),
         }
     }
@@ -142,10 +156,14 @@ impl Board {
     #[must_use]
     pub fn points(&self) -> Vec<[f64; 2]> {
         let steps = |step: usize| match self.pattern {
-            Pattern::AprilGrid { spacing } => (step / 2) as f64 * (1.0 + spacing) + (step % 2) as f64,
+            Pattern::AprilGrid { spacing } => {
+                (step / 2) as f64 * (1.0 + spacing) + (step % 2) as f64
+            }
             _ => step as f64,
         };
-        let place = |index: usize| [index % self.cols(), index / self.cols()].map(|step| steps(step) * self.square_m);
+        let place = |index: usize| {
+            [index % self.cols(), index / self.cols()].map(|step| steps(step) * self.square_m)
+        };
         (0..self.corners()).map(place).collect()
     }
 }
@@ -161,7 +179,8 @@ impl fmt::Display for Board {
     }
 }
 
-/// Corners of a board in one image, px: all of a chessboard's, row by row; of a board with markers those that are seen.
+/// Corners of a board in one image, px: all of a chessboard's, row by row; of a board with markers
+/// those that are seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardCorners {
     cols: usize,
@@ -172,9 +191,15 @@ pub struct BoardCorners {
 }
 
 impl BoardCorners {
-    /// Corners of a board in any of its numberings, as they stand in `image`; `None` unless there are `cols * rows` of them.
+    /// Corners of a board in any of its numberings, as they stand in `image`; `None` unless there
+    /// are `cols * rows` of them.
     #[must_use]
-    pub fn new(image: &GrayImage, cols: usize, rows: usize, corners: Vec<[f64; 2]>) -> Option<Self> {
+    pub fn new(
+        image: &GrayImage,
+        cols: usize,
+        rows: usize,
+        corners: Vec<[f64; 2]>,
+    ) -> Option<Self> {
         if cols < 2 || rows < 2 || corners.len() != cols * rows {
             return None;
         }
@@ -183,7 +208,8 @@ impl BoardCorners {
             found = found.mirrored();
         }
         let options = found.turns();
-        let dark: Vec<Self> = options.iter().filter(|option| option.starts_dark(image)).cloned().collect();
+        let dark: Vec<Self> =
+            options.iter().filter(|option| option.starts_dark(image)).cloned().collect();
         let rightmost = |a: &&Self, b: &&Self| a.direction()[0].total_cmp(&b.direction()[0]);
         let chosen = if dark.is_empty() { &options } else { &dark };
         chosen.iter().max_by(rightmost).cloned()
@@ -202,7 +228,8 @@ impl BoardCorners {
         self.corners.len()
     }
 
-    /// The numbering nearest to that of the other image among those the board's own symmetry leaves open.
+    /// The numbering nearest to that of the other image among those the board's own symmetry leaves
+    /// open.
     #[must_use]
     pub fn turned_like(self, other: &Self) -> Self {
         if (self.cols + self.rows) % 2 == 1 || self.numbers.is_some() {
@@ -211,10 +238,15 @@ impl BoardCorners {
         let [x, y] = other.direction();
         let along = |option: &Self| option.direction()[0] * x + option.direction()[1] * y;
         let half = self.turns().into_iter().filter(|option| option.cols == other.cols);
-        // A quarter turn of a square board of odd sides exchanges the colours; half a turn never does.
+        // A quarter turn of a square board of odd sides exchanges the colours; half a turn never
+        // does.
         let quarter = self.cols.is_multiple_of(2);
-        let allowed = half.enumerate().filter(|(turn, _)| quarter || turn % 2 == 0 || self.cols != self.rows);
-        allowed.map(|(_, option)| option).max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(self)
+        let allowed =
+            half.enumerate().filter(|(turn, _)| quarter || turn % 2 == 0 || self.cols != self.rows);
+        allowed
+            .map(|(_, option)| option)
+            .max_by(|a, b| along(a).total_cmp(&along(b)))
+            .unwrap_or(self)
     }
 
     /// Numbers of the corners on the board, ascending, and the corners.
@@ -229,7 +261,9 @@ impl BoardCorners {
 
     /// Unit vector along the rows, from the first column to the last.
     fn direction(&self) -> [f64; 2] {
-        let sum = |col: usize, axis: usize| (0..self.rows).map(|row| self.at(col, row)[axis]).sum::<f64>();
+        let sum = |col: usize, axis: usize| {
+            (0..self.rows).map(|row| self.at(col, row)[axis]).sum::<f64>()
+        };
         let [x, y] = [0, 1].map(|axis| sum(self.cols - 1, axis) - sum(0, axis));
         let length = x.hypot(y).max(1e-9);
         [x / length, y / length]
@@ -243,22 +277,30 @@ impl BoardCorners {
     }
 
     fn mirrored(&self) -> Self {
-        let corners = (0..self.corners.len()).map(|i| self.at(self.cols - 1 - i % self.cols, i / self.cols)).collect();
+        let corners = (0..self.corners.len())
+            .map(|i| self.at(self.cols - 1 - i % self.cols, i / self.cols))
+            .collect();
         Self { corners, numbers: None, ..*self }
     }
 
     fn quarter_turn(&self) -> Self {
         let (cols, rows) = (self.rows, self.cols);
-        let corners = (0..cols * rows).map(|i| self.at(i / cols, self.rows - 1 - i % cols)).collect();
+        let corners =
+            (0..cols * rows).map(|i| self.at(i / cols, self.rows - 1 - i % cols)).collect();
         Self { cols, rows, corners, numbers: None }
     }
 
-    /// This numbering and those a quarter, a half and three quarters of a turn away, as far as they keep the sides.
+    /// This numbering and those a quarter, a half and three quarters of a turn away, as far as they
+    /// keep the sides.
     fn turns(&self) -> Vec<Self> {
         let quarter = self.quarter_turn();
         let half = quarter.quarter_turn();
         let last = half.quarter_turn();
-        if self.cols == self.rows { vec![self.clone(), quarter, half, last] } else { vec![self.clone(), half] }
+        if self.cols == self.rows {
+            vec![self.clone(), quarter, half, last]
+        } else {
+            vec![self.clone(), half]
+        }
     }
 
     /// Is the square between the first four corners one of the dark ones?
@@ -266,9 +308,14 @@ impl BoardCorners {
         let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
         for row in 0..self.rows - 1 {
             for col in 0..self.cols - 1 {
-                let around =
-                    [self.at(col, row), self.at(col + 1, row), self.at(col, row + 1), self.at(col + 1, row + 1)];
-                let [x, y] = [0, 1].map(|axis| around.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
+                let around = [
+                    self.at(col, row),
+                    self.at(col + 1, row),
+                    self.at(col, row + 1),
+                    self.at(col + 1, row + 1),
+                ];
+                let [x, y] =
+                    [0, 1].map(|axis| around.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
                 let parity = (row + col) % 2;
                 if let Some(grey) = grey_at(image, x, y) {
                     sums[parity] += grey;
@@ -283,9 +330,11 @@ impl BoardCorners {
 /// Mean of the 3x3 pixels around the nearest pixel.
 fn grey_at(image: &GrayImage, x: f64, y: f64) -> Option<f64> {
     let (width, height) = (usize::from(image.dims.width), usize::from(image.dims.height));
-    let inside = |v: f64, side: usize| (v >= 1.0 && v < side as f64 - 2.0).then_some(v.round() as usize);
+    let inside =
+        |v: f64, side: usize| (v >= 1.0 && v < side as f64 - 2.0).then_some(v.round() as usize);
     let (x, y) = (inside(x, width)?, inside(y, height)?);
-    let rows = (y - 1..=y + 1).flat_map(|row| &image.pixels[row * width + x - 1..=row * width + x + 1]);
+    let rows =
+        (y - 1..=y + 1).flat_map(|row| &image.pixels[row * width + x - 1..=row * width + x + 1]);
     Some(rows.map(|&pixel| f64::from(pixel)).sum::<f64>() / 9.0)
 }
 
@@ -294,12 +343,15 @@ mod tests {
     use super::*;
     use linestereo::Dims;
 
-    /// A board of 10-px squares, the first dark, whose first inner corner is at (30, 30), and its corners.
+    /// A board of 10-px squares, the first dark, whose first inner corner is at (30, 30), and its
+    /// corners.
     fn drawn(cols: usize, rows: usize) -> (GrayImage, Vec<[f64; 2]>) {
         let dims = Dims { width: 160, height: 160 };
         let dark = |x: usize, y: usize| (x / 10 + y / 10).is_multiple_of(2);
-        let pixels = (0..160 * 160).map(|i| if dark(i % 160, i / 160) { 20 } else { 230 }).collect();
-        let corners = (0..cols * rows).map(|i| [29.5 + 10.0 * (i % cols) as f64, 29.5 + 10.0 * (i / cols) as f64]);
+        let pixels =
+            (0..160 * 160).map(|i| if dark(i % 160, i / 160) { 20 } else { 230 }).collect();
+        let corners = (0..cols * rows)
+            .map(|i| [29.5 + 10.0 * (i % cols) as f64, 29.5 + 10.0 * (i / cols) as f64]);
         (GrayImage { dims, pixels }, corners.collect())
     }
 

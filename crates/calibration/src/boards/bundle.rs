@@ -1,12 +1,16 @@
 //! Bundle adjustment: all cameras, the pose between them and all boards' poses at once.
 //!
-//! In: sightings and first guesses. Out: the numbers at the least sum of squared reprojection errors, and their covariance.
+//! In: sightings and first guesses. Out: the numbers at the least sum of squared reprojection
+//! errors, and their covariance.
 //!
 //! ```text
-//! numbers   one or two cameras, the pose from left to right, then a pose for each board (in the left camera's coordinates)
+//! numbers   one or two cameras, the pose from left to right, then a pose for each board (in the
+//!           left camera's coordinates)
 //! errors    px, both cameras; and weak beliefs about the lens, each as one more error
-//! each view: its 4n errors depend on at most 32 numbers: their derivatives, by central differences, are turned by a QR
-//!            decomposition into at most 33 rows with the same sums of squares; the solver sees only those
+//! each view: its 4n errors depend on at most 32 numbers: their derivatives, by central
+//!     differences, are turned by a QR
+//!            decomposition into at most 33 rows with the same sums of squares; the solver sees
+//!                only those
 //! covariance = sigma^2 (J'J)^-1,  sigma^2 = sum of squares / (errors - numbers)
 //! ```
 //!
@@ -95,7 +99,8 @@ impl Bundle {
     pub(super) fn errors(&self, view: &BoardView) -> Vec<f64> {
         let mut errors = Vec::with_capacity(2 * (view.seen[0].len() + view.seen[1].len()));
         let in_right = if view.seen[1].is_empty() { view.pose } else { view.pose.then(&self.rig) };
-        for ((camera, seen), pose) in self.cameras.iter().zip(&view.seen).zip([view.pose, in_right]) {
+        for ((camera, seen), pose) in self.cameras.iter().zip(&view.seen).zip([view.pose, in_right])
+        {
             let (turn, shift) = (pose.rotation(), pose.translation());
             for ([x, y], [u, v]) in seen {
                 let [pu, pv] = camera.project(turn * Vector3::new(*x, *y, 0.0) + shift);
@@ -108,19 +113,25 @@ impl Bundle {
     /// Uncertainty of the shared numbers; `None` when the data do not fix them.
     pub(super) fn spread(&self) -> Option<Spread> {
         let rows = self.linearised();
-        let errors: usize = self.views.iter().map(|view| 2 * (view.seen[0].len() + view.seen[1].len())).sum();
+        let errors: usize =
+            self.views.iter().map(|view| 2 * (view.seen[0].len() + view.seen[1].len())).sum();
         let numbers = self.free.len() + POSE * self.views.len();
-        let squares: f64 = self.views.iter().flat_map(|view| self.errors(view)).map(|e| e * e).sum();
+        let squares: f64 =
+            self.views.iter().flat_map(|view| self.errors(view)).map(|e| e * e).sum();
         let sigma = (squares / errors.checked_sub(numbers).filter(|&rest| rest > 0)? as f64).sqrt();
         let information = rows.jacobian.tr_mul(&rows.jacobian);
-        let scale = DVector::from_iterator(numbers, information.diagonal().iter().map(|d| 1.0 / d.sqrt()));
+        let scale =
+            DVector::from_iterator(numbers, information.diagonal().iter().map(|d| 1.0 / d.sqrt()));
         if scale.iter().any(|s| !s.is_finite()) {
             return None;
         }
-        let scaled = DMatrix::from_fn(numbers, numbers, |i, j| information[(i, j)] * scale[i] * scale[j]);
+        let scaled =
+            DMatrix::from_fn(numbers, numbers, |i, j| information[(i, j)] * scale[i] * scale[j]);
         let inverse = scaled.cholesky()?.inverse();
         let shared = self.free.len();
-        let covariance = DMatrix::from_fn(shared, shared, |i, j| inverse[(i, j)] * scale[i] * scale[j] * sigma * sigma);
+        let covariance = DMatrix::from_fn(shared, shared, |i, j| {
+            inverse[(i, j)] * scale[i] * scale[j] * sigma * sigma
+        });
         Some(Spread { sigma, covariance })
     }
 
@@ -155,7 +166,8 @@ impl Bundle {
         for (position, index) in self.free.clone().into_iter().enumerate() {
             self.set_shared(index, numbers[position]);
         }
-        for (view, pose) in self.views.iter_mut().zip(numbers[self.free.len()..].chunks_exact(POSE)) {
+        for (view, pose) in self.views.iter_mut().zip(numbers[self.free.len()..].chunks_exact(POSE))
+        {
             view.pose.0.copy_from_slice(pose);
         }
     }
@@ -164,14 +176,19 @@ impl Bundle {
         let shared = self.free.len();
         let columns = shared + POSE * self.views.len();
         let blocks: Vec<Block> = self.views.iter().map(|view| self.block(view)).collect();
-        let height = blocks.iter().map(|block| block.error.len()).sum::<usize>() + self.beliefs.len();
+        let height =
+            blocks.iter().map(|block| block.error.len()).sum::<usize>() + self.beliefs.len();
         let (mut jacobian, mut error) = (DMatrix::zeros(height, columns), DVector::zeros(height));
         let mut row = 0;
         for (index, block) in blocks.iter().enumerate() {
             let rows = block.error.len();
-            jacobian.view_mut((row, 0), (rows, shared)).copy_from(&block.jacobian.columns(0, shared));
+            jacobian
+                .view_mut((row, 0), (rows, shared))
+                .copy_from(&block.jacobian.columns(0, shared));
             let own = shared + POSE * index;
-            jacobian.view_mut((row, own), (rows, POSE)).copy_from(&block.jacobian.columns(shared, POSE));
+            jacobian
+                .view_mut((row, own), (rows, POSE))
+                .copy_from(&block.jacobian.columns(shared, POSE));
             error.rows_mut(row, rows).copy_from(&block.error);
             row += rows;
         }
@@ -226,12 +243,19 @@ impl Bundle {
     }
 }
 
-/// Step of a central difference: its own error and that of rounding are both far below what matters.
+/// Step of a central difference: its own error and that of rounding are both far below what
+/// matters.
 fn step(value: f64) -> f64 {
     1e-6 * value.abs().max(1.0)
 }
 
-fn set_difference(whole: &mut DMatrix<f64>, column: usize, above: &[f64], below: &[f64], step: f64) {
+fn set_difference(
+    whole: &mut DMatrix<f64>,
+    column: usize,
+    above: &[f64],
+    below: &[f64],
+    step: f64,
+) {
     for (row, (above, below)) in above.iter().zip(below).enumerate() {
         whole[(row, column)] = (above - below) / (2.0 * step);
     }

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! grids of X-junctions (finder) -> the markers in their squares (reader)
-//! each marker: the turn and the shift from the grid to the board -> the one that most agree with numbers the corners
+//! each marker: the turn and the shift from the grid to the board -> the one that most agree with
+//!              numbers the corners
 //! ```
 
 use super::board::{Board, BoardCorners};
@@ -13,8 +14,8 @@ use super::reader::Reader;
 use linestereo_frames::GrayImage;
 use std::collections::BTreeMap;
 
-/// Markers that agree, at least, and their share of all that were read: of 1450 corners in drawn and worn pictures none was
-/// numbered by a misread one.
+/// Markers that agree, at least, and their share of all that were read: of 1450 corners in drawn
+/// and worn pictures none was numbered by a misread one.
 const LEAST_MARKERS: usize = 2;
 const LEAST_SHARE: f64 = 0.9;
 
@@ -32,7 +33,8 @@ impl Placement {
     }
 }
 
-/// The corners of the largest part of the board among these grids, and of all parts that agree with it.
+/// The corners of the largest part of the board among these grids, and of all parts that agree with
+/// it.
 pub(super) fn numbered(
     image: &GrayImage,
     board: &Board,
@@ -63,7 +65,8 @@ fn placed(board: &Board, reader: &Reader, grid: &Grid) -> Result<Placement, NotF
     let mut votes: Vec<(Placement, usize)> = Vec::new();
     let (mut read, mut unknown) = (0, 0);
     for &(u, v) in grid.at.keys() {
-        let around = [(u, v), (u + 1, v), (u + 1, v + 1), (u, v + 1)].map(|key| grid.at.get(&key).copied());
+        let around =
+            [(u, v), (u + 1, v), (u + 1, v + 1), (u, v + 1)].map(|key| grid.at.get(&key).copied());
         let [Some(a), Some(b), Some(c), Some(d)] = around else { continue };
         let Some(marker) = reader.read([a, b, c, d]) else { continue };
         read += 1;
@@ -83,12 +86,20 @@ fn placed(board: &Board, reader: &Reader, grid: &Grid) -> Result<Placement, NotF
         }
     }
     let Some(&(placement, agree)) = votes.iter().max_by_key(|(_, count)| count) else {
-        return Err(if unknown > 0 { NotFound::OtherLayout } else { NotFound::NoMarkers(grid.at.len()) });
+        return Err(if unknown > 0 {
+            NotFound::OtherLayout
+        } else {
+            NotFound::NoMarkers(grid.at.len())
+        });
     };
     if agree as f64 >= LEAST_SHARE * f64::from(read) && agree >= LEAST_MARKERS {
         return Ok(placement);
     }
-    Err(if read as usize > LEAST_MARKERS { NotFound::OtherLayout } else { NotFound::NoMarkers(grid.at.len()) })
+    Err(if read as usize > LEAST_MARKERS {
+        NotFound::OtherLayout
+    } else {
+        NotFound::NoMarkers(grid.at.len())
+    })
 }
 
 /// The grid's corners by their numbers on the board.
@@ -107,10 +118,13 @@ fn corners(
             return None;
         }
         let next = [(u - 1, v), (u + 1, v), (u, v - 1), (u, v + 1)];
-        let apart = next.iter().filter_map(|key| grid.at.get(key)).map(|next| (next[0] - at[0]).hypot(next[1] - at[1]));
+        let apart = next
+            .iter()
+            .filter_map(|key| grid.at.get(key))
+            .map(|next| (next[0] - at[0]).hypot(next[1] - at[1]));
         let spacing = apart.fold(f64::MAX, f64::min);
-        // The detector's own place is nearer to the truth (0.04 px for 0.10), but a marker's corner that it took for one of the board's is not:
-        // inside the rim nothing is seen there.
+        // The detector's own place is nearer to the truth (0.04 px for 0.10), but a marker's corner
+        // that it took for one of the board's is not: inside the rim nothing is seen there.
         corner::refine_within(image, at, (1.0 - marker) / 2.0 * spacing)?;
         Some(((row * cols + col) as usize, at))
     };

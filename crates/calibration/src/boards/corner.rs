@@ -1,6 +1,7 @@
 //! Where exactly a corner is: the point to which all gradients around it are perpendicular.
 //!
-//! In: an image, a corner to about a pixel, the reach of the window. Out: the corner to a few hundredths of a pixel.
+//! In: an image, a corner to about a pixel, the reach of the window. Out: the corner to a few
+//! hundredths of a pixel.
 //!
 //! ```text
 //! repeat:  solve  sum w(p) g(p) g(p)' (q - p) = 0  over the window around q     w: Gaussian, g: gradient
@@ -8,27 +9,36 @@
 //! ```
 //!
 //! # Source
-//! Förstner and Gülch, 1987; what OpenCV calls `cornerSubPix`. The window follows the size of the squares, so that no other corner is inside.
+//! Förstner and Gülch, 1987; what OpenCV calls `cornerSubPix`. The window follows the size of the
+//! squares, so that no other corner is inside.
 
 use linestereo_frames::GrayImage;
 
 /// Half sides of the window, px.
 const REACH: (f64, f64) = (2.0, 10.0);
-/// Share of the distance to the next corner that the window reaches; and of one in the board's outermost lines, beyond which a printed
-/// board may end within half a square.
+/// Share of the distance to the next corner that the window reaches; and of one in the board's
+/// outermost lines, beyond which a printed board may end within half a square.
 const SHARES: (f64, f64) = (0.42, 0.25);
-/// A corner further from the detector's place than this, px, was pulled by something else inside the window: a smaller one is tried.
+/// A corner further from the detector's place than this, px, was pulled by something else inside
+/// the window: a smaller one is tried.
 const PULLED: f64 = 1.0;
 const ROUNDS: usize = 40;
 const MOVED: f64 = 1e-3;
 
-/// The corner near `start` whose next corner is `spacing` px away; `None` where the image shows none.
+/// The corner near `start` whose next corner is `spacing` px away; `None` where the image shows
+/// none.
 #[must_use]
-pub(super) fn refine(image: &GrayImage, start: [f64; 2], spacing: f64, outermost: bool) -> Option<[f64; 2]> {
+pub(super) fn refine(
+    image: &GrayImage,
+    start: [f64; 2],
+    spacing: f64,
+    outermost: bool,
+) -> Option<[f64; 2]> {
     refine_within(image, start, spacing * if outermost { SHARES.1 } else { SHARES.0 })
 }
 
-/// The corner near `start` from a window that reaches so many px; `None` where the image shows none.
+/// The corner near `start` from a window that reaches so many px; `None` where the image shows
+/// none.
 #[must_use]
 pub(super) fn refine_within(image: &GrayImage, start: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     let widest = reach.clamp(REACH.0, REACH.1);

@@ -1,14 +1,17 @@
 //! A photo -> the board's corners.
 //!
-//! In: a grey image and the board. Out: all inner corners of a chessboard, or those corners of a board with markers that are seen, to a few
-//! hundredths of a pixel, numbered as [`board`](super::board) says, or why not.
+//! In: a grey image and the board. Out: all inner corners of a chessboard, or those corners of a
+//! board with markers that are seen, to a few hundredths of a pixel, numbered as
+//! [`board`](super::board) says, or why not.
 //!
 //! ```text
 //! for each way of looking (scales, ring sizes, ChESS or Radon), the cheapest first:
 //!     X-junctions -> grids of them                 chess-corners, calib-targets-chessboard
-//!     a grid that holds the whole board, and no other place for it -> each corner to sub-pixel precision
+//!     a grid that holds the whole board, and no other place for it -> each corner to sub-pixel
+//!         precision
 //! else: the largest grid seen says what is wrong
-//! boards with markers: the first ways that show some of it; which corners they are, markers say (charuco, april)
+//! boards with markers: the first ways that show some of it; which corners they are, markers say
+//!                      (charuco, april)
 //! ```
 //!
 //! # Cost
@@ -18,7 +21,9 @@ use super::board::{Board, BoardCorners};
 use super::grid::{Grid, NotFound, more_telling};
 use super::markers::Pattern;
 use super::{april, charuco, corner};
-use calib_targets_chessboard::{ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners};
+use calib_targets_chessboard::{
+    ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners,
+};
 use chess_corners::{ChessRing, ImageRefiner, OnRefinerReject, UpscaleConfig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted;
@@ -29,7 +34,8 @@ pub trait BoardFinder: Sync {
     fn find(&self, image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound>;
 }
 
-/// [`BoardFinder`] over the crates `chess-corners` and `calib-targets-chessboard`, and for markers `calib-targets-aruco`.
+/// [`BoardFinder`] over the crates `chess-corners` and `calib-targets-chessboard`, and for markers
+/// `calib-targets-aruco`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct JunctionFinder;
 
@@ -41,7 +47,8 @@ const LEAST_RESPONSE: f32 = 15.0;
 const LARGEST_ENLARGED: usize = 400_000;
 const LARGEST_RADON: usize = 1_000_000;
 
-/// Ways of looking of which the one that shows most of a board with markers is taken; more only where these show nothing.
+/// Ways of looking of which the one that shows most of a board with markers is taken; more only
+/// where these show nothing.
 const TOGETHER: usize = 4;
 
 impl BoardFinder for JunctionFinder {
@@ -89,7 +96,8 @@ fn marked(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
             Pattern::Charuco { dictionary, marker, .. } => {
                 let mut params = ChessboardParams::default();
                 params.min_corner_strength = least;
-                let grids = ChessboardDetector::new(params).map(|detector| detector.detect_all(&junctions));
+                let grids =
+                    ChessboardDetector::new(params).map(|detector| detector.detect_all(&junctions));
                 let grids: Vec<Grid> = grids.unwrap_or_default().iter().map(Grid::new).collect();
                 charuco::numbered(image, board, (dictionary, marker), &grids)
             }
@@ -105,14 +113,23 @@ fn marked(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
 }
 
 fn view(image: &GrayImage) -> GrayImageView<'_> {
-    GrayImageView { width: image.dims.width.into(), height: image.dims.height.into(), data: &image.pixels }
+    GrayImageView {
+        width: image.dims.width.into(),
+        height: image.dims.height.into(),
+        data: &image.pixels,
+    }
 }
 
 /// Ways of looking with their least responses, cheap before dear.
 fn ways(pixels: usize) -> Vec<(DetectorConfig, f32)> {
     let tuned = |config: DetectorConfig| {
-        let keep = |chess: &mut chess_corners::ChessConfig| chess.on_refiner_reject = OnRefinerReject::KeepCenterOfMass;
-        config.with_threshold(LEAST_RESPONSE).with_chess(keep).with_refiner(ImageRefiner::saddle_point())
+        let keep = |chess: &mut chess_corners::ChessConfig| {
+            chess.on_refiner_reject = OnRefinerReject::KeepCenterOfMass
+        };
+        config
+            .with_threshold(LEAST_RESPONSE)
+            .with_chess(keep)
+            .with_refiner(ImageRefiner::saddle_point())
     };
     let chess = tuned(DetectorConfig::chess());
     let mut ways = vec![
@@ -148,7 +165,8 @@ fn placed(image: &GrayImage, board: &Board, grid: &Grid) -> Result<BoardCorners,
     if !full {
         return Err(NotFound::Part(grid.at.len()));
     }
-    let (turned, left, top) = if upright { (None, left, top) } else { (Some(grid.transposed()), top, left) };
+    let (turned, left, top) =
+        if upright { (None, left, top) } else { (Some(grid.transposed()), top, left) };
     let grid = turned.as_ref().unwrap_or(grid);
     let places = (top..top + rows).flat_map(|v| (left..left + cols).map(move |u| (u, v)));
     let rough: Vec<[f64; 2]> = places.filter_map(|key| grid.at.get(&key).copied()).collect();
@@ -159,7 +177,8 @@ fn placed(image: &GrayImage, board: &Board, grid: &Grid) -> Result<BoardCorners,
 /// Every corner to sub-pixel precision.
 fn refined(image: &GrayImage, board: &Board, rough: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let (cols, rows) = (board.cols(), board.rows());
-    let distance = |a: usize, b: usize| (rough[a][0] - rough[b][0]).hypot(rough[a][1] - rough[b][1]);
+    let distance =
+        |a: usize, b: usize| (rough[a][0] - rough[b][0]).hypot(rough[a][1] - rough[b][1]);
     let refine = |index: usize| {
         let (col, row) = (index % cols, index / cols);
         let neighbours = [
@@ -168,7 +187,11 @@ fn refined(image: &GrayImage, board: &Board, rough: &[[f64; 2]]) -> Vec<[f64; 2]
             (row > 0).then(|| index - cols),
             (row + 1 < rows).then_some(index + cols),
         ];
-        let spacing = neighbours.into_iter().flatten().map(|other| distance(index, other)).fold(f64::MAX, f64::min);
+        let spacing = neighbours
+            .into_iter()
+            .flatten()
+            .map(|other| distance(index, other))
+            .fold(f64::MAX, f64::min);
         let outermost = neighbours.contains(&None);
         // A corner that cannot be refined, at the border of the image, keeps the detector's place.
         corner::refine(image, rough[index], spacing, outermost).unwrap_or(rough[index])
@@ -181,13 +204,18 @@ mod tests {
     use super::*;
     use linestereo::Dims;
 
-    /// The detector's rings reach 10 px: it looked beyond the rows of images that are narrower than two of them, and so ended all photos.
+    /// The detector's rings reach 10 px: it looked beyond the rows of images that are narrower than
+    /// two of them, and so ended all photos.
     #[test]
     fn photos_of_every_size_are_looked_at() {
         let board = Board::new(9, 6, 0.02).unwrap();
-        for (width, height) in (1..48).flat_map(|side| [(side, 16), (side, 100), (16, side), (100, side)]) {
+        for (width, height) in
+            (1..48).flat_map(|side| [(side, 16), (side, 100), (16, side), (100, side)])
+        {
             let dims = Dims { width, height };
-            let pixels = (0..usize::from(width) * usize::from(height)).map(|i| ((i * i * 37) >> 3) as u8).collect();
+            let pixels = (0..usize::from(width) * usize::from(height))
+                .map(|i| ((i * i * 37) >> 3) as u8)
+                .collect();
             assert!(JunctionFinder.find(&GrayImage { dims, pixels }, &board).is_err(), "{dims}");
         }
     }

@@ -3,7 +3,8 @@
 use calib_targets_chessboard::ChessboardDetection;
 use std::collections::BTreeMap;
 
-/// A line of the grid beside the board may hold this share of false corners; with more, the board is larger than said.
+/// A line of the grid beside the board may hold this share of false corners; with more, the board
+/// is larger than said.
 const FALSE_SHARE: f64 = 0.5;
 
 /// Why a board is not found.
@@ -48,7 +49,10 @@ pub(super) struct Grid {
 impl Grid {
     pub(super) fn new(detection: &ChessboardDetection) -> Self {
         let place = |corner: &calib_targets_chessboard::ChessboardCorner| {
-            ((corner.grid.u, corner.grid.v), [f64::from(corner.position.x), f64::from(corner.position.y)])
+            (
+                (corner.grid.u, corner.grid.v),
+                [f64::from(corner.position.x), f64::from(corner.position.y)],
+            )
         };
         let at: BTreeMap<_, _> = detection.corners.iter().map(place).collect();
         let cols = at.keys().map(|key| key.0 + 1).max().unwrap_or(0);
@@ -66,7 +70,11 @@ impl Grid {
             let [right, down] = [side((u, v), (u + 1, v))?, side((u, v), (u, v + 1))?];
             Some(right[0] * down[1] - right[1] * down[0])
         });
-        if turn.sum::<f64>() < 0.0 { self.transposed() } else { Self { at: self.at.clone(), ..*self } }
+        if turn.sum::<f64>() < 0.0 {
+            self.transposed()
+        } else {
+            Self { at: self.at.clone(), ..*self }
+        }
     }
 
     pub(super) fn transposed(&self) -> Self {
@@ -93,8 +101,9 @@ impl Grid {
                 self.filled(left, top, cols, 1),
                 self.filled(left, top + rows - 1, cols, 1),
             ];
-            let Some(empty) =
-                (0..4).filter(|&i| borders[i] <= FALSE_SHARE).min_by(|&a, &b| borders[a].total_cmp(&borders[b]))
+            let Some(empty) = (0..4)
+                .filter(|&i| borders[i] <= FALSE_SHARE)
+                .min_by(|&a, &b| borders[a].total_cmp(&borders[b]))
             else {
                 return (left, top, cols, rows);
             };

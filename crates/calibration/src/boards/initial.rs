@@ -1,6 +1,7 @@
 //! First guesses: the focal length, and where a board stands.
 //!
-//! In: corners of boards in one camera. Out: a camera without distortion and a pose for each board, good enough to refine.
+//! In: corners of boards in one camera. Out: a camera without distortion and a pose for each board,
+//! good enough to refine.
 //!
 //! ```text
 //! for focal lengths from a quarter to four times the image's width, centre in the middle:
@@ -10,8 +11,9 @@
 //! ```
 //!
 //! # Source
-//! The homography as pose: Zhang, 2000, section 3.1. His closed form for the focal length takes roots of numbers that a strongly distorted
-//! image makes negative, and knows no fisheye; a search over one number has neither trouble.
+//! The homography as pose: Zhang, 2000, section 3.1. His closed form for the focal length takes
+//! roots of numbers that a strongly distorted image makes negative, and knows no fisheye; a search
+//! over one number has neither trouble.
 
 use super::model::{Intrinsics, LensModel, Pose};
 use linestereo::Dims;
@@ -37,11 +39,16 @@ pub(super) fn focals(model: LensModel, dims: Dims, views: &[Sightings]) -> Vec<f
         let camera = Intrinsics::plain(model, dims, focal);
         views
             .iter()
-            .map(|view| pose(&camera, dims, view).map_or(FAR_OFF * FAR_OFF, |pose| error(&camera, &pose, view)))
+            .map(|view| {
+                pose(&camera, dims, view)
+                    .map_or(FAR_OFF * FAR_OFF, |pose| error(&camera, &pose, view))
+            })
             .sum()
     };
-    let mut tried: Vec<(f64, f64)> =
-        (0..TRIED).map(|i| step(i) * f64::from(dims.width)).map(|focal| (score(focal), focal)).collect();
+    let mut tried: Vec<(f64, f64)> = (0..TRIED)
+        .map(|i| step(i) * f64::from(dims.width))
+        .map(|focal| (score(focal), focal))
+        .collect();
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     tried.into_iter().map(|(_, focal)| focal).collect()
 }
@@ -59,7 +66,8 @@ fn error(camera: &Intrinsics, pose: &Pose, view: &Sightings) -> f64 {
 /// Where the board stands, in the camera's coordinates.
 pub(super) fn pose(camera: &Intrinsics, dims: Dims, view: &Sightings) -> Option<Pose> {
     let lens = camera.camera(dims).ok()?;
-    let pairs: Vec<_> = view.iter().filter_map(|&(place, at)| Some((place, lens.unproject(at)?))).collect();
+    let pairs: Vec<_> =
+        view.iter().filter_map(|&(place, at)| Some((place, lens.unproject(at)?))).collect();
     if pairs.len() < LEAST_POINTS {
         return None;
     }
@@ -70,13 +78,16 @@ pub(super) fn pose(camera: &Intrinsics, dims: Dims, view: &Sightings) -> Option<
     let (a, b, shift) = (a * scale, b * scale, c * scale);
     let svd = Matrix3::from_columns(&[a, b, a.cross(&b)]).svd(true, true);
     let turn = svd.u? * svd.v_t?;
-    (turn.determinant() > 0.0 && shift.z > 0.0).then(|| Pose::new(Rotation3::from_matrix_unchecked(turn), shift))
+    (turn.determinant() > 0.0 && shift.z > 0.0)
+        .then(|| Pose::new(Rotation3::from_matrix_unchecked(turn), shift))
 }
 
 /// A board parallel to the image, as far away as its size says.
 pub(super) fn facing(camera: &Intrinsics, view: &Sightings) -> Pose {
     let [fx, fy, cx, cy, ..] = camera.numbers;
-    let mean = |pick: &dyn Fn(&Sighting) -> f64| view.iter().map(pick).sum::<f64>() / view.len().max(1) as f64;
+    let mean = |pick: &dyn Fn(&Sighting) -> f64| {
+        view.iter().map(pick).sum::<f64>() / view.len().max(1) as f64
+    };
     let [x, y] = [0, 1].map(|axis| mean(&|pair| pair.0[axis]));
     let [u, v] = [0, 1].map(|axis| mean(&|pair| pair.1[axis]));
     let on_board = mean(&|pair| (pair.0[0] - x).hypot(pair.0[1] - y));
@@ -114,5 +125,7 @@ fn normaliser(points: impl Iterator<Item = [f64; 2]> + Clone) -> Option<Matrix3<
     let [x, y] = [mean(0), mean(1)];
     let spread = points.map(|point| (point[0] - x).hypot(point[1] - y)).sum::<f64>() / count;
     let scale = 1.0 / spread;
-    scale.is_finite().then(|| Matrix3::new(scale, 0.0, -x * scale, 0.0, scale, -y * scale, 0.0, 0.0, 1.0))
+    scale
+        .is_finite()
+        .then(|| Matrix3::new(scale, 0.0, -x * scale, 0.0, scale, -y * scale, 0.0, 0.0, 1.0))
 }

@@ -1,10 +1,12 @@
 //! Kinds of boards, and the dictionaries of the markers that number their corners.
 //!
 //! ```text
-//! ChArUco     OpenCV's: markers in the white squares, numbered row by row. The upper left square is black, but white in the legacy pattern
-//!             (before OpenCV 4.6) of boards with an even number of rows
-//! AprilGrid   Kalibr's: tags of the family 36h11 with a black rim of two cells, numbered row by row from the lower left, and a black
-//!             square at each of their corners, so that these are corners of a chessboard
+//! ChArUco     OpenCV's: markers in the white squares, numbered row by row. The upper left square
+//!             is black, but white in the legacy pattern (before OpenCV 4.6) of boards with an even
+//!             number of rows
+//! AprilGrid   Kalibr's: tags of the family 36h11 with a black rim of two cells, numbered row by
+//!             row from the lower left, and a black square at each of their corners, so that these
+//!             are corners of a chessboard
 //! ```
 //!
 //! # Source

@@ -1,7 +1,8 @@
 //! From photos of a board to a calibrated pair, and the file that keeps it.
 //!
 //! ```text
-//! folder -> pairs of photos (photos) -> corners of the board (board, finder, grid, corner; of boards with markers: markers, reader,
+//! folder -> pairs of photos (photos) -> corners of the board (board, finder, grid, corner; of
+//!     boards with markers: markers, reader,
 //!                                                      charuco, april; printed)
 //!        -> cameras, pose and their spread (initial, model, bundle, estimate)
 //!        -> what they are worth (quality) -> a report (summary)
@@ -26,8 +27,8 @@ mod summary;
 
 pub use board::{Board, BoardCorners, BoardError};
 pub use estimate::{
-    BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS, Options, Parameter,
-    ViewReport, estimate,
+    BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS, Options,
+    Parameter, ViewReport, estimate,
 };
 pub use finder::{BoardFinder, JunctionFinder};
 pub use grid::NotFound;

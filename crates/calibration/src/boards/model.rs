@@ -63,7 +63,8 @@ impl Intrinsics {
         Camera::new(dims, [fx, fy], [cx, cy], skew, self.lens())
     }
 
-    /// Pixel of a point in the camera's coordinates; smooth everywhere in front of the camera, which a solver needs.
+    /// Pixel of a point in the camera's coordinates; smooth everywhere in front of the camera,
+    /// which a solver needs.
     pub(super) fn project(&self, point: Vector3<f64>) -> [f64; 2] {
         let z = point.z.max(1e-6);
         let [x, y] = self.lens().distort([point.x / z, point.y / z]);

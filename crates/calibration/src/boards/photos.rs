@@ -1,7 +1,8 @@
 //! A folder of photos -> pairs of files.
 //!
-//! Left and right photos stand in one folder (`left01.jpg`, `right01.jpg`; `3_cam0.png`, `3_cam1.png`) or in two inside it (`left/`,
-//! `right/`, or `cam0/`, `cam1/`, with or without `data/` below), by every name of a side that recordings have. A pair has the same number;
+//! Left and right photos stand in one folder (`left01.jpg`, `right01.jpg`; `3_cam0.png`,
+//! `3_cam1.png`) or in two inside it (`left/`, `right/`, or `cam0/`, `cam1/`, with or without
+//! `data/` below), by every name of a side that recordings have. A pair has the same number;
 //! without one, the same rest of the name.
 
 use linestereo_frames::{SIDES, without_side};
@@ -10,10 +11,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Words for the left and the right camera that may stand anywhere in a name, without a mark around them.
+/// Words for the left and the right camera that may stand anywhere in a name, without a mark around
+/// them.
 const WORDS: [[&str; 2]; 2] = [["left", "cam0"], ["right", "cam1"]];
 /// Extensions of photos.
-const EXTENSIONS: [&str; 10] = ["jpg", "jpeg", "png", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
+const EXTENSIONS: [&str; 10] =
+    ["jpg", "jpeg", "png", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
 /// File names listed in a message.
 const LISTED: usize = 4;
 
@@ -63,7 +66,10 @@ fn names(paths: &[PathBuf]) -> String {
 }
 
 /// Pairs in a folder, in the order of their numbers, and the photos left without a partner.
-pub fn find_pairs(folder: &Path, skip_unpaired: bool) -> Result<(Vec<PhotoPair>, Vec<PathBuf>), PhotoError> {
+pub fn find_pairs(
+    folder: &Path,
+    skip_unpaired: bool,
+) -> Result<(Vec<PhotoPair>, Vec<PathBuf>), PhotoError> {
     let [mut left, mut right] = [numbered(folder, 0)?, numbered(folder, 1)?];
     let counts = [left.len(), right.len()];
     match counts {
@@ -95,9 +101,14 @@ enum Key {
 impl Key {
     fn of(rest: &str) -> Self {
         let digits = rest.trim_end_matches(|letter: char| !letter.is_ascii_digit());
-        let number =
-            digits.rsplit(|letter: char| !letter.is_ascii_digit()).next().and_then(|digits| digits.parse().ok());
-        number.map_or_else(|| Self::Rest(rest.trim_matches(['_', '-', ' ', '.']).to_owned()), Self::Number)
+        let number = digits
+            .rsplit(|letter: char| !letter.is_ascii_digit())
+            .next()
+            .and_then(|digits| digits.parse().ok());
+        number.map_or_else(
+            || Self::Rest(rest.trim_matches(['_', '-', ' ', '.']).to_owned()),
+            Self::Number,
+        )
     }
 
     fn text(&self) -> String {
@@ -129,9 +140,9 @@ fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoErro
                 let below = path.join("data");
                 let inside = listed(if below.is_dir() { &below } else { &path })?;
                 let photos = inside.into_iter().filter(|path| is_photo(path));
-                found.extend(
-                    photos.map(|photo| (photo.clone(), rest_of(&photo, side).unwrap_or_else(|| stem_of(&photo)))),
-                );
+                found.extend(photos.map(|photo| {
+                    (photo.clone(), rest_of(&photo, side).unwrap_or_else(|| stem_of(&photo)))
+                }));
             }
         } else if is_photo(&path)
             && let Some(rest) = rest_of(&path, side)

@@ -1,9 +1,11 @@
 //! Quality of a calibration, and advice that would raise it.
 //!
-//! In: an [`Estimate`]. Out: what decides whether to trust it, in numbers, and a verdict with reasons and remedies.
+//! In: an [`Estimate`]. Out: what decides whether to trust it, in numbers, and a verdict with
+//! reasons and remedies.
 //!
-//! The limits are those of the matcher behind: it takes rows that are up to a pixel off, loses some matches above half a pixel and none
-//! below a quarter; an error of 1 % of focal length or baseline is 1 % of every depth.
+//! The limits are those of the matcher behind: it takes rows that are up to a pixel off, loses some
+//! matches above half a pixel and none below a quarter; an error of 1 % of focal length or baseline
+//! is 1 % of every depth.
 
 use super::estimate::{CornerError, Estimate};
 use core::fmt;
@@ -19,7 +21,8 @@ const THIRDS: [[&str; 3]; 3] = [
     ["left edge", "middle", "right edge"],
     ["lower left corner", "lower edge", "lower right corner"],
 ];
-/// Error of a disparity that the far range is stated for, px, and the share of the distance it may cost.
+/// Error of a disparity that the far range is stated for, px, and the share of the distance it may
+/// cost.
 const FAR: (f64, f64) = (0.25, 0.1);
 /// Places across a raw image at which is asked whether they stay in view.
 const ASKED: u16 = 33;
@@ -89,7 +92,8 @@ pub struct Coverage {
     pub unseen: Vec<&'static str>,
 }
 
-/// Residual difference of rows after rectification at the raw images' size (or the largest the core takes).
+/// Residual difference of rows after rectification at the raw images' size (or the largest the core
+/// takes).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rectified {
     /// Virtual cameras.
@@ -137,7 +141,8 @@ fn covered(dims: Dims, corners: &[CornerError]) -> Coverage {
     let sides = [f64::from(dims.width), f64::from(dims.height)];
     let cell = |at: [f64; 2], counts: [usize; 2]| {
         let step = |axis: usize| {
-            (((at[axis] + 0.5) / sides[axis] * counts[axis] as f64).max(0.0) as usize).min(counts[axis] - 1)
+            (((at[axis] + 0.5) / sides[axis] * counts[axis] as f64).max(0.0) as usize)
+                .min(counts[axis] - 1)
         };
         step(1) * counts[0] + step(0)
     };
@@ -150,14 +155,20 @@ fn covered(dims: Dims, corners: &[CornerError]) -> Coverage {
         reach = reach.max(from_middle[0].hypot(from_middle[1]));
     }
     let share = cells.iter().filter(|&&count| count > 0).count() as f64 / cells.len() as f64;
-    let unseen = thirds.iter().zip(THIRDS.concat()).filter(|(count, _)| **count == 0).map(|(_, name)| name).collect();
+    let unseen = thirds
+        .iter()
+        .zip(THIRDS.concat())
+        .filter(|(count, _)| **count == 0)
+        .map(|(_, name)| name)
+        .collect();
     Coverage { cells, share, reach: reach / (sides[0].hypot(sides[1]) / 2.0), unseen }
 }
 
 /// The raw size, reduced to what the core takes.
 fn rectified_dims(dims: Dims) -> Dims {
-    let scale =
-        (f64::from(MAX_WIDTH) / f64::from(dims.width)).min(f64::from(MAX_HEIGHT) / f64::from(dims.height)).min(1.0);
+    let scale = (f64::from(MAX_WIDTH) / f64::from(dims.width))
+        .min(f64::from(MAX_HEIGHT) / f64::from(dims.height))
+        .min(1.0);
     let side = |side: u16| (f64::from(side) * scale).round() as u16;
     Dims { width: side(dims.width), height: side(dims.height) }
 }
@@ -169,8 +180,10 @@ fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
     let focal = rectification.focal();
     let angle = |low: f64, high: f64| ((high / focal).atan() - (low / focal).atan()).to_degrees();
     let [cx, cy] = rectification.centre();
-    let field =
-        [angle(-0.5 - cx, f64::from(dims.width) - 0.5 - cx), angle(-0.5 - cy, f64::from(dims.height) - 0.5 - cy)];
+    let field = [
+        angle(-0.5 - cx, f64::from(dims.width) - 0.5 - cx),
+        angle(-0.5 - cy, f64::from(dims.height) - 0.5 - cy),
+    ];
     let strength = focal * rectification.baseline();
     let (vertical, view_vertical) = vertical_residuals(estimate, &rectification);
     Some(Rectified {
@@ -188,16 +201,22 @@ fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
 fn kept(rectification: &Rectification, eye: CameraSide, raw: Dims) -> f64 {
     let dims = rectification.dims();
     let inside = |at: [f64; 2]| {
-        (-0.5..f64::from(dims.width) - 0.5).contains(&at[0]) && (-0.5..f64::from(dims.height) - 0.5).contains(&at[1])
+        (-0.5..f64::from(dims.width) - 0.5).contains(&at[0])
+            && (-0.5..f64::from(dims.height) - 0.5).contains(&at[1])
     };
     let place = |i: u16, side: u16| f64::from(i) / f64::from(ASKED - 1) * f64::from(side - 1);
     let asked = (0..ASKED).flat_map(|j| (0..ASKED).map(move |i| (i, j)));
-    let at = asked.filter_map(|(i, j)| rectification.rectified(eye, [place(i, raw.width), place(j, raw.height)]));
+    let at = asked.filter_map(|(i, j)| {
+        rectification.rectified(eye, [place(i, raw.width), place(j, raw.height)])
+    });
     at.filter(|&at| inside(at)).count() as f64 / f64::from(ASKED * ASKED)
 }
 
 /// Mean absolute difference of rows of corners seen by both, over all and for each view.
-fn vertical_residuals(estimate: &Estimate, rectification: &Rectification) -> (f64, Vec<Option<f64>>) {
+fn vertical_residuals(
+    estimate: &Estimate,
+    rectification: &Rectification,
+) -> (f64, Vec<Option<f64>>) {
     let mut sums = vec![(0.0, 0_u32); estimate.views.len()];
     // Both lists are in the order of views, then corners.
     let mut right = estimate.errors[1].iter().peekable();
@@ -220,7 +239,11 @@ fn vertical_residuals(estimate: &Estimate, rectification: &Rectification) -> (f6
 }
 
 /// Reasons that lower the verdict.
-fn findings(estimate: &Estimate, coverage: &[Coverage; 2], rectified: Option<&Rectified>) -> Vec<Finding> {
+fn findings(
+    estimate: &Estimate,
+    coverage: &[Coverage; 2],
+    rectified: Option<&Rectified>,
+) -> Vec<Finding> {
     let mut found = Vec::new();
     let mut judge = |value: f64, limits: &Limits, reason: String, remedy: &str| {
         let verdict = if value <= limits.good {
@@ -243,10 +266,18 @@ fn findings(estimate: &Estimate, coverage: &[Coverage; 2], rectified: Option<&Re
         Some(rectified) => judge(
             rectified.vertical,
             &VERTICAL_PX,
-            format!("rows of the same corner differ by {:.2} px after rectification", rectified.vertical),
+            format!(
+                "rows of the same corner differ by {:.2} px after rectification",
+                rectified.vertical
+            ),
             "take both photos of a pair at the same moment, and hold the board still",
         ),
-        None => judge(f64::MAX, &VERTICAL_PX, "the two cameras share no view".into(), "turn them to look the same way"),
+        None => judge(
+            f64::MAX,
+            &VERTICAL_PX,
+            "the two cameras share no view".into(),
+            "turn them to look the same way",
+        ),
     }
     let used = estimate.views.iter().filter(|view| view.dropped.is_none()).count();
     judge(
@@ -269,7 +300,10 @@ fn findings(estimate: &Estimate, coverage: &[Coverage; 2], rectified: Option<&Re
                 "hold the board near its edges too",
             )
         } else {
-            (format!("no corners in the {} of the {side} image", coverage.unseen.join(", ")), "hold the board there")
+            (
+                format!("no corners in the {} of the {side} image", coverage.unseen.join(", ")),
+                "hold the board there",
+            )
         };
         judge(1.0 - coverage.share, &UNSEEN, places, remedy);
     }
@@ -280,14 +314,21 @@ fn findings(estimate: &Estimate, coverage: &[Coverage; 2], rectified: Option<&Re
 
 /// Focal lengths and baseline that the photos do not fix.
 fn spreads(estimate: &Estimate, judge: &mut impl FnMut(f64, &Limits, String, &str)) {
-    let tilted = estimate.views.iter().filter(|view| view.dropped.is_none() && view.tilt >= LEAST_TILT).count();
+    let tilted = estimate
+        .views
+        .iter()
+        .filter(|view| view.dropped.is_none() && view.tilt >= LEAST_TILT)
+        .count();
     let remedy = if tilted < 3 {
         "all boards are nearly parallel to the image: tilt it by 20 to 45 degrees, to all sides"
     } else {
         "take more photos, with the board larger in the image and tilted to all sides"
     };
     for name in ["left.fx", "left.fy", "right.fx", "right.fy"] {
-        let Some(parameter) = estimate.parameters.iter().find(|parameter| parameter.name == name) else { continue };
+        let Some(parameter) = estimate.parameters.iter().find(|parameter| parameter.name == name)
+        else {
+            continue;
+        };
         let share = parameter.sigma / parameter.value;
         judge(share, &SPREAD, format!("{name} is known to {:.1} % only", 100.0 * share), remedy);
     }
@@ -301,7 +342,10 @@ fn focals(estimate: &Estimate) -> Option<Finding> {
     let differ = (left - right).abs() / left.min(right);
     (differ > FOCALS_DIFFER).then(|| Finding {
         verdict: Verdict::Usable,
-        reason: format!("the focal lengths differ by {:.0} % ({left:.0} and {right:.0} px)", 100.0 * differ),
+        reason: format!(
+            "the focal lengths differ by {:.0} % ({left:.0} and {right:.0} px)",
+            100.0 * differ
+        ),
         remedy: "use two cameras of one kind: the common focal length pixelates one view".into(),
     })
 }

@@ -5,7 +5,8 @@ use calib_targets_aruco::{MarkerCell, Matcher, ScanDecodeConfig, decode_marker_i
 use calib_targets_core::{Coord, GrayImageView};
 use linestereo_frames::GrayImage;
 
-/// Resolution at which a cell is read: positions are relative to it, so that it only has to be large.
+/// Resolution at which a cell is read: positions are relative to it, so that it only has to be
+/// large.
 const CELL_PX: f32 = 64.0;
 /// Bits of a marker that may be wrong; fewer where markers of the dictionary differ less.
 const WRONG_BITS: u8 = 2;
@@ -44,10 +45,20 @@ pub(super) fn turned([x, y]: [i32; 2], turns: u8) -> [i32; 2] {
 
 impl<'a> Reader<'a> {
     /// Markers with this rim, in cells, that take this share of the side of a quadrilateral.
-    pub(super) fn new(image: &'a GrayImage, dictionary: Dictionary, rim: usize, share: f64) -> Self {
-        // OpenCV's count of correctable bits is 0 for AprilTags, of which any two differ in 5 bits (16h5) at least.
+    pub(super) fn new(
+        image: &'a GrayImage,
+        dictionary: Dictionary,
+        rim: usize,
+        share: f64,
+    ) -> Self {
+        // OpenCV's count of correctable bits is 0 for AprilTags, of which any two differ in 5 bits
+        // (16h5) at least.
         let dictionary = dictionary.inner();
-        let wrong = if dictionary.name().contains("APRILTAG") { WRONG_BITS } else { dictionary.max_correction_bits() };
+        let wrong = if dictionary.name().contains("APRILTAG") {
+            WRONG_BITS
+        } else {
+            dictionary.max_correction_bits()
+        };
         let config = ScanDecodeConfig::default().with_border_bits(rim).with_inset_frac(0.0);
         Self {
             view: GrayImageView {

@@ -50,8 +50,10 @@ pub fn summary(estimate: &Estimate, assessment: &Assessment, max_disparity: u16)
 
 fn rectified_text(text: &mut String, rectified: &Rectified, max_disparity: u16) {
     let Rectified { rectification, field, kept, near, far, vertical, .. } = rectified;
-    let _ =
-        writeln!(text, "vertical residual {vertical:.3} px (mean difference of rows of the same corner, rectified)");
+    let _ = writeln!(
+        text,
+        "vertical residual {vertical:.3} px (mean difference of rows of the same corner, rectified)"
+    );
     let _ = writeln!(
         text,
         "rectified {}: focal length {:.1} px, field of view {:.1} x {:.1} degrees, {:.0} % of the left and {:.0} % of the right image left",
@@ -77,15 +79,22 @@ fn parameter_table(text: &mut String, parameters: &[Parameter]) {
     text.push_str("             left                    right\n");
     for left in parameters.iter().filter(|parameter| parameter.name.starts_with("left.")) {
         let name = left.name.trim_start_matches("left.");
-        let Some(right) = parameters.iter().find(|other| other.name == format!("right.{name}")) else { continue };
+        let Some(right) = parameters.iter().find(|other| other.name == format!("right.{name}"))
+        else {
+            continue;
+        };
         let _ = writeln!(text, "  {name:4} {} {}", value(left), value(right));
     }
-    for (title, first, unit, scale) in
-        [("rotation", "r", "degrees", 180.0 / core::f64::consts::PI), ("translation", "t", "mm", 1e3)]
-    {
-        let of = |axis: &str| parameters.iter().find(|parameter| parameter.name == format!("pose.{first}{axis}"));
+    for (title, first, unit, scale) in [
+        ("rotation", "r", "degrees", 180.0 / core::f64::consts::PI),
+        ("translation", "t", "mm", 1e3),
+    ] {
+        let of = |axis: &str| {
+            parameters.iter().find(|parameter| parameter.name == format!("pose.{first}{axis}"))
+        };
         let shown = ["x", "y", "z"].into_iter().filter_map(of);
-        let shown: Vec<String> = shown.map(|p| format!("{:.3} +- {:.3}", scale * p.value, scale * p.sigma)).collect();
+        let shown: Vec<String> =
+            shown.map(|p| format!("{:.3} +- {:.3}", scale * p.value, scale * p.sigma)).collect();
         let _ = writeln!(text, "  {title} {} {unit}", shown.join(", "));
     }
 }
@@ -98,8 +107,13 @@ fn view_table(text: &mut String, estimate: &Estimate, rectified: Option<&Rectifi
             let _ = writeln!(text, " dropped: {why}");
             continue;
         }
-        let vertical = rectified.and_then(|rectified| rectified.view_vertical[index]).unwrap_or(0.0);
-        let _ = write!(text, "{:8.3} {:9.3} {vertical:8.3} {:5.0}", view.rms[0], view.rms[1], view.tilt);
+        let vertical =
+            rectified.and_then(|rectified| rectified.view_vertical[index]).unwrap_or(0.0);
+        let _ = write!(
+            text,
+            "{:8.3} {:9.3} {vertical:8.3} {:5.0}",
+            view.rms[0], view.rms[1], view.tilt
+        );
         let _ = match view.bad_corners {
             0 => writeln!(text),
             bad => writeln!(text, "  {bad} corners left out"),
@@ -110,14 +124,19 @@ fn view_table(text: &mut String, estimate: &Estimate, rectified: Option<&Rectifi
 /// The same and all parameters for programs.
 #[must_use]
 pub fn json(estimate: &Estimate, assessment: &Assessment) -> Value {
-    let vertical = |index: usize| assessment.rectified.as_ref().and_then(|rectified| rectified.view_vertical[index]);
+    let vertical = |index: usize| {
+        assessment.rectified.as_ref().and_then(|rectified| rectified.view_vertical[index])
+    };
     let views = estimate.views.iter().enumerate().map(|(index, view)| {
         json!({
             "name": view.name, "rms_px": view.rms, "vertical_px": vertical(index), "tilt_deg": view.tilt,
             "bad_corners": view.bad_corners, "dropped": view.dropped.map(|why| why.to_string()),
         })
     });
-    let parameters = estimate.parameters.iter().map(|p| (p.name.clone(), json!({"value": p.value, "sigma": p.sigma})));
+    let parameters = estimate
+        .parameters
+        .iter()
+        .map(|p| (p.name.clone(), json!({"value": p.value, "sigma": p.sigma})));
     let coverage = |eye: CameraSide| {
         let coverage = &assessment.coverage[usize::from(eye == CameraSide::Right)];
         json!({"share": coverage.share, "reach": coverage.reach, "unseen": coverage.unseen})

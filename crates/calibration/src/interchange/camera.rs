@@ -1,7 +1,8 @@
 //! One camera from the numbers that all formats have in some order.
 //!
-//! Coefficients of radial-tangential lenses are `k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tau_x tau_y]]]]` in all formats (OpenCV's order), of
-//! equidistant ones `k1 k2 k3 k4`. Those beyond `k6` are taken if they are zero.
+//! Coefficients of radial-tangential lenses are `k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [tau_x
+//! tau_y]]]]` in all formats (OpenCV's order), of equidistant ones `k1 k2 k3 k4`. Those beyond `k6`
+//! are taken if they are zero.
 
 use super::error::{Fault, Place, Problem};
 use super::node::Matrix;
@@ -25,9 +26,11 @@ impl LensModel {
     /// By the names that Kalibr, ROS and EuRoC use; "none" has no coefficients.
     pub(super) fn named(name: &str, place: Place) -> Result<Option<Self>, Fault> {
         match name.trim().to_ascii_lowercase().as_str() {
-            "radtan" | "radial-tangential" | "plumb_bob" | "rational_polynomial" | "brown-conrady" => {
-                Ok(Some(Self::BrownConrady))
-            }
+            "radtan"
+            | "radial-tangential"
+            | "plumb_bob"
+            | "rational_polynomial"
+            | "brown-conrady" => Ok(Some(Self::BrownConrady)),
             "equidistant" | "equi" | "fisheye" => Ok(Some(Self::Fisheye)),
             "none" | "" => Ok(None),
             other => {
@@ -42,14 +45,19 @@ impl LensModel {
         let wrong = |expected: &str| {
             let found = format!("a list of {} values", values.len());
             let name = coefficients.name().to_owned();
-            Err(Problem::Shape { name, expected: expected.to_owned(), found }.at(coefficients.place))
+            Err(Problem::Shape { name, expected: expected.to_owned(), found }
+                .at(coefficients.place))
         };
         match (self, values) {
             (Self::BrownConrady, []) => Ok(Lens::NONE),
             (Self::Fisheye, &[k1, k2, k3, k4]) => Ok(Lens::Fisheye { k: [k1, k2, k3, k4] }),
             (Self::Fisheye, _) => wrong("4 coefficients of a fisheye lens"),
-            (Self::BrownConrady, &[k1, k2, p1, p2]) => Ok(Lens::BrownConrady { k: [k1, k2, 0.0], p: [p1, p2] }),
-            (Self::BrownConrady, &[k1, k2, p1, p2, k3]) => Ok(Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] }),
+            (Self::BrownConrady, &[k1, k2, p1, p2]) => {
+                Ok(Lens::BrownConrady { k: [k1, k2, 0.0], p: [p1, p2] })
+            }
+            (Self::BrownConrady, &[k1, k2, p1, p2, k3]) => {
+                Ok(Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] })
+            }
             (Self::BrownConrady, &[k1, k2, p1, p2, k3, k4, k5, k6, ref further @ ..])
                 if [0, 4, 6].contains(&further.len()) =>
             {
@@ -60,7 +68,9 @@ impl LensModel {
                     .map(|(name, _)| name)
                     .collect();
                 if !names.is_empty() {
-                    return Err(Problem::Coefficients { names: names.join(", ") }.at(coefficients.place));
+                    return Err(
+                        Problem::Coefficients { names: names.join(", ") }.at(coefficients.place)
+                    );
                 }
                 Ok(if [k4, k5, k6] == [0.0; 3] {
                     Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] }
@@ -89,7 +99,8 @@ pub(super) fn camera(
     (focal, centre, skew): ([f64; 2], [f64; 2], f64),
     lens: Lens,
 ) -> Result<Camera, Fault> {
-    Camera::new(dims, focal, centre, skew, lens).map_err(|error| Problem::Camera(eye, error).at(place))
+    Camera::new(dims, focal, centre, skew, lens)
+        .map_err(|error| Problem::Camera(eye, error).at(place))
 }
 
 /// A camera matrix by rows.
@@ -101,9 +112,13 @@ pub(super) fn matrix(camera: &Camera) -> [f64; 9] {
 /// Coefficients in the order of the files; `k3` is left out where `short` and it is zero.
 pub(super) fn coefficients(lens: Lens, short: bool) -> Vec<f64> {
     match lens {
-        Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } if short && k3 == 0.0 => vec![k1, k2, p1, p2],
+        Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } if short && k3 == 0.0 => {
+            vec![k1, k2, p1, p2]
+        }
         Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => vec![k1, k2, p1, p2, k3],
-        Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => vec![k1, k2, p1, p2, k3, k4, k5, k6],
+        Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => {
+            vec![k1, k2, p1, p2, k3, k4, k5, k6]
+        }
         Lens::Fisheye { k } => k.to_vec(),
     }
 }

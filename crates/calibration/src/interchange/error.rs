@@ -40,7 +40,10 @@ pub enum Problem {
     #[error("cannot be read: {}; check the name and its permissions", .0.kind())]
     Read(io::Error),
     /// Larger than 1 MiB.
-    #[error("is larger than 1 MiB: no calibration; give the file with the results alone")]
+    #[error(
+        "is larger than 1 MiB, too large for a calibration; give the file that holds only the \
+         results"
+    )]
     TooLarge,
     /// Not UTF-8.
     #[error("is no UTF-8 text; give a YAML, XML or rig.toml file")]
@@ -55,11 +58,11 @@ pub enum Problem {
     #[error("holds too many values for a calibration")]
     TooManyValues,
     /// A name stands twice.
-    #[error("\"{0}\" stands twice; remove one of them")]
+    #[error("\"{0}\" appears twice; remove one of them")]
     Duplicate(String),
     /// No format that is known.
     #[error(
-        "is no calibration that is known (OpenCV, Kalibr, ROS, EuRoC, rig.toml); name its format \
+        "is in no known calibration format (OpenCV, Kalibr, ROS, EuRoC, rig.toml); name its format \
          with --from"
     )]
     UnknownFormat,
@@ -75,7 +78,7 @@ pub enum Problem {
     #[error("{0}")]
     Missing(String),
     /// Several values that differ could be meant.
-    #[error("{0}; remove what is not meant")]
+    #[error("{0}; remove the wrong one")]
     Ambiguous(String),
     /// A value is no number.
     #[error("{name} is \"{text}\", no number")]
@@ -98,11 +101,12 @@ pub enum Problem {
         /// The sides that it has.
         found: String,
     },
-    /// A matrix is no rotation (rows that are not perpendicular unit vectors within 0.001, or a mirror image).
+    /// A matrix is no rotation (rows that are not perpendicular unit vectors within 0.001, or a
+    /// mirror image).
     #[error("{0} is no rotation")]
     NoRotation(String),
     /// The camera matrix has no form `fx s cx, 0 fy cy, 0 0 1`.
-    #[error("{0} has no form [fx s cx; 0 fy cy; 0 0 1]")]
+    #[error("{0} must have the form [fx s cx; 0 fy cy; 0 0 1]; correct it")]
     NoCameraMatrix(String),
     /// Lens coefficients that this program does not model are not zero.
     #[error(
@@ -130,7 +134,9 @@ pub enum Problem {
         guess: [f64; 2],
     },
     /// The size given as an option is not the one in the file.
-    #[error("was made for images of {file}, not {given}; leave --size out or calibrate at that size")]
+    #[error(
+        "was made for images of {file}, not {given}; leave --size out or calibrate at that size"
+    )]
     SizeDiffers {
         /// In the file.
         file: Dims,
@@ -150,16 +156,18 @@ pub enum Problem {
     #[error("{0}")]
     Window(Unfit),
     /// Focal lengths across and down of which one is more than twice the other.
-    #[error("{0} camera: focal lengths of {1} and {2} px are none of one lens; correct the wrong one")]
+    #[error(
+        "{0} camera: focal lengths of {1} and {2} px cannot be of one lens; correct the wrong one"
+    )]
     PixelShape(CameraSide, f64, f64),
     /// The cameras are no pair.
     #[error("{0}")]
     Pair(CalibrationError),
     /// The first camera is the right one.
     #[error(
-        "the second camera lies to the left of the first: either it is the left one (convert-rig \
-         --swap makes it that, and so have its images to be), or the pose is that of the inverse \
-         direction, or its sign is wrong"
+        "the second camera lies to the left of the first: if it is the left camera, use \
+         convert-rig --swap and swap the images too; otherwise the pose is inverted, or its sign \
+         is wrong"
     )]
     Swapped,
     /// `rig.toml` itself is wrong.

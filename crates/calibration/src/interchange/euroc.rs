@@ -1,11 +1,13 @@
 //! A pair of `sensor.yaml` files of the ASL dataset format (EuRoC), the left camera's first.
 //!
 //! # Conventions
-//! `T_BS`, 4x4 by rows, takes a point of the sensor to the body: `X_body = T_BS X_sensor`. From left to right that is
-//! `T_BS(right)^-1 T_BS(left)`. Metres. Intrinsics are `fu fv cu cv`, coefficients `k1 k2 p1 p2`, or `k1 .. k4` of an equidistant lens.
+//! `T_BS`, 4x4 by rows, takes a point of the sensor to the body: `X_body = T_BS X_sensor`. From
+//! left to right that is `T_BS(right)^-1 T_BS(left)`. Metres. Intrinsics are `fu fv cu cv`,
+//! coefficients `k1 k2 p1 p2`, or `k1 .. k4` of an equidistant lens.
 //!
 //! # Source
-//! Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016, and the sensor files themselves.
+//! Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016, and the sensor files
+//! themselves.
 
 use super::camera::{LensModel, camera, coefficients};
 use super::error::{Fault, Problem};
@@ -32,7 +34,9 @@ pub(super) fn pinhole(node: &Node, eye: CameraSide, coefficients: &str) -> Resul
     let model = node.require("camera_model")?;
     if model.text() != Some("pinhole") {
         let found: String = model.text().unwrap_or("a list").chars().take(24).collect();
-        return Err(Problem::Model(format!("the camera model \"{found}\" is not known")).at(model.place));
+        return Err(
+            Problem::Model(format!("the camera model \"{found}\" is not known")).at(model.place)
+        );
     }
     let dims = size(node.require("resolution")?, "resolution")?;
     let intrinsics = node.require("intrinsics")?;
@@ -56,10 +60,13 @@ pub(super) fn four_coefficients(
     }
     match coefficients(camera.lens(), true) {
         values if values.len() == 4 => {
-            let name = if matches!(camera.lens(), Lens::Fisheye { .. }) { "equidistant" } else { radial };
+            let name =
+                if matches!(camera.lens(), Lens::Fisheye { .. }) { "equidistant" } else { radial };
             Ok((name, values))
         }
-        values if values.len() > 5 => Err(Problem::NotRepresentable { format, what: "the lens coefficients k4 k5 k6" }),
+        values if values.len() > 5 => {
+            Err(Problem::NotRepresentable { format, what: "the lens coefficients k4 k5 k6" })
+        }
         _ => Err(Problem::NotRepresentable { format, what: "the lens coefficient k3" }),
     }
 }
@@ -70,9 +77,11 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
     let one = |eye, name, pose: &Pose| {
         let camera = calibration.camera(eye);
         let (model, values) = four_coefficients(camera, "EuRoC", "radial-tangential")?;
-        let ([fx, fy], [cx, cy], Dims { width, height }) = (camera.focal(), camera.centre(), camera.dims());
+        let ([fx, fy], [cx, cy], Dims { width, height }) =
+            (camera.focal(), camera.centre(), camera.dims());
         let lines = rows(&pose.rotation).into_iter().zip(&pose.translation);
-        let lines: String = lines.map(|([a, b, c], t)| format!("{a:?}, {b:?}, {c:?}, {t:?},\n         ")).collect();
+        let lines: String =
+            lines.map(|([a, b, c], t)| format!("{a:?}, {b:?}, {c:?}, {t:?},\n         ")).collect();
         Ok(format!(
             "%YAML:1.0\nsensor_type: camera\ncomment: {name}\n\n# ImagePosition of the sensor to the body, which is the left camera.\n\
              T_BS:\n  cols: 4\n  rows: 4\n  data: [{lines}0.0, 0.0, 0.0, 1.0]\n\nresolution: [{width}, {height}]\n\
@@ -80,5 +89,8 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
              distortion_model: {model}\ndistortion_coefficients: {values:?}\n"
         ))
     };
-    Ok([one(CameraSide::Left, "left camera", &Pose::IDENTITY)?, one(CameraSide::Right, "right camera", &right)?])
+    Ok([
+        one(CameraSide::Left, "left camera", &Pose::IDENTITY)?,
+        one(CameraSide::Right, "right camera", &right)?,
+    ])
 }

@@ -1,11 +1,13 @@
-//! Rigs from and for other programs: OpenCV, Kalibr, ROS, EuRoC, and our own `rig.toml` by the same door.
+//! Rigs from and for other programs: OpenCV, Kalibr, ROS, EuRoC, and our own `rig.toml` by the same
+//! door.
 //!
-//! In: unchecked files. Out: a [`RigFile`], what had to be assumed, and errors with lines. The convention of each format
-//! stands at the head of its module; all become `X_right = R X_left + t` in metres.
+//! In: unchecked files. Out: a [`RigFile`], what had to be assumed, and errors with lines. The
+//! convention of each format stands at the head of its module; all become `X_right = R X_left + t`
+//! in metres.
 //!
 //! # Bounds
-//! A file has at most 1 MiB, 16 levels and 100 000 values, those behind YAML aliases counted; XML has no document type, so no entities
-//! of its own. A matrix has at most 16 values.
+//! A file has at most 1 MiB, 16 levels and 100 000 values, those behind YAML aliases counted; XML
+//! has no document type, so no entities of its own. A matrix has at most 16 values.
 
 mod camera;
 mod error;
@@ -40,7 +42,8 @@ use std::path::{Path, PathBuf};
 pub enum Format {
     /// Our own.
     RigToml,
-    /// `cv::FileStorage` as YAML: one file, or intrinsics and extrinsics, or one for each camera and one for the pose.
+    /// `cv::FileStorage` as YAML: one file, or intrinsics and extrinsics, or one for each camera
+    /// and one for the pose.
     OpencvYaml,
     /// The same as XML.
     OpencvXml,
@@ -96,7 +99,8 @@ pub struct Options {
     pub size: Option<Dims>,
     /// Size of the images at hand: taken where neither the file nor `size` says it.
     pub images: Option<Dims>,
-    /// Unit of OpenCV's `T`; else that of `square_size` in the file, else metres below 5, millimetres above.
+    /// Unit of OpenCV's `T`; else that of `square_size` in the file, else metres below 5,
+    /// millimetres above.
     pub translation_unit: Option<TranslationUnit>,
     /// Meaning of OpenCV's coefficients; else what the file says, else radial-tangential.
     pub lens: Option<LensModel>,
@@ -140,15 +144,22 @@ pub struct Exported {
 /// Reads a rig from one or more files of one format, which is told from what they hold.
 pub fn load_rig(paths: &[PathBuf], options: &Options) -> Result<Imported, InterchangeError> {
     let first = paths.first().cloned().unwrap_or_default();
-    let is_toml = |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    let is_toml = |path: &PathBuf| {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+    };
     let name = |Fault { place, problem }: Fault| InterchangeError {
         path: place.and_then(|place| paths.get(place.file)).unwrap_or(&first).clone(),
         line: place.map(|place| place.line).filter(|&line| line > 0),
         problem,
     };
-    let texts = paths.iter().enumerate().map(|(file, path)| read_text(path, file)).collect::<Result<Vec<_>, _>>();
+    let texts = paths
+        .iter()
+        .enumerate()
+        .map(|(file, path)| read_text(path, file))
+        .collect::<Result<Vec<_>, _>>();
     let texts = texts.map_err(name)?;
-    let is_own = paths.first().is_some_and(is_toml) || texts.first().is_some_and(|text| looks_like_toml(text));
+    let is_own = paths.first().is_some_and(is_toml)
+        || texts.first().is_some_and(|text| looks_like_toml(text));
     let read = if options.from == Some(Format::RigToml) || (options.from.is_none() && is_own) {
         own(paths, options)
     } else {
@@ -160,11 +171,16 @@ pub fn load_rig(paths: &[PathBuf], options: &Options) -> Result<Imported, Interc
 /// The same, of texts that are no files of their own too.
 pub fn load_rig_texts(rig: &[RigText], options: &Options) -> Result<Imported, InterchangeError> {
     let paths: Vec<PathBuf> = rig.iter().map(|rig| rig.path.clone()).collect();
-    let Some(texts) = rig.iter().map(|rig| rig.text.clone()).collect::<Option<Vec<String>>>() else {
+    let Some(texts) = rig.iter().map(|rig| rig.text.clone()).collect::<Option<Vec<String>>>()
+    else {
         return load_rig(&paths, options);
     };
     foreign(&texts, options).map_err(|Fault { place, problem }| {
-        let path = place.and_then(|place| paths.get(place.file)).or(paths.first()).cloned().unwrap_or_default();
+        let path = place
+            .and_then(|place| paths.get(place.file))
+            .or(paths.first())
+            .cloned()
+            .unwrap_or_default();
         InterchangeError { path, line: None, problem } // its lines are in no file
     })
 }
@@ -225,10 +241,13 @@ fn own(paths: &[PathBuf], options: &Options) -> Result<Imported, Fault> {
 
 fn foreign(texts: &[String], options: &Options) -> Result<Imported, Fault> {
     let is_xml = |text: &String| text.trim_start().starts_with('<');
-    let parse =
-        |(file, text): (usize, &String)| if is_xml(text) { xml::parse(text, file) } else { yaml::parse(text, file) };
+    let parse = |(file, text): (usize, &String)| {
+        if is_xml(text) { xml::parse(text, file) } else { yaml::parse(text, file) }
+    };
     let nodes = texts.iter().enumerate().map(parse).collect::<Result<Vec<_>, _>>()?;
-    let Some(first) = nodes.first() else { return Err(file_count(Format::OpencvYaml, "at least one file")) };
+    let Some(first) = nodes.first() else {
+        return Err(file_count(Format::OpencvYaml, "at least one file"));
+    };
     let format = match options.from {
         Some(format) => format,
         None if texts.first().is_some_and(is_xml) => Format::OpencvXml,
@@ -242,7 +261,10 @@ fn foreign(texts: &[String], options: &Options) -> Result<Imported, Fault> {
         (Format::Ros, [left, right]) => ros::read([left, right], options.swap)?,
         (Format::Euroc, [left, right]) => euroc::read([left, right], options.swap)?,
         (Format::Ros | Format::Euroc, _) => {
-            return Err(file_count(format, "two files, the left camera's and then the right one's"));
+            return Err(file_count(
+                format,
+                "two files, the left camera's and then the right one's",
+            ));
         }
         (Format::RigToml | Format::OpencvYaml | Format::OpencvXml, _) => {
             let read = opencv::read(&nodes, options)?;
@@ -289,7 +311,8 @@ fn detect(node: &Node) -> Format {
 
 /// `rig.toml` under another name: its first line of meaning is a table or `name = value`.
 fn looks_like_toml(text: &str) -> bool {
-    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let mut lines =
+        text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     lines.next().is_some_and(|line| {
         ["[left]", "[right]", "[pose]"].contains(&line)
             || line.split_once('=').is_some_and(|(name, _)| name.trim() == "version")
@@ -299,7 +322,11 @@ fn looks_like_toml(text: &str) -> bool {
 fn read_text(path: &Path, file: usize) -> Result<String, Fault> {
     let place = |problem: Problem| Fault { place: Some(Place { file, line: 0 }), problem };
     let bytes = untrusted::read(path, SETTINGS_BYTES).map_err(|error| {
-        place(if error.kind() == ErrorKind::FileTooLarge { Problem::TooLarge } else { Problem::Read(error) })
+        place(if error.kind() == ErrorKind::FileTooLarge {
+            Problem::TooLarge
+        } else {
+            Problem::Read(error)
+        })
     })?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();

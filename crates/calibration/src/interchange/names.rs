@@ -1,7 +1,8 @@
-//! Finding values in OpenCV's files, whose names are habits: `M1`, `cameraMatrix1`, `K_left`, `camera_matrix` in two files, `left: { K }`.
+//! Finding values in OpenCV's files, whose names are habits: `M1`, `cameraMatrix1`, `K_left`,
+//! `camera_matrix` in two files, `left: { K }`.
 //!
-//! Capitals and punctuation do not count; names of nested maps stand before those in them. A value may be found several times if it is
-//! the same, else it is ambiguous.
+//! Capitals and punctuation do not count; names of nested maps stand before those in them. A value
+//! may be found several times if it is the same, else it is ambiguous.
 
 use super::error::{Fault, Place, Problem};
 use super::node::{Matrix, Node, Value};
@@ -55,11 +56,13 @@ impl<'a> Names<'a> {
             }
             (None, [one], _) if what.starts_with("camera") => {
                 let name = &one.name;
-                let what = format!("there is only one camera ({name}); give the files of both, the left one first");
+                let what = format!(
+                    "there is only one camera ({name}); give the files of both, the left one first"
+                );
                 Err(Problem::Missing(what).at(one.node.place))
             }
             (None, [], Some(one)) if what.starts_with("camera") => {
-                let what = format!("there is {} but not the same of the other camera", one.name);
+                let what = format!("there is {} but none for the other camera; add it", one.name);
                 Err(Problem::Missing(what).at(one.node.place))
             }
             _ => Ok(None),
@@ -98,17 +101,28 @@ impl<'a> Names<'a> {
         if node.is_matrix() && is_named(key, &pair) {
             return size(node, name).map(Some);
         }
-        if node.text().is_none() || !is_named(key, &["imagewidth", "width", "imgwidth", "framewidth"]) {
+        if node.text().is_none()
+            || !is_named(key, &["imagewidth", "width", "imgwidth", "framewidth"])
+        {
             return Ok(None);
         }
         let other = key.replace("width", "height");
-        let height = self.0.iter().find(|found| found.key == other && found.node.place.file == node.place.file);
-        let height = height.ok_or_else(|| Problem::Missing(format!("there is {name} but no height")).at(node.place))?;
+        let height = self
+            .0
+            .iter()
+            .find(|found| found.key == other && found.node.place.file == node.place.file);
+        let height = height.ok_or_else(|| {
+            Problem::Missing(format!("there is {name} but no height")).at(node.place)
+        })?;
         Ok(Some(Dims { width: node.whole(name)?, height: height.node.whole(&height.name)? }))
     }
 
     fn matrices(&self, is_meant: impl Fn(&str) -> bool) -> Vec<Found<'a>> {
-        self.0.iter().filter(|found| found.node.is_matrix() && is_meant(&found.key)).cloned().collect()
+        self.0
+            .iter()
+            .filter(|found| found.node.is_matrix() && is_meant(&found.key))
+            .cloned()
+            .collect()
     }
 
     /// The only value among those meant; several are one if they say the same.
@@ -116,11 +130,15 @@ impl<'a> Names<'a> {
         let found = self.matrices(is_meant);
         let Some((first, others)) = found.split_first() else { return Ok(None) };
         if !others.is_empty() {
-            let matrix = |found: &Found<'_>| -> Result<Matrix, Fault> { found.node.matrix(&found.name) };
+            let matrix =
+                |found: &Found<'_>| -> Result<Matrix, Fault> { found.node.matrix(&found.name) };
             let value = matrix(first)?;
             for other in others {
                 if !matrix(other)?.same_values(&value) {
-                    let what = format!("{} and {} (line {}) differ", other.name, first.name, first.node.place.line);
+                    let what = format!(
+                        "{} and {} (line {}) differ",
+                        other.name, first.name, first.node.place.line
+                    );
                     return Err(Problem::Ambiguous(what).at(other.node.place));
                 }
             }
@@ -132,8 +150,10 @@ impl<'a> Names<'a> {
 /// Width and height as a list or matrix of two.
 pub(super) fn size(node: &Node, name: &str) -> Result<Dims, Fault> {
     let [width, height] = node.matrix(name)?.vector_of::<2>()?;
-    let side =
-        |value: f64| (value.fract() == 0.0 && (1.0..=f64::from(u16::MAX)).contains(&value)).then_some(value as u16);
+    let side = |value: f64| {
+        (value.fract() == 0.0 && (1.0..=f64::from(u16::MAX)).contains(&value))
+            .then_some(value as u16)
+    };
     match (side(width), side(height)) {
         (Some(width), Some(height)) => Ok(Dims { width, height }),
         _ => Err(Problem::Size(format!("{width}x{height}")).at(node.place)),
@@ -143,7 +163,11 @@ pub(super) fn size(node: &Node, name: &str) -> Result<Dims, Fault> {
 fn gather<'a>(node: &'a Node, outer_name: &str, outer_key: &str, found: &mut Vec<Found<'a>>) {
     let Value::Map(entries) = &node.value else { return };
     for (name, node) in entries {
-        let key: String = name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect();
+        let key: String = name
+            .chars()
+            .filter(char::is_ascii_alphanumeric)
+            .map(|c| c.to_ascii_lowercase())
+            .collect();
         let (key, name) = (format!("{outer_key}{key}"), format!("{outer_name}{name}"));
         if matches!(node.value, Value::Map(_)) && !node.is_matrix() {
             gather(node, &format!("{name}."), &key, found);
@@ -157,8 +181,12 @@ fn gather<'a>(node: &'a Node, outer_name: &str, outer_key: &str, found: &mut Vec
 /// `cameramatrix1`, `1cameramatrix`, `cam1matrix`, `matrixcamera1`: a stem with which camera it is.
 fn is_tagged(key: &str, stems: &[&str], eye: &str) -> bool {
     let camera = |rest: &str| stems.contains(&rest);
-    let behind = |word: &str| key.strip_suffix(eye).and_then(|rest| rest.strip_suffix(word)).is_some_and(camera);
-    let before = |word: &str| key.strip_prefix(word).and_then(|rest| rest.strip_prefix(eye)).is_some_and(camera);
+    let behind = |word: &str| {
+        key.strip_suffix(eye).and_then(|rest| rest.strip_suffix(word)).is_some_and(camera)
+    };
+    let before = |word: &str| {
+        key.strip_prefix(word).and_then(|rest| rest.strip_prefix(eye)).is_some_and(camera)
+    };
     ["", "cam", "camera"].into_iter().any(|word| behind(word) || before(word))
 }
 

@@ -1,7 +1,9 @@
-//! Content of parsed YAML and XML files: texts, lists and maps with the lines they stand on, and the numbers in them.
+//! Content of parsed YAML and XML files: texts, lists and maps with the lines they stand on, and
+//! the numbers in them.
 //!
 //! # Bounds
-//! [`MAX_DEPTH`] levels, [`MAX_VALUES`] values, matrices of [`MAX_ELEMENTS`]: everything that walks a tree ends early.
+//! [`MAX_DEPTH`] levels, [`MAX_VALUES`] values, matrices of [`MAX_ELEMENTS`]: everything that walks
+//! a tree ends early.
 
 use super::error::{Fault, Place, Problem};
 use std::collections::HashSet;
@@ -54,7 +56,8 @@ impl Node {
 
     /// The same, where it must be.
     pub(super) fn require(&self, name: &str) -> Result<&Self, Fault> {
-        self.get(name).ok_or_else(|| Problem::Missing(format!("there is no \"{name}\"")).at(self.place))
+        self.get(name)
+            .ok_or_else(|| Problem::Missing(format!("there is no \"{name}\"")).at(self.place))
     }
 
     pub(super) fn text(&self) -> Option<&str> {
@@ -66,7 +69,8 @@ impl Node {
 
     pub(super) fn number(&self, name: &str) -> Result<f64, Fault> {
         let wrong = |text: &str| {
-            Problem::NotANumber { name: name.to_owned(), text: text.chars().take(24).collect() }.at(self.place)
+            Problem::NotANumber { name: name.to_owned(), text: text.chars().take(24).collect() }
+                .at(self.place)
         };
         let text = self.text().ok_or_else(|| wrong("a list"))?.trim();
         let plain = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
@@ -74,7 +78,11 @@ impl Node {
             return Err(Problem::NotFinite(name.to_owned()).at(self.place));
         }
         let value: f64 = text.parse().map_err(|_| wrong(text))?;
-        if value.is_finite() { Ok(value) } else { Err(Problem::NotFinite(name.to_owned()).at(self.place)) }
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Problem::NotFinite(name.to_owned()).at(self.place))
+        }
     }
 
     /// A side of an image or matrix.
@@ -82,8 +90,11 @@ impl Node {
         let value = self.number(name)?;
         let whole = value.fract() == 0.0 && (0.0..=f64::from(u16::MAX)).contains(&value);
         whole.then_some(value as u16).ok_or_else(|| {
-            Problem::NotANumber { name: name.to_owned(), text: format!("{value}, not whole or too large") }
-                .at(self.place)
+            Problem::NotANumber {
+                name: name.to_owned(),
+                text: format!("{value}, not whole or too large"),
+            }
+            .at(self.place)
         })
     }
 
@@ -100,7 +111,9 @@ impl Node {
     pub(super) fn matrix(&self, name: &str) -> Result<Matrix, Fault> {
         let (sides, nodes) = match &self.value {
             Value::Map(_) => {
-                let side = |side: &str| self.require(side)?.whole(&format!("{side} of {name}")).map(usize::from);
+                let side = |side: &str| {
+                    self.require(side)?.whole(&format!("{side} of {name}")).map(usize::from)
+                };
                 let data = self.require("data")?;
                 let nodes = match &data.value {
                     Value::List(nodes) => nodes.iter().collect(),
@@ -113,7 +126,11 @@ impl Node {
             Value::Text(_) => (None, vec![self]),
         };
         let count = sides.map_or(nodes.len(), |[rows, cols]| rows * cols);
-        let shape = |expected: String, found: String| Problem::Shape { name: name.to_owned(), expected, found };
+        let shape = |expected: String, found: String| Problem::Shape {
+            name: name.to_owned(),
+            expected,
+            found,
+        };
         if count > MAX_ELEMENTS {
             let found = format!("a matrix of {count} values");
             return Err(shape(format!("at most {MAX_ELEMENTS} values"), found).at(self.place));
@@ -157,16 +174,22 @@ impl Matrix {
     }
 
     /// Its values by rows, if it has these sides.
-    pub(super) fn shaped<const N: usize>(&self, rows: usize, cols: usize) -> Result<[f64; N], Fault> {
+    pub(super) fn shaped<const N: usize>(
+        &self,
+        rows: usize,
+        cols: usize,
+    ) -> Result<[f64; N], Fault> {
         let fits = self.sides.is_none_or(|sides| sides == [rows, cols]);
-        let values = <[f64; N]>::try_from(self.data.as_slice()).ok().filter(|_| fits && rows * cols == N);
+        let values =
+            <[f64; N]>::try_from(self.data.as_slice()).ok().filter(|_| fits && rows * cols == N);
         values.ok_or_else(|| self.wrong(format!("{rows}x{cols}")))
     }
 
     /// Its values, if it is a row or a column.
     pub(super) fn vector(&self) -> Result<&[f64], Fault> {
         let fits = self.sides.is_none_or(|[rows, cols]| rows <= 1 || cols <= 1);
-        fits.then_some(self.data.as_slice()).ok_or_else(|| self.wrong("a row or a column".to_owned()))
+        fits.then_some(self.data.as_slice())
+            .ok_or_else(|| self.wrong("a row or a column".to_owned()))
     }
 
     /// The same, with this many values.

@@ -1,17 +1,20 @@
 //! OpenCV's calibration files: YAML or XML of `cv::FileStorage`, one file or several.
 //!
 //! # Conventions
-//! Matrices by rows. A point `X` of the first (left) camera is at `R X + T` in the second: `T[0] < 0` for a right camera. The unit of `T`
-//! is that of the board's squares, which the file does not tell (see [`TranslationUnit`]). `R1`, `R2` turn each camera into the rectified
-//! directions, `P2[0][3] = T_x * focal`. Whole pixel positions are pixel centres, as here. `fisheye` cameras keep their skew as `alpha`:
-//! `K[0][1] = fx * alpha`, the same as ours; others have none.
+//! Matrices by rows. A point `X` of the first (left) camera is at `R X + T` in the second: `T[0] <
+//! 0` for a right camera. The unit of `T` is that of the board's squares, which the file does not
+//! tell (see [`TranslationUnit`]). `R1`, `R2` turn each camera into the rectified directions,
+//! `P2[0][3] = T_x * focal`. Whole pixel positions are pixel centres, as here. `fisheye` cameras
+//! keep their skew as `alpha`: `K[0][1] = fx * alpha`, the same as ours; others have none.
 //!
-//! Names are habits, not a format: capitals and punctuation do not count, and the ones of [`super::names`] are known. Where `R` and `T` are not
-//! there, `R1`, `R2`, `P1`, `P2` say the same.
+//! Names are habits, not a format: capitals and punctuation do not count, and the ones of
+//! [`super::names`] are known. Where `R` and `T` are not there, `R1`, `R2`, `P1`, `P2` say the
+//! same.
 //!
 //! # Source
-//! OpenCV 4 documentation, "Camera Calibration and 3D Reconstruction": `stereoCalibrate`, `stereoRectify`, `fisheye`; its samples
-//! `stereo_calib.cpp` (M1 D1 M2 D2, R T R1 R2 P1 P2 Q) and `calibration.cpp` (camera_matrix, image_width).
+//! OpenCV 4 documentation, "Camera Calibration and 3D Reconstruction": `stereoCalibrate`,
+//! `stereoRectify`, `fisheye`; its samples `stereo_calib.cpp` (M1 D1 M2 D2, R T R1 R2 P1 P2 Q) and
+//! `calibration.cpp` (camera_matrix, image_width).
 
 use super::camera::{LensModel, camera, coefficients, intrinsics, matrix};
 use super::error::{Fault, Place, Problem};
@@ -25,8 +28,17 @@ use linestereo_frames::rectified::check_centre;
 use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use nalgebra::{Matrix3, Vector3};
 
-const CAMERA: &[&str] =
-    &["cameramatrix", "m", "k", "cm", "mtx", "matrix", "intrinsic", "intrinsics", "intrinsicmatrix"];
+const CAMERA: &[&str] = &[
+    "cameramatrix",
+    "m",
+    "k",
+    "cm",
+    "mtx",
+    "matrix",
+    "intrinsic",
+    "intrinsics",
+    "intrinsicmatrix",
+];
 const LENS: &[&str] = &[
     "d",
     "dist",
@@ -69,11 +81,13 @@ const TRANSLATION: &[&str] = &[
 const RECTIFICATION: &[&str] = &["r", "rect", "rectification", "rectificationmatrix"];
 const PROJECTION: &[&str] = &["p", "proj", "projection", "projectionmatrix"];
 
-/// How far stored rectifications may be from what `R` and `T` say: an entry of a rotation, a share of the baseline.
+/// How far stored rectifications may be from what `R` and `T` say: an entry of a rotation, a share
+/// of the baseline.
 const CONTRADICTION: f64 = 0.01;
 /// A length below this is taken as metres, above as millimetres.
 const LONGEST_IN_METRES: f64 = 5.0;
-/// Sides of the squares of boards, m: a file that says 1 means that its lengths are in squares, or nothing.
+/// Sides of the squares of boards, m: a file that says 1 means that its lengths are in squares, or
+/// nothing.
 const SQUARES: core::ops::RangeInclusive<f64> = 0.002..=0.5;
 /// Baselines outside of this are worth a word, m.
 const USUAL: core::ops::RangeInclusive<f64> = 0.01..=1.0;
@@ -88,13 +102,20 @@ pub(super) struct Read {
 pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
     let names = Names::of(files);
     let mut notes = Vec::new();
-    let [left, right] =
-        names.pair("camera matrices (M1 and M2, K1 and K2, cameraMatrix1 and 2 ...)", CAMERA)?.ok_or_else(|| {
-            Problem::Missing("there are no two camera matrices (M1 and M2, camera_matrix in two files ...)".to_owned())
-                .anywhere()
+    let [left, right] = names
+        .pair("camera matrices (M1 and M2, K1 and K2, cameraMatrix1 and 2 ...)", CAMERA)?
+        .ok_or_else(|| {
+            Problem::Missing(
+                "there are no two camera matrices (M1 and M2, camera_matrix in two files ...)"
+                    .to_owned(),
+            )
+            .anywhere()
         })?;
     let lenses = names.pair("distortion coefficients", LENS)?.ok_or_else(|| {
-        Problem::Missing("there are no two lists of distortion coefficients (D1 and D2 ...)".to_owned()).anywhere()
+        Problem::Missing(
+            "there are no two lists of distortion coefficients (D1 and D2 ...)".to_owned(),
+        )
+        .anywhere()
     })?;
     let (left, right) = (left.node.matrix(&left.name)?, right.node.matrix(&right.name)?);
     let dims = dims(&names, options, intrinsics(&left)?.1)?;
@@ -103,7 +124,8 @@ pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
         let lens = model.lens(&lens.node.matrix(&lens.name)?)?;
         camera((eye, matrix.place), dims, intrinsics(matrix)?, lens)
     };
-    let cameras = [one(CameraSide::Left, &left, &lenses[0])?, one(CameraSide::Right, &right, &lenses[1])?];
+    let cameras =
+        [one(CameraSide::Left, &left, &lenses[0])?, one(CameraSide::Right, &right, &lenses[1])?];
     if model == LensModel::BrownConrady && cameras.iter().any(|camera| camera.skew() != 0.0) {
         notes.push("the skew is kept; OpenCV itself takes no notice of it".to_owned());
     }
@@ -113,13 +135,16 @@ pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
     notes.push(note);
     let scaled = Pose { translation: pose.translation * scale, ..pose };
     let calibration = scaled.pair(cameras, options.swap, place)?;
-    let stored = rectified.filter(|_| !options.swap).and_then(|found| found.stored(&pose, &mut notes));
+    let stored =
+        rectified.filter(|_| !options.swap).and_then(|found| found.stored(&pose, &mut notes));
     Ok(Read { calibration, stored, notes })
 }
 
 fn dims(names: &Names<'_>, options: &Options, centre: [f64; 2]) -> Result<Dims, Fault> {
     match (names.size()?, options.size) {
-        (Some((file, place)), Some(given)) if file != given => Err(Problem::SizeDiffers { file, given }.at(place)),
+        (Some((file, place)), Some(given)) if file != given => {
+            Err(Problem::SizeDiffers { file, given }.at(place))
+        }
         (Some((dims, _)), _) | (None, Some(dims)) => Ok(dims),
         (None, None) => match options.images {
             Some(images) => check_centre(centre, images)
@@ -136,7 +161,8 @@ fn lens_model(names: &Names<'_>, options: &Options) -> Result<LensModel, Fault> 
     }
     if let Some(found) = names.word(&["fisheyemodel", "fisheye", "isfisheye"]) {
         let word = found.node.text().unwrap_or("");
-        let is_fisheye = word.eq_ignore_ascii_case("true") || word.parse().is_ok_and(|value: f64| value != 0.0);
+        let is_fisheye =
+            word.eq_ignore_ascii_case("true") || word.parse().is_ok_and(|value: f64| value != 0.0);
         return Ok(if is_fisheye { LensModel::Fisheye } else { LensModel::BrownConrady });
     }
     match names.word(&["distortionmodel", "lensmodel"]) {
@@ -149,7 +175,11 @@ fn lens_model(names: &Names<'_>, options: &Options) -> Result<LensModel, Fault> 
 }
 
 /// From left to right, in the unit of the file.
-fn pose(names: &Names<'_>, rectified: Option<&Pose>, notes: &mut Vec<String>) -> Result<(Pose, Option<Place>), Fault> {
+fn pose(
+    names: &Names<'_>,
+    rectified: Option<&Pose>,
+    notes: &mut Vec<String>,
+) -> Result<(Pose, Option<Place>), Fault> {
     let (rotation, translation) = (names.single(ROTATION)?, names.single(TRANSLATION)?);
     match (rotation, translation, rectified) {
         (Some(rotation), Some(translation), _) => {
@@ -182,7 +212,9 @@ fn square(names: &Names<'_>) -> Result<Option<f64>, Fault> {
 /// Metres per unit of the file, and what was taken for it.
 fn scale(pose: &Pose, unit: Option<TranslationUnit>, square: Option<f64>) -> (f64, String) {
     let length = pose.translation.norm();
-    let likely = |unit, square| format!("lengths are assumed to be in {unit}, since square_size is {square}");
+    let likely = |unit, square| {
+        format!("lengths are assumed to be in {unit}, since square_size is {square}")
+    };
     let (scale, mut note) = match (unit, square) {
         (Some(TranslationUnit::Metres), _) => (1.0, "lengths are in m".to_owned()),
         (Some(TranslationUnit::Millimetres), _) => (1e-3, "lengths are in mm".to_owned()),
@@ -191,13 +223,17 @@ fn scale(pose: &Pose, unit: Option<TranslationUnit>, square: Option<f64>) -> (f6
         }
         (None, Some(square)) if SQUARES.contains(&square) => (1.0, likely("m", square)),
         (None, Some(square)) if SQUARES.contains(&(square * 1e-3)) => (1e-3, likely("mm", square)),
-        (None, _) if length < LONGEST_IN_METRES => (1.0, "lengths are assumed to be in m".to_owned()),
+        (None, _) if length < LONGEST_IN_METRES => {
+            (1.0, "lengths are assumed to be in m".to_owned())
+        }
         (None, _) => (1e-3, "lengths are assumed to be in mm".to_owned()),
     };
     let baseline = length * scale;
     note.push_str(&format!(": the baseline is {baseline:.4} m"));
     if unit.is_none() || !USUAL.contains(&baseline) {
-        note.push_str("; if that is wrong, give --translation-unit m, mm or the board's squares in mm");
+        note.push_str(
+            "; if that is wrong, give --translation-unit m, mm or the board's squares in mm",
+        );
     }
     (scale, note)
 }
@@ -214,9 +250,14 @@ fn rectification(names: &Names<'_>, notes: &mut Vec<String>) -> Result<Option<Re
     let (Some(rotations), Some(projections)) = (rotations, projections) else { return Ok(None) };
     let matrix = |found: &Found<'_>| found.node.matrix(&found.name);
     let [p1, p2] = [matrix(&projections[0])?, matrix(&projections[1])?];
-    let rotations = [pose::rotation(&matrix(&rotations[0])?)?, pose::rotation(&matrix(&rotations[1])?)?];
+    let rotations =
+        [pose::rotation(&matrix(&rotations[0])?)?, pose::rotation(&matrix(&rotations[1])?)?];
     match pose::from_rectification([&rotations[0], &rotations[1]], [&p1, &p2]) {
-        Ok(pose) => Ok(Some(Rectified { pose, rotations, projections: [p1.shaped(3, 4)?, p2.shaped(3, 4)?] })),
+        Ok(pose) => Ok(Some(Rectified {
+            pose,
+            rotations,
+            projections: [p1.shaped(3, 4)?, p2.shaped(3, 4)?],
+        })),
         // Not what the pose hangs on, unless there is no other: then its absence is reported.
         Err(Fault { problem, .. }) => {
             notes.push(format!("the stored rectification is not used: {problem}"));
@@ -226,18 +267,28 @@ fn rectification(names: &Names<'_>, notes: &mut Vec<String>) -> Result<Option<Re
 }
 
 impl Rectified {
-    /// The part of a projection that is kept: one focal length and one centre, in accordance with the pose.
+    /// The part of a projection that is kept: one focal length and one centre, in accordance with
+    /// the pose.
     fn stored(&self, pose: &Pose, notes: &mut Vec<String>) -> Option<StoredRectification> {
         let turned = (self.pose.rotation - pose.rotation).abs().max();
         let moved = (self.pose.translation - pose.translation).norm() / pose.translation.norm();
         if turned > CONTRADICTION || moved > CONTRADICTION {
-            notes.push("the stored rectification (R1, R2, P1, P2) contradicts R and T and is not used".to_owned());
+            notes.push(
+                "the stored rectification (R1, R2, P1, P2) contradicts R and T and is not used"
+                    .to_owned(),
+            );
             return None;
         }
         let [[fx, _, cx, _, _, fy, cy, ..], [fx2, _, cx2, _, _, fy2, cy2, ..]] = self.projections;
         let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(1.0);
-        if ![(fx, fy), (fx, fx2), (fx, fy2), (cx, cx2), (cy, cy2)].into_iter().all(|(a, b)| same(a, b)) {
-            notes.push("the stored rectification has different centres or focal lengths and is not kept".to_owned());
+        if ![(fx, fy), (fx, fx2), (fx, fy2), (cx, cx2), (cy, cy2)]
+            .into_iter()
+            .all(|(a, b)| same(a, b))
+        {
+            notes.push(
+                "the stored rectification has different centres or focal lengths and is not kept"
+                    .to_owned(),
+            );
             return None;
         }
         let rotations: [Rows; 2] = [pose::rows(&self.rotations[0]), pose::rows(&self.rotations[1])];
@@ -256,7 +307,12 @@ struct Entry {
 /// Matrices of an export: the names of OpenCV's `stereo_calib` in one file, lengths in metres.
 fn entries(calibration: &Calibration) -> Result<Vec<Entry>, Problem> {
     let [left, right] = CameraSide::BOTH.map(|eye| calibration.camera(eye));
-    let entry = |name, rows, data: &[f64]| Entry { name, rows, cols: data.len() / rows, data: data.to_vec() };
+    let entry = |name, rows, data: &[f64]| Entry {
+        name,
+        rows,
+        cols: data.len() / rows,
+        data: data.to_vec(),
+    };
     let lens = |lens: Lens| coefficients(lens, false);
     let pose = Pose::of(calibration);
     let mut entries = vec![
@@ -278,27 +334,35 @@ fn entries(calibration: &Calibration) -> Result<Vec<Entry>, Problem> {
 /// `P1` and `P2`.
 pub(super) fn projections(rectified: &linestereo_rig::Rectification) -> [[f64; 12]; 2] {
     let (focal, [cx, cy]) = (rectified.focal(), rectified.centre());
-    [0.0, -focal * rectified.baseline()].map(|along| [focal, 0.0, cx, along, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
+    [0.0, -focal * rectified.baseline()]
+        .map(|along| [focal, 0.0, cx, along, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
 }
 
 /// `Q`: `(x, y, disparity, 1)` to homogeneous metres.
 fn reprojection(rectified: &linestereo_rig::Rectification) -> [f64; 16] {
-    let (focal, [cx, cy], inverse) = (rectified.focal(), rectified.centre(), 1.0 / rectified.baseline());
+    let (focal, [cx, cy], inverse) =
+        (rectified.focal(), rectified.centre(), 1.0 / rectified.baseline());
     [1.0, 0.0, 0.0, -cx, 0.0, 1.0, 0.0, -cy, 0.0, 0.0, 0.0, focal, 0.0, 0.0, inverse, 0.0]
 }
 
 /// One model for both cameras: whether it is the fisheye.
 fn is_fisheye(calibration: &Calibration) -> Result<bool, Problem> {
-    match CameraSide::BOTH.map(|eye| matches!(calibration.camera(eye).lens(), Lens::Fisheye { .. })) {
+    match CameraSide::BOTH.map(|eye| matches!(calibration.camera(eye).lens(), Lens::Fisheye { .. }))
+    {
         [left, right] if left == right => Ok(left),
-        _ => Err(Problem::NotRepresentable { format: "OpenCV", what: "a fisheye beside another lens" }),
+        _ => Err(Problem::NotRepresentable {
+            format: "OpenCV",
+            what: "a fisheye beside another lens",
+        }),
     }
 }
 
 pub(super) fn yaml(calibration: &Calibration) -> Result<String, Problem> {
     let Dims { width, height } = calibration.camera(CameraSide::Left).dims();
     let fisheye = u8::from(is_fisheye(calibration)?);
-    let mut text = format!("%YAML:1.0\n---\nimage_width: {width}\nimage_height: {height}\nfisheye_model: {fisheye}\n");
+    let mut text = format!(
+        "%YAML:1.0\n---\nimage_width: {width}\nimage_height: {height}\nfisheye_model: {fisheye}\n"
+    );
     for Entry { name, rows, cols, data } in entries(calibration)? {
         text.push_str(&format!(
             "{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: {data:?}\n"

@@ -1,4 +1,5 @@
-//! A pair of ROS `camera_info` files, the left camera's first: as `camera_calibration` writes them, or as a printed message (`K D R P`).
+//! A pair of ROS `camera_info` files, the left camera's first: as `camera_calibration` writes them,
+//! or as a printed message (`K D R P`).
 //!
 //! # Conventions
 //! Matrices by rows. `rectification_matrix` turns a camera into the rectified directions; the
@@ -48,13 +49,17 @@ struct Info {
 pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
     let (left, right) = (info(left, CameraSide::Left)?, info(right, CameraSide::Right)?);
     let place = right.projection.place;
-    if let (Ok(p1), Ok(p2)) = (left.projection.shaped::<12>(3, 4), right.projection.shaped::<12>(3, 4))
+    if let (Ok(p1), Ok(p2)) =
+        (left.projection.shaped::<12>(3, 4), right.projection.shaped::<12>(3, 4))
         && (p2[3] > 0.0 || p1[3] > 0.0 && p2[3] >= 0.0)
     {
         let unfit = Unfit::Sign { left: p1[3], right: p2[3] };
         return Err(Problem::Projection(unfit.to_string()).at(place));
     }
-    let pose = pose::from_rectification([&left.rotation, &right.rotation], [&left.projection, &right.projection])?;
+    let pose = pose::from_rectification(
+        [&left.rotation, &right.rotation],
+        [&left.projection, &right.projection],
+    )?;
     pose.pair([left.camera, right.camera], swap, Some(place))
 }
 
@@ -70,7 +75,8 @@ fn info(node: &Node, eye: CameraSide) -> Result<Info, Fault> {
         Some((name, side)) => side.whole(name),
         None => Err(Problem::Missing(format!("there is no \"{long}\"")).at(node.place)),
     };
-    let full = Dims { width: side("image_width", "width")?, height: side("image_height", "height")? };
+    let full =
+        Dims { width: side("image_width", "width")?, height: side("image_height", "height")? };
     let model = node.require("distortion_model")?;
     let lens = match LensModel::named(model.text().unwrap_or("a list"), model.place)? {
         Some(model) => model.lens(&values)?,
@@ -115,8 +121,10 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
             Lens::Rational { .. } => "rational_polynomial",
             Lens::BrownConrady { .. } => "plumb_bob",
         };
-        let mut text =
-            format!("image_width: {width}\nimage_height: {height}\ncamera_name: {name}\ndistortion_model: {model}\n");
+        let mut text = format!(
+            "image_width: {width}\nimage_height: {height}\ncamera_name: \
+             {name}\ndistortion_model: {model}\n"
+        );
         for (name, rows, data) in [
             ("camera_matrix", 3, matrix(camera).as_slice()),
             ("distortion_coefficients", 1, &values),

@@ -1,7 +1,7 @@
 //! OpenCV's XML -> tree.
 //!
-//! Children named `_` are a list, others a map, texts are lists of words where there are several. Document types, and with them entities
-//! of one's own, are refused by the parser.
+//! Children named `_` are a list, others a map, texts are lists of words where there are several.
+//! Document types, and with them entities of one's own, are refused by the parser.
 
 use super::error::{Fault, Place, Problem};
 use super::node::{MAX_DEPTH, MAX_VALUES, Node, Value, repeated};
@@ -37,28 +37,39 @@ pub(super) fn parse(text: &str, file: usize) -> Result<Node, Fault> {
     }
 }
 
-/// The parser's time grows with the square of an element's attributes and of nested name spaces: minutes for 1 MiB. OpenCV has neither.
+/// The parser's time grows with the square of an element's attributes and of nested name spaces:
+/// minutes for 1 MiB. OpenCV has neither.
 fn refuse_squares(text: &str, lines: &Lines) -> Result<(), Fault> {
     let refuse = |offset, what: &str| Err(Problem::Syntax(what.to_owned()).at(lines.place(offset)));
     if let Some(offset) = text.find("xmlns") {
         return refuse(offset, "OpenCV's files have no name spaces (xmlns)");
     }
     // Between two "<" there is at most one tag, and each of its attributes has a "=".
-    let has_many = |part: &&str| !part.starts_with("!--") && part.matches('=').count() > MAX_ATTRIBUTES;
+    let has_many =
+        |part: &&str| !part.starts_with("!--") && part.matches('=').count() > MAX_ATTRIBUTES;
     match text.split('<').find(has_many) {
-        Some(part) => refuse(part.as_ptr() as usize - text.as_ptr() as usize, "an element has more than 64 attributes"),
+        Some(part) => refuse(
+            part.as_ptr() as usize - text.as_ptr() as usize,
+            "an element has more than 64 attributes",
+        ),
         None => Ok(()),
     }
 }
 
-fn convert(element: roxmltree::Node<'_, '_>, lines: &Lines, depth: usize, values: &mut usize) -> Result<Node, Fault> {
+fn convert(
+    element: roxmltree::Node<'_, '_>,
+    lines: &Lines,
+    depth: usize,
+    values: &mut usize,
+) -> Result<Node, Fault> {
     let place = lines.place(element.range().start);
     if depth >= MAX_DEPTH {
         return Err(Problem::TooDeep.at(place));
     }
     let mut entries = Vec::new();
     for child in element.children().filter(roxmltree::Node::is_element) {
-        entries.push((child.tag_name().name().to_owned(), convert(child, lines, depth + 1, values)?));
+        entries
+            .push((child.tag_name().name().to_owned(), convert(child, lines, depth + 1, values)?));
     }
     let value = if entries.is_empty() {
         words(element, lines)
@@ -106,7 +117,12 @@ struct Lines {
 
 impl Lines {
     fn new(text: &str, file: usize) -> Self {
-        let starts = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(index, _)| index + 1).collect();
+        let starts = text
+            .bytes()
+            .enumerate()
+            .filter(|(_, byte)| *byte == b'\n')
+            .map(|(index, _)| index + 1)
+            .collect();
         Self { file, starts }
     }
 

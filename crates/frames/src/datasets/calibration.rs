@@ -1,4 +1,5 @@
-//! The small text files of data sets: `calib.txt` of Middlebury and ETH3D, `calib` and `calib_cam_to_cam` of KITTI.
+//! The small text files of data sets: `calib.txt` of Middlebury and ETH3D, `calib` and
+//! `calib_cam_to_cam` of KITTI.
 //!
 //! ```text
 //! calib.txt                    calib/000000.txt, calib_cam_to_cam/000000.txt
@@ -11,8 +12,9 @@
 //! ```
 //!
 //! # Source
-//! Middlebury: `vision.middlebury.edu/stereo/data/scenes2014/` ("calibration file format"); ETH3D has the same, "baseline in mm". KITTI: the
-//! devkits' readme.txt; Geiger, Lenz, Stiller, Urtasun, "Vision meets robotics", IJRR 2013, Eq. 4.
+//! Middlebury: `vision.middlebury.edu/stereo/data/scenes2014/` ("calibration file format"); ETH3D
+//! has the same, "baseline in mm". KITTI: the devkits' readme.txt; Geiger, Lenz, Stiller, Urtasun,
+//! "Vision meets robotics", IJRR 2013, Eq. 4.
 
 use crate::error::{FrameError, LayoutFault};
 use crate::rectified::{RectifiedRig, Unfit};
@@ -34,7 +36,10 @@ pub(crate) fn middlebury(path: &Path) -> Result<MiddleburyCalibration, FrameErro
     let text = read(path)?;
     let value = |name: &str| {
         let lines = text.lines().filter_map(|line| line.split_once('='));
-        lines.map(|(key, value)| (key.trim(), value.trim())).find(|(key, _)| *key == name).map(|(_, value)| value)
+        lines
+            .map(|(key, value)| (key.trim(), value.trim()))
+            .find(|(key, _)| *key == name)
+            .map(|(_, value)| value)
     };
     let fault = |what| FrameError::Layout(path.to_path_buf(), LayoutFault::Calibration(what));
     let number = |name: &'static str| value(name).and_then(finite).ok_or_else(|| fault(name));
@@ -43,10 +48,16 @@ pub(crate) fn middlebury(path: &Path) -> Result<MiddleburyCalibration, FrameErro
     let (baseline_mm, doffs) = (number("baseline")?, number("doffs")?);
     let right = camera("cam1")?;
     if (right[2] - left[2] - doffs).abs() > SAME_OFFSET_PX {
-        return Err(fault("doffs is not the difference of the principal points of cam1 and cam0: one of them"));
+        return Err(fault(
+            "doffs is not the difference of the principal points of cam1 and cam0: one of them",
+        ));
     }
-    let side =
-        |name| value(name).and_then(finite).filter(|side| (1.0..=65535.0).contains(side)).map(|side| side as u16);
+    let side = |name| {
+        value(name)
+            .and_then(finite)
+            .filter(|side| (1.0..=65535.0).contains(side))
+            .map(|side| side as u16)
+    };
     let size = side("width").zip(side("height")).map(|(width, height)| Dims { width, height });
     let projection = |[fx, skew, cx, below, fy, cy, a, b, c]: [f64; 9], along| {
         [fx, skew, cx, along, below, fy, cy, 0.0, a, b, c, 0.0]
@@ -58,7 +69,9 @@ pub(crate) fn middlebury(path: &Path) -> Result<MiddleburyCalibration, FrameErro
     Ok(MiddleburyCalibration {
         rig,
         // ETH3D writes the images' width: that bounds nothing.
-        range: range.filter(|range| *range >= 1.0 && size.is_none_or(|size| *range < f64::from(size.width))),
+        range: range.filter(|range| {
+            *range >= 1.0 && size.is_none_or(|size| *range < f64::from(size.width))
+        }),
     })
 }
 
@@ -81,8 +94,10 @@ pub(crate) fn kitti(path: &Path, cameras: [u8; 2]) -> Result<RectifiedRig, Frame
         let values = values(&[format!("P{camera}"), format!("P_rect_0{camera}")])?;
         <[f64; 12]>::try_from(values).ok()
     };
-    let left = projection(cameras[0]).ok_or_else(|| fault("the left camera's projection (P0, P2 or P_rect_02)"))?;
-    let right = projection(cameras[1]).ok_or_else(|| fault("the right camera's projection (P1, P3 or P_rect_03)"))?;
+    let left = projection(cameras[0])
+        .ok_or_else(|| fault("the left camera's projection (P0, P2 or P_rect_02)"))?;
+    let right = projection(cameras[1])
+        .ok_or_else(|| fault("the right camera's projection (P1, P3 or P_rect_03)"))?;
     let size = match values(&[format!("S_rect_0{}", cameras[0])]).as_deref() {
         Some(&[width, height]) if width >= 1.0 && height >= 1.0 => {
             Some(Dims { width: width as u16, height: height as u16 })
@@ -99,11 +114,13 @@ fn unfit(path: &Path, unfit: Unfit) -> FrameError {
 /// The number in a file of one number.
 pub(crate) fn single_number(path: &Path, what: &'static str) -> Result<f64, FrameError> {
     let text = read(path)?;
-    finite(text.trim()).ok_or_else(|| FrameError::Layout(path.to_path_buf(), LayoutFault::Calibration(what)))
+    finite(text.trim())
+        .ok_or_else(|| FrameError::Layout(path.to_path_buf(), LayoutFault::Calibration(what)))
 }
 
 fn read(path: &Path) -> Result<String, FrameError> {
-    untrusted::read_text(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))
+    untrusted::read_text(path, SETTINGS_BYTES)
+        .map_err(|error| FrameError::Read(path.to_path_buf(), error))
 }
 
 fn finite(text: &str) -> Option<f64> {

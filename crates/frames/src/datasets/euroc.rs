@@ -1,10 +1,11 @@
 //! EuRoC's recordings (the ASL layout): `mav0` with `cam0` and `cam1`, or a folder with both.
 //!
-//! Pairs are images of the same name, which is the time in ns. They are raw: `cam0/sensor.yaml` and `cam1/sensor.yaml` rectify them while they
-//! are loaded. There is no ground truth of disparities.
+//! Pairs are images of the same name, which is the time in ns. They are raw: `cam0/sensor.yaml` and
+//! `cam1/sensor.yaml` rectify them while they are loaded. There is no ground truth of disparities.
 //!
 //! # Source
-//! Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016. The files' conventions stand in `interchange::euroc`.
+//! Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016. The files' conventions stand
+//! in `interchange::euroc`.
 
 use crate::error::{FrameError, LayoutFault};
 use crate::folder::Listing;
@@ -22,7 +23,10 @@ pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
     }
     let files = ["cam0", "cam1"].map(|camera| cameras.path.join(camera).join("sensor.yaml"));
     if let Some(missing) = files.iter().find(|path| !path.is_file()) {
-        return Err(FrameError::Layout(missing.clone(), LayoutFault::MissingCalibration(Layout::Euroc)));
+        return Err(FrameError::Layout(
+            missing.clone(),
+            LayoutFault::MissingCalibration(Layout::Euroc),
+        ));
     }
     let pairs = Sequence::here(cameras)?.0.pairs.into_iter().map(|pair| StoredPair {
         name: pair.name,

@@ -5,11 +5,13 @@
 //! 2015  image_2 image_3 (colour)                         disp_occ_0 disp_noc_0   calib_cam_to_cam/000000.txt
 //! ```
 //!
-//! Frames are `000000_10.png` with truth and `000000_11.png`, the next one, without. Truth: 16 bit, disparity = value / 256, 0 = unknown.
-//! `disp_occ` has every pixel, `disp_noc` those whose match lies inside the right image: they are called visible.
+//! Frames are `000000_10.png` with truth and `000000_11.png`, the next one, without. Truth: 16 bit,
+//! disparity = value / 256, 0 = unknown. `disp_occ` has every pixel, `disp_noc` those whose match
+//! lies inside the right image: they are called visible.
 //!
 //! # Source
-//! readme.txt of `devkit_stereo_flow` (2012) and `devkit_scene_flow` (2015). Geiger, Lenz, Urtasun, CVPR 2012; Menze, Geiger, CVPR 2015.
+//! readme.txt of `devkit_stereo_flow` (2012) and `devkit_scene_flow` (2015). Geiger, Lenz, Urtasun,
+//! CVPR 2012; Menze, Geiger, CVPR 2015.
 
 use super::calibration;
 use crate::error::{FrameError, LayoutFault};
@@ -52,20 +54,28 @@ const VARIANTS: [Variant; 3] = [
     },
 ];
 
-/// The frames of the first kind of images that is there; nothing where names are not those of the benchmarks.
+/// The frames of the first kind of images that is there; nothing where names are not those of the
+/// benchmarks.
 pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
     for variant in &VARIANTS {
-        let (Some(left), Some(right)) = (folder.below(variant.images[0])?, folder.below(variant.images[1])?) else {
+        let (Some(left), Some(right)) =
+            (folder.below(variant.images[0])?, folder.below(variant.images[1])?)
+        else {
             continue;
         };
-        let frames: Vec<&String> =
-            left.files.iter().filter(|name| scene_number(name).is_some() && right.has(name)).collect();
+        let frames: Vec<&String> = left
+            .files
+            .iter()
+            .filter(|name| scene_number(name).is_some() && right.has(name))
+            .collect();
         if frames.is_empty() {
             continue;
         }
         let truth = [folder.below(variant.truth[0])?, folder.below(variant.truth[1])?];
         let calibrations = folder.below(variant.calibration)?;
-        let one = |name: &String| frame(folder, variant, name, [&left, &right], &truth, calibrations.as_ref());
+        let one = |name: &String| {
+            frame(folder, variant, name, [&left, &right], &truth, calibrations.as_ref())
+        };
         return frames.into_iter().map(one).collect();
     }
     Ok(Vec::new())
@@ -74,7 +84,8 @@ pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
 /// `000000` of `000000_10.png`.
 fn scene_number(file: &str) -> Option<&str> {
     let (number, frame) = file.strip_suffix(".png")?.split_once('_')?;
-    let digits = |text: &str, count| text.len() == count && text.bytes().all(|byte| byte.is_ascii_digit());
+    let digits =
+        |text: &str, count| text.len() == count && text.bytes().all(|byte| byte.is_ascii_digit());
     (digits(number, 6) && digits(frame, 2)).then_some(number)
 }
 
@@ -92,7 +103,8 @@ fn frame(
         return Err(FrameError::Layout(path, LayoutFault::MissingCalibration(variant.layout)));
     };
     let rig = calibration::kitti(&path, variant.cameras)?;
-    let in_folder = |listing: &Option<Listing>| listing.as_ref().and_then(|listing| listing.file(file));
+    let in_folder =
+        |listing: &Option<Listing>| listing.as_ref().and_then(|listing| listing.file(file));
     let truth = in_folder(all).map(|truth| StoredTruth {
         file: truth,
         scale: Scale::SixteenBit,

@@ -1,20 +1,25 @@
-//! Middlebury's scenes of 2001 to 2021, the third version of its benchmark, and ETH3D's two-view scenes, which are stored like it.
+//! Middlebury's scenes of 2001 to 2021, the third version of its benchmark, and ETH3D's two-view
+//! scenes, which are stored like it.
 //!
 //! ```text
-//! 2001       im2 im6 disp2 disp6 (steps of 1/8 px); tsukuba: scene1.row3.col3, .col4, truedisp.row3.col3 (1/16); map: im0 im1 disp0 (1/8)
+//! 2001       im2 im6 disp2 disp6 (steps of 1/8 px); tsukuba: scene1.row3.col3, .col4,
+//!            truedisp.row3.col3 (1/16); map: im0 im1 disp0 (1/8)
 //! 2003       the same names: 1800x1500 (1), 900x750 (1/2), 450x375 (1/4 px)
-//! 2005/2006  view1 view5 disp1 disp5, 1110 rows (1), 555 (1/2), 370 (1/3 px); dmin.txt: least disparity at full size, focal 3740 px, 160 mm;
-//!            with all exposures: Illum1..3/Exp0..2/view1, a pair for each
+//! 2005/2006  view1 view5 disp1 disp5, 1110 rows (1), 555 (1/2), 370 (1/3 px); dmin.txt: least
+//!            disparity at full size, focal 3740 px, 160 mm; with all exposures:
+//!            Illum1..3/Exp0..2/view1, a pair for each
 //! 2014/2021  im0 im1 disp0.pfm disp1.pfm calib.txt
 //! version 3  im0 im1 disp0GT.pfm mask0nocc.png calib.txt: 255 = visible, 128 = hidden
-//! ETH3D      the same and cameras.txt; the truth there, or in two_view_training_gt beside two_view_training
+//! ETH3D      the same and cameras.txt; the truth there, or in two_view_training_gt beside
+//!            two_view_training
 //! ```
 //!
 //! Visibility is told by the mask, else by the right image's truth, else by the truth itself.
 //!
 //! # Source
-//! `vision.middlebury.edu/stereo/data/` (pages of 2001, 2003, 2005, 2006, 2014, 2021) and `/submit3/`; `www.eth3d.net/documentation`. In 2005/2006
-//! depth = 3740 px * 0.16 m / (disparity + dmin), both scaled with the images.
+//! `vision.middlebury.edu/stereo/data/` (pages of 2001, 2003, 2005, 2006, 2014, 2021) and
+//! `/submit3/`; `www.eth3d.net/documentation`. In 2005/2006 depth = 3740 px * 0.16 m / (disparity +
+//! dmin), both scaled with the images.
 
 use super::calibration;
 use crate::decode::dimensions;
@@ -45,8 +50,12 @@ pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
     if let (Some(left), Some(right)) = (folder.image("im2"), folder.image("im6")) {
         return Ok(by_steps(folder, [left, right])?.into_iter().collect());
     }
-    if let (Some(left), Some(right)) = (folder.image("scene1.row3.col3"), folder.image("scene1.row3.col4")) {
-        let truth = folder.image("truedisp.row3.col3").map(|file| stored(file, None, Scale::Steps(STEPS_TSUKUBA)));
+    if let (Some(left), Some(right)) =
+        (folder.image("scene1.row3.col3"), folder.image("scene1.row3.col4"))
+    {
+        let truth = folder
+            .image("truedisp.row3.col3")
+            .map(|file| stored(file, None, Scale::Steps(STEPS_TSUKUBA)));
         return Ok(vec![pair(folder, Layout::Middlebury2001, [left, right], truth)]);
     }
     views(folder)
@@ -62,13 +71,16 @@ fn calibrated(folder: &Listing, images: [PathBuf; 2]) -> Result<Option<StoredPai
             let fault = LayoutFault::MissingCalibration(layout);
             return Err(FrameError::Layout(folder.path.join("calib.txt"), fault));
         }
-        let truth = folder.image("disp0").map(|file| stored(file, folder.image("disp1"), Scale::Steps(STEPS_2001)));
+        let truth = folder
+            .image("disp0")
+            .map(|file| stored(file, folder.image("disp1"), Scale::Steps(STEPS_2001)));
         return Ok(truth.map(|truth| pair(folder, Layout::Middlebury2001, images, Some(truth))));
     }
     let path = folder.path.join("calib.txt");
     let calibration = calibration::middlebury(&path)?;
     let beside = beside_training(&folder.path);
-    let truth = truth.or_else(|| Some(beside.as_ref()?.join("disp0GT.pfm")).filter(|path| path.is_file()));
+    let truth =
+        truth.or_else(|| Some(beside.as_ref()?.join("disp0GT.pfm")).filter(|path| path.is_file()));
     let truth = truth.map(|file| {
         let mask = file.with_file_name("mask0nocc.png");
         let right = folder.file("disp1GT.pfm").or_else(|| folder.file("disp1.pfm"));
@@ -128,15 +140,25 @@ fn views(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
     }
     let path = folder.path.join("dmin.txt");
     if !folder.has("dmin.txt") {
-        return Err(FrameError::Layout(path, LayoutFault::MissingCalibration(Layout::Middlebury2006)));
+        return Err(FrameError::Layout(
+            path,
+            LayoutFault::MissingCalibration(Layout::Middlebury2006),
+        ));
     }
     let least = calibration::single_number(&path, "the least disparity")?;
     let (_, rows) = dimensions(&found[0].1[0])?;
-    // Images of another height have been resized by somebody: their truth has no known scale, nor have they a focal length.
-    let steps = STEPS_2006.iter().find(|(known, _)| u32::from(*known) == rows).map(|(_, steps)| f64::from(*steps));
+    // Images of another height have been resized by somebody: their truth has no known scale, nor
+    // have they a focal length.
+    let steps = STEPS_2006
+        .iter()
+        .find(|(known, _)| u32::from(*known) == rows)
+        .map(|(_, steps)| f64::from(*steps));
     let rig = steps.map_or(StoredRig::Unknown, |steps| {
-        let numbers =
-            RigUpdate { focal_px: FOCAL_2006_PX / steps, baseline_m: BASELINE_2006_M, offset_px: least / steps };
+        let numbers = RigUpdate {
+            focal_px: FOCAL_2006_PX / steps,
+            baseline_m: BASELINE_2006_M,
+            offset_px: least / steps,
+        };
         StoredRig::Rectified(path, RectifiedRig { numbers, centre_px: None, size: None })
     });
     let truth = truth.map(|file| stored(file, folder.image("disp5"), Scale::ByHeight(STEPS_2006)));
@@ -152,7 +174,12 @@ fn stored(file: PathBuf, right: Option<PathBuf>, scale: Scale) -> StoredTruth {
     StoredTruth { file, scale, visibility: right.map_or(Visibility::Truth, Visibility::RightTruth) }
 }
 
-fn pair(folder: &Listing, layout: Layout, images: [PathBuf; 2], truth: Option<StoredTruth>) -> StoredPair {
+fn pair(
+    folder: &Listing,
+    layout: Layout,
+    images: [PathBuf; 2],
+    truth: Option<StoredTruth>,
+) -> StoredPair {
     StoredPair {
         name: String::new(),
         number: None,

@@ -1,4 +1,5 @@
-//! Folders of stereo pairs as data sets and recorders store them: which layout it is, told from names alone, and the pairs in it.
+//! Folders of stereo pairs as data sets and recorders store them: which layout it is, told from
+//! names alone, and the pairs in it.
 //!
 //! ```text
 //! Dataset::find(root):
@@ -7,12 +8,14 @@
 //!     middlebury   im2 + im6, view1 + view5, im0 + im1 + calib.txt     2001 to 2021, the benchmark's version 3, ETH3D's two-view sets
 //!     kitti        image_2 + image_3 (or 0 + 1) with 000000_10.png     2012 and 2015
 //!     euroc        mav0/cam0/data + mav0/cam1/data                     raw: rectified while loading
-//!     plain        left/ + right/; 0001_left + 0001_right; left + right; sequences of them; sides by any of their names
+//!     plain        left/ + right/; 0001_left + 0001_right; left + right; sequences of them; sides
+//!                  by any of their names
 //!   folders below it are searched where nothing took it, and below single pairs
 //!   in a tree without any pair, images at least twice as wide as high hold both views side by side
 //! ```
 //!
-//! Only names and small text files are read here; images when a pair is loaded. Each layout's module says where its rules are from.
+//! Only names and small text files are read here; images when a pair is loaded. Each layout's
+//! module says where its rules are from.
 
 mod calibration;
 mod euroc;
@@ -55,8 +58,9 @@ impl Dataset {
         Ok(found)
     }
 
-    /// The same where no truth is needed: a calibration that a data set lacks costs depths alone, a file that is broken its own pairs,
-    /// and every image holds both views where that is said. Pairs come in the order of their numbers, then of their names.
+    /// The same where no truth is needed: a calibration that a data set lacks costs depths alone, a
+    /// file that is broken its own pairs, and every image holds both views where that is said.
+    /// Pairs come in the order of their numbers, then of their names.
     pub fn sequence(root: &Path, side_by_side: bool) -> Result<Self, FrameError> {
         let mut found = Self { is_lenient: true, ..Self::default() };
         if side_by_side {
@@ -76,8 +80,12 @@ impl Dataset {
         walk(root, |folder| {
             let mut taken = recognised(folder, self.is_lenient)?;
             name_below(root, &mut taken.pairs);
-            // Single pairs may stand above others; what has frames in folders of its own has been searched.
-            let descend = taken.pairs.iter().all(|pair| matches!(pair.layout, Layout::SceneJson | Layout::PairFolder));
+            // Single pairs may stand above others; what has frames in folders of its own has been
+            // searched.
+            let descend = taken
+                .pairs
+                .iter()
+                .all(|pair| matches!(pair.layout, Layout::SceneJson | Layout::PairFolder));
             self.pairs.append(&mut taken.pairs);
             self.alone += taken.alone;
             Ok(descend)
@@ -107,7 +115,9 @@ fn recognised(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameError>
     }
     for find in [middlebury::find, kitti::find, euroc::find] {
         let pairs = match find(folder) {
-            Err(FrameError::Layout(_, LayoutFault::MissingCalibration(_)) | FrameError::Decode(..)) if is_lenient => {
+            Err(
+                FrameError::Layout(_, LayoutFault::MissingCalibration(_)) | FrameError::Decode(..),
+            ) if is_lenient => {
                 continue;
             }
             found => found?,
@@ -124,7 +134,8 @@ fn recognised(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameError>
     Ok(plain)
 }
 
-/// Names as paths below the root; a single pair at the root itself is called as its folder, or as its `scene.json` says.
+/// Names as paths below the root; a single pair at the root itself is called as its folder, or as
+/// its `scene.json` says.
 fn name_below(root: &Path, pairs: &mut [StoredPair]) {
     for pair in pairs {
         let below = pair.folder.strip_prefix(root).unwrap_or(&pair.folder);

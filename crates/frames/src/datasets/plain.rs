@@ -1,14 +1,17 @@
-//! Pairs without a data set's rules: a folder for each camera, the side in each name, one pair in a folder, both views side by side.
+//! Pairs without a data set's rules: a folder for each camera, the side in each name, one pair in a
+//! folder, both views side by side.
 //!
 //! ```text
 //! left/0001.png right/0001.png   truth: disp/, disparity/, gt/ or disp_occ/ with the same names
 //! 0001_left.png 0001_right.png   truth: 0001_disp.*, 0001_gt.*
 //! left.png right.png             truth: disp.*, disparity.*, gt.*
-//! 0001.png (both views)          truth: none; any image in a tree without a pair that is at least twice as wide as high
+//! 0001.png (both views)          truth: none; any image in a tree without a pair that is at least
+//!                                twice as wide as high
 //! ```
 //!
-//! Truth is PFM, NPZ or NPY in px, or a 16-bit image of 1/256 px (KITTI's way). A `scene.json` in the folder gives range, rig and, with
-//! `disparity_scale`, the steps of truth images, for every frame.
+//! Truth is PFM, NPZ or NPY in px, or a 16-bit image of 1/256 px (KITTI's way). A `scene.json` in
+//! the folder gives range, rig and, with `disparity_scale`, the steps of truth images, for every
+//! frame.
 
 use super::Dataset;
 use crate::decode::dimensions;
@@ -31,12 +34,15 @@ pub(crate) fn find(folder: &Listing, is_lenient: bool) -> Result<Dataset, FrameE
     let info = info(folder, is_lenient)?;
     let truths = TRUTH_FOLDERS.iter().filter(|_| in_folders).find(|name| folder.has_folder(name));
     let truths = truths.map(|name| folder.below(name)).transpose()?.flatten();
-    let pairs =
-        sequence.pairs.iter().map(|pair| stored(folder, pair, info.as_ref(), in_folders.then_some(truths.as_ref())));
+    let pairs = sequence
+        .pairs
+        .iter()
+        .map(|pair| stored(folder, pair, info.as_ref(), in_folders.then_some(truths.as_ref())));
     Ok(Dataset { pairs: pairs.collect(), alone: sequence.alone, ..Dataset::default() })
 }
 
-/// The folder's `scene.json`; of one that is broken its pairs say so when they are loaded, if that is early enough.
+/// The folder's `scene.json`; of one that is broken its pairs say so when they are loaded, if that
+/// is early enough.
 fn info(folder: &Listing, is_lenient: bool) -> Result<Option<SceneInfo>, FrameError> {
     match folder.file("scene.json").map(|path| SceneInfo::load(&path)).transpose() {
         Err(_) if is_lenient => Ok(None),
@@ -52,7 +58,9 @@ fn stored(
     truths: Option<Option<&Listing>>,
 ) -> StoredPair {
     let (layout, file) = match truths {
-        Some(truths) => (Layout::CameraFolders, truths.and_then(|listing| listing.disparities(&pair.name))),
+        Some(truths) => {
+            (Layout::CameraFolders, truths.and_then(|listing| listing.disparities(&pair.name)))
+        }
         None if pair.name.is_empty() => {
             (Layout::PairFolder, TRUTH_NAMES.iter().find_map(|name| folder.disparities(name)))
         }
@@ -70,16 +78,24 @@ fn stored(
         folder: folder.path.clone(),
         images: pair.files.clone(),
         truth: file.map(|file| StoredTruth { file, scale, visibility: Visibility::Truth }),
-        rig: rig.map_or(StoredRig::Unknown, |rig| StoredRig::Rectified(folder.path.join("scene.json"), rig)),
+        rig: rig.map_or(StoredRig::Unknown, |rig| {
+            StoredRig::Rectified(folder.path.join("scene.json"), rig)
+        }),
         max_disparity: info.and_then(|info| info.max_disparity),
     }
 }
 
 /// Every image of this folder, each of both views.
-pub(crate) fn side_by_side(folder: &Listing, is_lenient: bool) -> Result<Vec<StoredPair>, FrameError> {
+pub(crate) fn side_by_side(
+    folder: &Listing,
+    is_lenient: bool,
+) -> Result<Vec<StoredPair>, FrameError> {
     let info = info(folder, is_lenient)?;
     let pairs = Sequence::side_by_side(&folder.path)?.pairs;
-    let stored = |pair| StoredPair { layout: Layout::SideBySide, ..stored(folder, pair, info.as_ref(), Some(None)) };
+    let stored = |pair| StoredPair {
+        layout: Layout::SideBySide,
+        ..stored(folder, pair, info.as_ref(), Some(None))
+    };
     Ok(pairs.iter().map(stored).collect())
 }
 

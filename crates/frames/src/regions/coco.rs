@@ -1,11 +1,13 @@
 //! COCO's JSON: annotations, results, or the project's own list of boxes.
 //!
-//! Annotations are an object with `annotations`, and perhaps `images` and `categories`; results are a list of annotations. An annotation has a
-//! `segmentation` (run lengths or polygons), else a `bbox` (left, top, width, height). In a file of several images those of the image that
-//! is called like the left one are taken; where only numbers tell images apart, there may be one image.
+//! Annotations are an object with `annotations`, and perhaps `images` and `categories`; results are
+//! a list of annotations. An annotation has a `segmentation` (run lengths or polygons), else a
+//! `bbox` (left, top, width, height). In a file of several images those of the image that is called
+//! like the left one are taken; where only numbers tell images apart, there may be one image.
 //!
 //! # Bounds
-//! Lists are told apart into their texts first and read one by one, of 1 MiB at most: a value of two bytes takes up to 90 times as many.
+//! Lists are told apart into their texts first and read one by one, of 1 MiB at most: a value of
+//! two bytes takes up to 90 times as many.
 
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read, run_length};
 use crate::untrusted::SETTINGS_BYTES;
@@ -46,22 +48,25 @@ struct File<'a> {
 pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsError> {
     let broken = |what: String| ObjectsError::Json(path.to_path_buf(), what);
     let bytes = read(path)?;
-    let whole: &RawValue = serde_json::from_slice(&bytes).map_err(|error| broken(error.to_string()))?;
+    let whole: &RawValue =
+        serde_json::from_slice(&bytes).map_err(|error| broken(error.to_string()))?;
     let file = if whole.get().starts_with('{') {
         serde_json::from_str(whole.get()).map_err(|error| broken(error.to_string()))?
     } else {
         File { annotations: Some(whole), ..File::default() }
     };
     if let Some(objects) = file.objects {
-        let list: Vec<&RawValue> =
-            serde_json::from_str(objects.get()).map_err(|_| broken("\"objects\" is no list".to_owned()))?;
+        let list: Vec<&RawValue> = serde_json::from_str(objects.get())
+            .map_err(|_| broken("\"objects\" is no list".to_owned()))?;
         return Ok(project_list(&list, frame));
     }
-    let list = file.annotations.and_then(|list| serde_json::from_str::<Vec<&RawValue>>(list.get()).ok());
+    let list =
+        file.annotations.and_then(|list| serde_json::from_str::<Vec<&RawValue>>(list.get()).ok());
     let list = list.ok_or_else(|| broken("there is no list of annotations".to_owned()))?;
     let images: Vec<Image> = part(file.images, "images").map_err(broken)?;
     let categories: Vec<Category> = part(file.categories, "categories").map_err(broken)?;
-    let names: BTreeMap<u64, String> = categories.into_iter().map(|category| (category.id, category.name)).collect();
+    let names: BTreeMap<u64, String> =
+        categories.into_iter().map(|category| (category.id, category.name)).collect();
     let wanted = wanted_image(path, &list, &images, frame)?;
     let is_wanted = |annotation: &&&RawValue| {
         let image = image_of(annotation);
@@ -84,7 +89,9 @@ pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
 fn part<'a, T: Deserialize<'a>>(list: Option<&'a RawValue>, name: &str) -> Result<Vec<T>, String> {
     match list {
         None => Ok(Vec::new()),
-        Some(list) => serde_json::from_str(list.get()).map_err(|error| format!("\"{name}\": {error}")),
+        Some(list) => {
+            serde_json::from_str(list.get()).map_err(|error| format!("\"{name}\": {error}"))
+        }
     }
 }
 
@@ -110,7 +117,8 @@ fn wanted_image(
     images: &[Image],
     frame: Frame<'_>,
 ) -> Result<Option<String>, ObjectsError> {
-    let stem = |name: &str| Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());
+    let stem =
+        |name: &str| Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());
     let wanted = frame.image_name.and_then(stem);
     let named = images.iter().find(|image| {
         let name = image.file_name.as_deref().and_then(stem);
@@ -120,7 +128,11 @@ fn wanted_image(
         && let (Some(width), Some(height)) = (image.width, image.height)
         && (width, height) != (frame.given.width.into(), frame.given.height.into())
     {
-        return Err(ObjectsError::ImageSize { path: path.to_path_buf(), size: [width, height], image: frame.given });
+        return Err(ObjectsError::ImageSize {
+            path: path.to_path_buf(),
+            size: [width, height],
+            image: frame.given,
+        });
     }
     if let Some(image) = named {
         return Ok(Some(image.id.to_string()));
@@ -154,13 +166,17 @@ fn shape(annotation: &Value, given: Dims) -> Result<Shape, Why> {
         }
         Some(Value::Array(parts)) if !parts.is_empty() => {
             let parts = parts.iter().map(|part| {
-                let corners = numbers(part).filter(|values| values.len().is_multiple_of(2)).ok_or(Why::Unreadable)?;
+                let corners = numbers(part)
+                    .filter(|values| values.len().is_multiple_of(2))
+                    .ok_or(Why::Unreadable)?;
                 Ok(corners.chunks_exact(2).map(|corner| [corner[0], corner[1]]).collect())
             });
             Ok(Shape::Polygons(parts.collect::<Result<_, Why>>()?))
         }
         _ => match annotation.get("bbox").and_then(numbers).as_deref() {
-            Some(&[left, top, width, height]) => Ok(Shape::Box([left, top, left + width, top + height])),
+            Some(&[left, top, width, height]) => {
+                Ok(Shape::Box([left, top, left + width, top + height]))
+            }
             _ => Err(Why::Unreadable),
         },
     }
@@ -172,9 +188,14 @@ fn project_list(list: &[&RawValue], frame: Frame<'_>) -> Objects {
     for object in list {
         let object = one(object).unwrap_or_default();
         let name = object.get("name").and_then(Value::as_str).map(str::to_owned);
-        let label = object.get("label").and_then(Value::as_u64).and_then(|label| u16::try_from(label).ok());
-        let borders = object.get("box").and_then(numbers).and_then(|borders| <[f64; 4]>::try_from(borders).ok());
-        collector.put(borders.map(|borders| (Shape::Box(borders), name, label)).ok_or(Why::Unreadable));
+        let label =
+            object.get("label").and_then(Value::as_u64).and_then(|label| u16::try_from(label).ok());
+        let borders = object
+            .get("box")
+            .and_then(numbers)
+            .and_then(|borders| <[f64; 4]>::try_from(borders).ok());
+        collector
+            .put(borders.map(|borders| (Shape::Box(borders), name, label)).ok_or(Why::Unreadable));
     }
     collector.objects
 }

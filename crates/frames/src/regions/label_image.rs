@@ -32,7 +32,10 @@ pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
 }
 
 /// The runs of equal values other than 0, row by row.
-pub(crate) fn runs<T: Copy + PartialEq + Default + Into<u16>>(values: &[T], dims: Dims) -> Vec<Run> {
+pub(crate) fn runs<T: Copy + PartialEq + Default + Into<u16>>(
+    values: &[T],
+    dims: Dims,
+) -> Vec<Run> {
     let mut runs = Vec::new();
     for (row, y) in values.chunks_exact(dims.width.into()).zip(0_u16..) {
         let mut start = 0;

@@ -1,6 +1,7 @@
 //! Files of detectors -> regions of the left image as it is matched.
 //!
-//! In: boxes or masks in pixels of the left image as given. Out: [`Objects`], scaled to the image as matched, with a label and a name each.
+//! In: boxes or masks in pixels of the left image as given. Out: [`Objects`], scaled to the image
+//! as matched, with a label and a name each.
 //!
 //! | file | what is in it | label |
 //! |---|---|---|
@@ -10,11 +11,13 @@
 //! | `.txt` YOLO | a line per object: class, centre, size as shares of the image; or class and a polygon | position in the file |
 //! | `.csv` | `x0,y0,x1,y1` and perhaps `label`, `name` below a line of names, or in this order | `label`, else position |
 //!
-//! Positions count from 0, and count objects that are skipped. What is wrong with the file as a whole is an [`ObjectsError`]; what is wrong
-//! with one object skips it ([`Skipped`]): the others are kept.
+//! Positions count from 0, and count objects that are skipped. What is wrong with the file as a
+//! whole is an [`ObjectsError`]; what is wrong with one object skips it ([`Skipped`]): the others
+//! are kept.
 //!
 //! # Bounds
-//! At most [`MAX_OBJECTS`] objects, and for all of a file's masks and outlines together at most [`MAX_RUNS`] runs or crossings of rows.
+//! At most [`MAX_OBJECTS`] objects, and for all of a file's masks and outlines together at most
+//! [`MAX_RUNS`] runs or crossings of rows.
 
 mod coco;
 mod label_image;
@@ -31,10 +34,12 @@ use linestereo::{Area, Dims, Region, RegionError, Span};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Objects beyond so many are skipped: more than any detector reports, few enough for a page to show.
+/// Objects beyond so many are skipped: more than any detector reports, few enough for a page to
+/// show.
 pub const MAX_OBJECTS: usize = 4096;
 
-/// Runs of all masks, and rows that edges of outlines cross, of one file: 4096 objects of a thousand each. Objects beyond are skipped.
+/// Runs of all masks, and rows that edges of outlines cross, of one file: 4096 objects of a
+/// thousand each. Objects beyond are skipped.
 pub const MAX_RUNS: usize = 1 << 22;
 
 /// Why a file gives no objects.
@@ -50,7 +55,9 @@ pub enum ObjectsError {
     )]
     Unknown(PathBuf),
     /// JSON that is broken, or not of COCO's form.
-    #[error("{0} holds no objects ({1}); give COCO annotations or results, or \"objects\" with boxes")]
+    #[error(
+        "{0} holds no objects ({1}); give COCO annotations or results, or \"objects\" with boxes"
+    )]
     Json(PathBuf, String),
     /// A table without the columns it needs, or broken.
     #[error(
@@ -129,7 +136,12 @@ impl Skipped {
     /// Number of objects that were left out.
     #[must_use]
     pub fn objects(&self) -> usize {
-        self.outside + self.empty + self.unreadable + self.broken_mask + self.mask_size + self.too_many
+        self.outside
+            + self.empty
+            + self.unreadable
+            + self.broken_mask
+            + self.mask_size
+            + self.too_many
     }
 
     /// One line that says what was left out and why; empty when nothing was.
@@ -143,14 +155,21 @@ impl Skipped {
             (self.mask_size, "with a mask of another size"),
             (self.too_many, "beyond 4096 objects or 4 million runs"),
         ];
-        let list: Vec<String> =
-            reasons.iter().filter(|(count, _)| *count > 0).map(|(count, why)| format!("{count} {why}")).collect();
+        let list: Vec<String> = reasons
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, why)| format!("{count} {why}"))
+            .collect();
         let mut text = String::new();
         if !list.is_empty() {
             let _ = writeln!(text, "objects skipped: {}", list.join(", "));
         }
         if self.unknown_class > 0 {
-            let _ = writeln!(text, "objects of unknown classes, without a name: {}", self.unknown_class);
+            let _ = writeln!(
+                text,
+                "objects of unknown classes, without a name: {}",
+                self.unknown_class
+            );
         }
         text
     }
@@ -229,12 +248,15 @@ pub struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// Of each column and row of the image as matched that of the image as given which lies in its middle.
+    /// Of each column and row of the image as matched that of the image as given which lies in its
+    /// middle.
     fn sources(&self) -> [Vec<u16>; 2] {
         let source = |index: u16, matched: u16, given: u16| {
-            (((f64::from(index) + 0.5) * f64::from(given) / f64::from(matched)) as u16).min(given - 1)
+            (((f64::from(index) + 0.5) * f64::from(given) / f64::from(matched)) as u16)
+                .min(given - 1)
         };
-        let all = |matched, given| (0..matched).map(|index| source(index, matched, given)).collect();
+        let all =
+            |matched, given| (0..matched).map(|index| source(index, matched, given)).collect();
         [all(self.matched.width, self.given.width), all(self.matched.height, self.given.height)]
     }
 
@@ -244,9 +266,15 @@ impl Frame<'_> {
     }
 }
 
-/// Reads objects. `classes` names the classes of a YOLO file; without it `classes.txt` or `obj.names` beside the file does, if there is one.
-pub fn load(path: &Path, classes: Option<&Path>, frame: Frame<'_>) -> Result<Objects, ObjectsError> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+/// Reads objects. `classes` names the classes of a YOLO file; without it `classes.txt` or
+/// `obj.names` beside the file does, if there is one.
+pub fn load(
+    path: &Path,
+    classes: Option<&Path>,
+    frame: Frame<'_>,
+) -> Result<Objects, ObjectsError> {
+    let extension =
+        path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("png" | "pgm") => label_image::load(path, frame),
         Some("json") => coco::load(path, frame),
@@ -258,9 +286,14 @@ pub fn load(path: &Path, classes: Option<&Path>, frame: Frame<'_>) -> Result<Obj
 
 /// Boxes of a detector that are in no file: left, top, right and bottom border in pixels of the
 /// image as given, and a name.
-pub fn of_boxes(boxes: impl IntoIterator<Item = ([f64; 4], Option<String>)>, frame: Frame<'_>) -> Objects {
+pub fn of_boxes(
+    boxes: impl IntoIterator<Item = ([f64; 4], Option<String>)>,
+    frame: Frame<'_>,
+) -> Objects {
     let mut collector = Collector::new(frame);
-    boxes.into_iter().for_each(|(borders, name)| collector.put(Ok((Shape::Box(borders), name, None))));
+    boxes
+        .into_iter()
+        .for_each(|(borders, name)| collector.put(Ok((Shape::Box(borders), name, None))));
     collector.objects
 }
 
@@ -278,7 +311,8 @@ impl<'a> Collector<'a> {
         Self { frame, objects: Objects::default(), position: 0, runs_left: MAX_RUNS }
     }
 
-    /// The next object of the file, or why it is none. A label that is given comes before its position.
+    /// The next object of the file, or why it is none. A label that is given comes before its
+    /// position.
     fn put(&mut self, found: Result<(Shape, Option<String>, Option<u16>), Why>) {
         let position = self.position;
         self.position += 1;
@@ -292,7 +326,9 @@ impl<'a> Collector<'a> {
         match kept {
             Err(why) => self.objects.skipped.count(why),
             Ok((pixels, name, label)) => match label.or(u16::try_from(position).ok()) {
-                Some(label) => self.objects.list.push(Object { label, name, pixels: pixels.labelled(label) }),
+                Some(label) => {
+                    self.objects.list.push(Object { label, name, pixels: pixels.labelled(label) })
+                }
                 None => self.objects.skipped.too_many += 1,
             },
         }
@@ -331,10 +367,14 @@ impl Shape {
             }
             Self::Polygons(parts) => {
                 let scale = frame.scale();
-                let parts: Vec<Vec<[f64; 2]>> =
-                    parts.into_iter().map(|part| part.into_iter().map(|p| p.map(|v| v * scale)).collect()).collect();
+                let parts: Vec<Vec<[f64; 2]>> = parts
+                    .into_iter()
+                    .map(|part| part.into_iter().map(|p| p.map(|v| v * scale)).collect())
+                    .collect();
                 polygon::check(&parts, frame.matched)?;
-                *runs_left = runs_left.checked_sub(polygon::crossings(&parts, frame.matched)).ok_or(Why::TooMuch)?;
+                *runs_left = runs_left
+                    .checked_sub(polygon::crossings(&parts, frame.matched))
+                    .ok_or(Why::TooMuch)?;
                 masked(polygon::runs(&parts, frame.matched))
             }
         }
@@ -367,12 +407,14 @@ fn scaled_box(borders: [f64; 4], frame: &Frame<'_>) -> Result<Pixels, Why> {
     Ok(Pixels::Box(Area { left, top, right, bottom }))
 }
 
-/// Values of the image as given at the pixels of the image as matched: those that lie in the middle of the latter.
+/// Values of the image as given at the pixels of the image as matched: those that lie in the middle
+/// of the latter.
 fn reduced<T: Copy>(values: &[T], frame: &Frame<'_>) -> Vec<T> {
     let [columns, rows] = frame.sources();
     let width = usize::from(frame.given.width);
-    let places =
-        rows.iter().flat_map(|&row| columns.iter().map(move |&column| usize::from(row) * width + usize::from(column)));
+    let places = rows.iter().flat_map(|&row| {
+        columns.iter().map(move |&column| usize::from(row) * width + usize::from(column))
+    });
     places.map(|index| values[index]).collect()
 }
 
@@ -387,7 +429,9 @@ fn reduced_runs(runs: &[Run], frame: &Frame<'_>) -> Vec<Run> {
             let span = Span { start: column(run.span.start), end: column(run.span.end) };
             match reduced.last_mut() {
                 _ if span.start >= span.end => {}
-                Some(last) if last.y == y && last.span.end == span.start => last.span.end = span.end,
+                Some(last) if last.y == y && last.span.end == span.start => {
+                    last.span.end = span.end
+                }
                 _ => reduced.push(Run { label: run.label, y, span }),
             }
         }
@@ -396,5 +440,6 @@ fn reduced_runs(runs: &[Run], frame: &Frame<'_>) -> Vec<Run> {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ObjectsError> {
-    untrusted::read(path, OBJECTS_BYTES).map_err(|error| ObjectsError::Read(path.to_path_buf(), error))
+    untrusted::read(path, OBJECTS_BYTES)
+        .map_err(|error| ObjectsError::Read(path.to_path_buf(), error))
 }

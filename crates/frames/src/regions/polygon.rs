@@ -1,4 +1,5 @@
-//! Outlines with corners -> runs: the pixels whose centre is inside (even-odd), in any of the parts.
+//! Outlines with corners -> runs: the pixels whose centre is inside (even-odd), in any of the
+//! parts.
 
 use super::Why;
 use core::ops::Range;
@@ -15,8 +16,12 @@ pub(crate) fn check(parts: &[Vec<[f64; 2]>], dims: Dims) -> Result<(), Why> {
         return Err(Why::Empty);
     }
     let (width, height) = (f64::from(dims.width), f64::from(dims.height));
-    let all = |test: fn(&[f64; 2], f64, f64) -> bool| corners().all(|corner| test(corner, width, height));
-    if all(|c, _, _| c[0] <= 0.0) || all(|c, _, _| c[1] <= 0.0) || all(|c, w, _| c[0] >= w) || all(|c, _, h| c[1] >= h)
+    let all =
+        |test: fn(&[f64; 2], f64, f64) -> bool| corners().all(|corner| test(corner, width, height));
+    if all(|c, _, _| c[0] <= 0.0)
+        || all(|c, _, _| c[1] <= 0.0)
+        || all(|c, w, _| c[0] >= w)
+        || all(|c, _, h| c[1] >= h)
     {
         return Err(Why::Outside);
     }
@@ -28,7 +33,8 @@ pub(crate) fn crossings(parts: &[Vec<[f64; 2]>], dims: Dims) -> usize {
     parts.iter().flat_map(|part| edges(part)).map(|edge| rows(edge, dims).len()).sum()
 }
 
-/// Runs with label 1, by row, then by column. Positions are borders of pixels: the centre of the first pixel is at 0.5.
+/// Runs with label 1, by row, then by column. Positions are borders of pixels: the centre of the
+/// first pixel is at 0.5.
 pub(crate) fn runs(parts: &[Vec<[f64; 2]>], dims: Dims) -> Vec<Run> {
     // Of each row the parts and columns at which their edges cross it.
     let mut crossed: Vec<Vec<(usize, f64)>> = vec![Vec::new(); dims.height.into()];
@@ -45,12 +51,18 @@ pub(crate) fn runs(parts: &[Vec<[f64; 2]>], dims: Dims) -> Vec<Run> {
     for (mut row, y) in crossed.into_iter().zip(0..) {
         row.sort_by(|a, b| (a.0.cmp(&b.0)).then(a.1.total_cmp(&b.1)));
         // A closed part crosses a row an even number of times.
-        let spans = row.as_chunks().0.iter().map(|[from, to]| Span { start: column(from.1), end: column(to.1) });
+        let spans = row
+            .as_chunks()
+            .0
+            .iter()
+            .map(|[from, to]| Span { start: column(from.1), end: column(to.1) });
         let mut spans: Vec<Span> = spans.filter(|span| span.start < span.end).collect();
         spans.sort_unstable_by_key(|span| (span.start, span.end));
         for span in spans {
             match runs.last_mut() {
-                Some(last) if last.y == y && span.start <= last.span.end => last.span.end = last.span.end.max(span.end),
+                Some(last) if last.y == y && span.start <= last.span.end => {
+                    last.span.end = last.span.end.max(span.end)
+                }
                 _ => runs.push(Run { label: 1, y, span }),
             }
         }
@@ -63,7 +75,8 @@ fn edges(part: &[[f64; 2]]) -> impl Iterator<Item = [[f64; 2]; 2]> {
     part.iter().zip(part.iter().cycle().skip(1)).map(|(a, b)| [*a, *b])
 }
 
-/// Rows of the image whose middle an edge crosses: the upper end's belongs to it, the lower end's does not.
+/// Rows of the image whose middle an edge crosses: the upper end's belongs to it, the lower end's
+/// does not.
 fn rows([a, b]: [[f64; 2]; 2], dims: Dims) -> Range<usize> {
     let first = |y: f64| (y - 0.5).ceil().clamp(0.0, f64::from(dims.height)) as usize;
     first(a[1].min(b[1]))..first(a[1].max(b[1]))

@@ -1,7 +1,9 @@
-//! COCO's run lengths: column by column, runs of background and object in turns, starting with background.
+//! COCO's run lengths: column by column, runs of background and object in turns, starting with
+//! background.
 //!
-//! Compressed they are a string: six bits per character from '0' on, five of them value, one "there is more", the last value bit of a number
-//! its sign; from the third on a number is the difference to the one two before.
+//! Compressed they are a string: six bits per character from '0' on, five of them value, one "there
+//! is more", the last value bit of a number its sign; from the third on a number is the difference
+//! to the one two before.
 //!
 //! # Source
 //! `rleFrString` and `rleDecode` of the COCO API (`maskApi.c`).
@@ -21,7 +23,10 @@ pub(crate) fn decompressed(text: &str) -> Result<Vec<u64>, Why> {
     while let Some(first) = bytes.next() {
         let (mut value, mut next, mut characters) = (0_i64, Some(first), 0);
         loop {
-            let bits = next.and_then(|byte| byte.checked_sub(b'0')).filter(|bits| *bits < 64).ok_or(Why::BrokenMask)?;
+            let bits = next
+                .and_then(|byte| byte.checked_sub(b'0'))
+                .filter(|bits| *bits < 64)
+                .ok_or(Why::BrokenMask)?;
             value |= i64::from(bits & 0x1f) << (5 * characters);
             characters += 1;
             if bits & 0x20 == 0 {
@@ -41,10 +46,12 @@ pub(crate) fn decompressed(text: &str) -> Result<Vec<u64>, Why> {
     Ok(counts)
 }
 
-/// The rows' runs of an image of this size, with label 1; an error also where they are more than `most`.
+/// The rows' runs of an image of this size, with label 1; an error also where they are more than
+/// `most`.
 ///
 /// # Cost
-/// A step for each number and column, and one for each row at which a column differs from the one before it: nothing for each pixel.
+/// A step for each number and column, and one for each row at which a column differs from the one
+/// before it: nothing for each pixel.
 pub(crate) fn runs(counts: &[u64], dims: Dims, most: usize) -> Result<Vec<Run>, Why> {
     let (width, height) = (usize::from(dims.width), usize::from(dims.height));
     let mut outline = Outline { starts: vec![None; height], runs: Vec::new(), most };
@@ -91,15 +98,23 @@ struct Outline {
 
 impl Outline {
     /// The next column: rows of one of the two alone begin or end a run.
-    fn next(&mut self, column: u16, before: &[Range<usize>], rows: &[Range<usize>]) -> Result<(), Why> {
-        let mut ends: Vec<usize> = before.iter().chain(rows).flat_map(|part| [part.start, part.end]).collect();
+    fn next(
+        &mut self,
+        column: u16,
+        before: &[Range<usize>],
+        rows: &[Range<usize>],
+    ) -> Result<(), Why> {
+        let mut ends: Vec<usize> =
+            before.iter().chain(rows).flat_map(|part| [part.start, part.end]).collect();
         ends.sort_unstable();
         for pair in ends.as_chunks().0 {
             let [from, to]: [usize; 2] = *pair;
             for (start, y) in self.starts[from..to].iter_mut().zip(from as u16..) {
                 match start.take() {
                     None => *start = Some(column),
-                    Some(start) => self.runs.push(Run { label: 1, y, span: Span { start, end: column } }),
+                    Some(start) => {
+                        self.runs.push(Run { label: 1, y, span: Span { start, end: column } })
+                    }
                 }
             }
             if self.runs.len() > self.most {
@@ -120,7 +135,10 @@ mod tests {
         // Background 1, object 3, background 2: the lower left pixel, the middle column.
         let run = |y, start, end| Run { label: 1, y, span: Span { start, end } };
         assert_eq!(runs(&[1, 3, 2], dims, 9), Ok(vec![run(0, 1, 2), run(1, 0, 2)])); // .#. ##.
-        assert_eq!(runs(&[0, 1, 0, 1, 2, 0, 1, 1], dims, 9), Ok(vec![run(0, 0, 1), run(1, 0, 1), run(1, 2, 3)]));
+        assert_eq!(
+            runs(&[0, 1, 0, 1, 2, 0, 1, 1], dims, 9),
+            Ok(vec![run(0, 0, 1), run(1, 0, 1), run(1, 2, 3)])
+        );
         assert_eq!(runs(&[0, 6], dims, 2), Ok(vec![run(0, 0, 3), run(1, 0, 3)]));
         assert_eq!(runs(&[0, 6], dims, 1), Err(Why::TooMuch));
         assert_eq!(runs(&[1, 3], dims, 9), Err(Why::BrokenMask));

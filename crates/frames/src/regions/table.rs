@@ -1,5 +1,5 @@
-//! Boxes as CSV: `x0,y0,x1,y1` and perhaps `label`, `name`, in any order below a line of names, or in this order without one; x1 and y1 are
-//! behind the last pixel.
+//! Boxes as CSV: `x0,y0,x1,y1` and perhaps `label`, `name`, in any order below a line of names, or
+//! in this order without one; x1 and y1 are behind the last pixel.
 
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read};
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -12,7 +12,11 @@ pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
     let broken = |what: String| ObjectsError::Table(path.to_path_buf(), what);
     let bytes = read(path)?;
     let table = |has_headers| {
-        ReaderBuilder::new().flexible(true).trim(Trim::All).has_headers(has_headers).from_reader(&bytes[..])
+        ReaderBuilder::new()
+            .flexible(true)
+            .trim(Trim::All)
+            .has_headers(has_headers)
+            .from_reader(&bytes[..])
     };
     let mut reader = table(true);
     let mut head = reader.headers().map_err(|error| broken(error.to_string()))?.clone();
@@ -27,19 +31,30 @@ pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
     let (label, name) = (column("label"), column("name"));
     let mut collector = Collector::new(frame);
     for record in reader.records() {
-        collector.put(record.map_err(|_| Why::Unreadable).and_then(|record| object(&record, borders, label, name)));
+        collector.put(
+            record
+                .map_err(|_| Why::Unreadable)
+                .and_then(|record| object(&record, borders, label, name)),
+        );
     }
     Ok(collector.objects)
 }
 
 type Found = (Shape, Option<String>, Option<u16>);
 
-fn object(record: &StringRecord, borders: [usize; 4], label: Option<usize>, name: Option<usize>) -> Result<Found, Why> {
+fn object(
+    record: &StringRecord,
+    borders: [usize; 4],
+    label: Option<usize>,
+    name: Option<usize>,
+) -> Result<Found, Why> {
     let mut box_ = [0.0; 4];
     for (value, column) in box_.iter_mut().zip(borders) {
         *value = record.get(column).and_then(|text| text.parse().ok()).ok_or(Why::Unreadable)?;
     }
-    let text = |column: Option<usize>| column.and_then(|column| record.get(column)).filter(|text| !text.is_empty());
+    let text = |column: Option<usize>| {
+        column.and_then(|column| record.get(column)).filter(|text| !text.is_empty())
+    };
     let label = text(label).map(|text| text.parse().map_err(|_| Why::Unreadable)).transpose()?;
     Ok((Shape::Box(box_), text(name).map(str::to_owned), label))
 }

@@ -1,12 +1,16 @@
-//! YOLO's text: a line per object, the class first, then centre and size as shares of the image (and perhaps a probability), or the corners
-//! of an outline.
+//! YOLO's text: a line per object, the class first, then centre and size as shares of the image
+//! (and perhaps a probability), or the corners of an outline.
 
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read};
 use std::path::Path;
 
 const CLASS_FILES: [&str; 3] = ["classes.txt", "obj.names", "classes.names"];
 
-pub(crate) fn load(path: &Path, classes: Option<&Path>, frame: Frame<'_>) -> Result<Objects, ObjectsError> {
+pub(crate) fn load(
+    path: &Path,
+    classes: Option<&Path>,
+    frame: Frame<'_>,
+) -> Result<Objects, ObjectsError> {
     let names = names(path, classes)?;
     let text = String::from_utf8_lossy(&read(path)?).into_owned();
     let mut collector = Collector::new(frame);
@@ -27,12 +31,16 @@ pub(crate) fn load(path: &Path, classes: Option<&Path>, frame: Frame<'_>) -> Res
 fn object(line: &str, frame: Frame<'_>) -> Result<(usize, Shape), Why> {
     let mut words = line.split_whitespace();
     let class = words.next().and_then(|word| word.parse().ok()).ok_or(Why::Unreadable)?;
-    let values: Vec<f64> = words.map(|word| word.parse().map_err(|_| Why::Unreadable)).collect::<Result<_, _>>()?;
+    let values: Vec<f64> =
+        words.map(|word| word.parse().map_err(|_| Why::Unreadable)).collect::<Result<_, _>>()?;
     let (width, height) = (f64::from(frame.given.width), f64::from(frame.given.height));
     let shape = match values[..] {
-        [x, y, w, h] | [x, y, w, h, _] => {
-            Shape::Box([(x - 0.5 * w) * width, (y - 0.5 * h) * height, (x + 0.5 * w) * width, (y + 0.5 * h) * height])
-        }
+        [x, y, w, h] | [x, y, w, h, _] => Shape::Box([
+            (x - 0.5 * w) * width,
+            (y - 0.5 * h) * height,
+            (x + 0.5 * w) * width,
+            (y + 0.5 * h) * height,
+        ]),
         _ if values.len() >= 6 && values.len().is_multiple_of(2) => Shape::Polygons(vec![
             values.chunks_exact(2).map(|corner| [corner[0] * width, corner[1] * height]).collect(),
         ]),
@@ -43,8 +51,12 @@ fn object(line: &str, frame: Frame<'_>) -> Result<(usize, Shape), Why> {
 
 /// A name per line; `None` without a list.
 fn names(path: &Path, classes: Option<&Path>) -> Result<Option<Vec<String>>, ObjectsError> {
-    let beside =
-        || CLASS_FILES.map(|name| path.with_file_name(name)).into_iter().find(|file| file.is_file() && file != path);
+    let beside = || {
+        CLASS_FILES
+            .map(|name| path.with_file_name(name))
+            .into_iter()
+            .find(|file| file.is_file() && file != path)
+    };
     let Some(file) = classes.map(Path::to_path_buf).or_else(beside) else { return Ok(None) };
     let text = String::from_utf8(read(&file)?)
         .map_err(|_| ObjectsError::Classes(file.clone(), "it is not text".to_owned()))?;

@@ -7,7 +7,8 @@
 //! Outside of an image its nearest pixel counts.
 //!
 //! # Source
-//! Zabih and Woodfill, "Non-parametric local transforms for computing visual correspondence" (1994).
+//! Zabih and Woodfill, "Non-parametric local transforms for computing visual correspondence"
+//! (1994).
 
 use crate::curve::Acceptance;
 use crate::windows::{BLOCK_HALF, Windows};
@@ -42,10 +43,14 @@ fn codes(image: &GrayImage) -> Vec<u32> {
     let (width, stride) = (usize::from(image.dims.width), usize::from(padded.dims.width));
     let code = |top_left: usize| {
         let centre = padded.pixels[top_left + CODE_HALF * (stride + 1)];
-        let rows = (0..=2 * CODE_HALF).map(|row| &padded.pixels[top_left + row * stride..][..=2 * CODE_HALF]);
+        let rows = (0..=2 * CODE_HALF)
+            .map(|row| &padded.pixels[top_left + row * stride..][..=2 * CODE_HALF]);
         rows.flatten().fold(0, |code, &grey| code << 1 | u32::from(grey < centre))
     };
-    (0..usize::from(image.dims.height)).flat_map(|y| (0..width).map(move |x| y * stride + x)).map(code).collect()
+    (0..usize::from(image.dims.height))
+        .flat_map(|y| (0..width).map(move |x| y * stride + x))
+        .map(code)
+        .collect()
 }
 
 /// The image with its border pixels repeated `margin` times on every side.

@@ -44,7 +44,9 @@ impl<'a> CurveRow<'a> {
     fn right_disparities(self) -> Vec<usize> {
         let mut best = vec![(i16::MAX, 0); self.first + self.costs.len() / self.count];
         for (x, curve) in self.curves() {
-            for ((d, &cost), best) in curve.iter().enumerate().rev().zip(&mut best[x + 1 - self.count..=x]) {
+            for ((d, &cost), best) in
+                curve.iter().enumerate().rev().zip(&mut best[x + 1 - self.count..=x])
+            {
                 // Left columns come from the left: of equal costs the larger disparity comes last.
                 if cost <= best.0 {
                     *best = (cost, d);
@@ -109,7 +111,7 @@ pub(crate) struct Acceptance {
     /// Least confidence, 0 to 1. OpenCV's `uniquenessRatio` u of block matching is `u / (100 + u)`
     /// here, that of SGBM `u / 100`.
     pub(crate) least_confidence: f32,
-    /// Whether the right image has to agree.
+    /// True if the right image has to agree.
     pub(crate) left_right: bool,
 }
 
@@ -120,7 +122,8 @@ impl Acceptance {
         for (x, curve) in row.curves() {
             let minimum = Minimum::of(curve);
             let d = minimum.disparity;
-            let is_agreed = right.as_ref().is_none_or(|right| right[x - d].abs_diff(d) <= TOLERANCE_PX);
+            let is_agreed =
+                right.as_ref().is_none_or(|right| right[x - d].abs_diff(d) <= TOLERANCE_PX);
             if is_agreed && minimum.confidence() >= self.least_confidence {
                 map.set(x, row.y, minimum.refined(curve), minimum.confidence());
             }

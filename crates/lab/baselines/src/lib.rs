@@ -3,7 +3,8 @@
 //! In: a rectified pair and how many disparities to search. Out: a [`DisparityMap`].
 //!
 //! ```text
-//! bm, bm-strict        OpenCV's StereoBM, number for number; the oracle of the boards' block matcher
+//! bm, bm-strict        OpenCV's StereoBM, number for number; the oracle of the boards' block
+//!                      matcher
 //! census               block matching on census codes
 //! sgm8, sgm8-strict    semi-global matching along eight paths on census codes
 //! ```

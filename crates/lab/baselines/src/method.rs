@@ -21,7 +21,8 @@ pub enum Method {
 
 impl Method {
     /// Every method, in the order of tables.
-    pub const ALL: [Self; 5] = [Self::Bm, Self::BmStrict, Self::Census, Self::Sgm8, Self::Sgm8Strict];
+    pub const ALL: [Self; 5] =
+        [Self::Bm, Self::BmStrict, Self::Census, Self::Sgm8, Self::Sgm8Strict];
 
     /// Its name.
     #[must_use]

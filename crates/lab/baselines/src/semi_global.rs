@@ -9,8 +9,8 @@
 //! low       = min_e L_r(p-r, e)
 //! S(p, d)   = sum of L_r(p, d) over the directions r
 //! ```
-//! Half of the directions come in a pass over the rows downwards, half in a pass upwards. Images are
-//! continued by their border pixels, so that windows at the border have a cost.
+//! Half of the directions come in a pass over the rows downwards, half in a pass upwards. Images
+//! are continued by their border pixels, so that windows at the border have a cost.
 //!
 //! # Bounds
 //! A cost is at most 25 * 24 = 600, so a path's value at most 840 and the sum of eight 6720.
@@ -40,7 +40,11 @@ const GUARD: i16 = 1 << 14;
 const BEFORE: [isize; 3] = [-1, 0, 1];
 
 /// Every pixel by the lowest sum of its paths, where the right image agrees.
-pub(crate) fn match_paths(pair: [&GrayImage; 2], search: Search, least_confidence: f32) -> DisparityMap {
+pub(crate) fn match_paths(
+    pair: [&GrayImage; 2],
+    search: Search,
+    least_confidence: f32,
+) -> DisparityMap {
     let mut map = DisparityMap::empty(search.dims);
     let stride = search.columns() * search.count;
     if stride == 0 {
@@ -54,9 +58,14 @@ pub(crate) fn match_paths(pair: [&GrayImage; 2], search: Search, least_confidenc
     }
     let acceptance = Acceptance { least_confidence, left_right: true };
     let mut pass = Pass::new(search, false);
-    for (y, (costs, sums)) in costs.chunks_exact(stride).zip(sums.chunks_exact_mut(stride)).enumerate().rev() {
+    for (y, (costs, sums)) in
+        costs.chunks_exact(stride).zip(sums.chunks_exact_mut(stride)).enumerate().rev()
+    {
         pass.add_row(costs, sums);
-        acceptance.fill(CurveRow { y, first: search.first(), count: search.count, costs: sums }, &mut map);
+        acceptance.fill(
+            CurveRow { y, first: search.first(), count: search.count, costs: sums },
+            &mut map,
+        );
     }
     map
 }
@@ -92,7 +101,8 @@ impl Path {
     /// Goes on from `before` to a pixel of these costs, and adds its values to the sums.
     fn extend(&mut self, before: &Self, costs: &[i16], sums: &mut [i16]) {
         let (count, lowest) = (costs.len(), before.lowest);
-        let (below, same, above) = (&before.values[..count], &before.values[1..=count], &before.values[2..count + 2]);
+        let (below, same, above) =
+            (&before.values[..count], &before.values[1..=count], &before.values[2..count + 2]);
         let (values, sums) = (&mut self.values[1..=count], &mut sums[..count]);
         self.lowest = i16::MAX;
         for d in 0..count {
@@ -118,7 +128,11 @@ struct Pass {
 impl Pass {
     fn new(search: Search, is_rightwards: bool) -> Self {
         let row = vec![Path::new(search.count); search.columns() + 2];
-        Self { count: search.count, is_rightwards, paths: BEFORE.map(|_| [row.clone(), row.clone()]) }
+        Self {
+            count: search.count,
+            is_rightwards,
+            paths: BEFORE.map(|_| [row.clone(), row.clone()]),
+        }
     }
 
     /// Adds the paths in the next row to its sums.

@@ -58,7 +58,8 @@ impl StereoBm {
         let texture = texture(&left, search);
         Windows::new(search, BLOCK_HALF, [left, right]).for_each_row(u8::abs_diff, |row| {
             for (x, curve) in row.curves() {
-                if i32::from(texture[row.y * search.width() + x]) >= i32::from(self.texture_threshold)
+                if i32::from(texture[row.y * search.width() + x])
+                    >= i32::from(self.texture_threshold)
                     && let Some((disparity, confidence)) = self.best(curve)
                 {
                     map.set(x, row.y, disparity, confidence);
@@ -72,7 +73,9 @@ impl StereoBm {
     fn best(&self, curve: &[i16]) -> Option<(f32, f32)> {
         let minimum = Minimum::of(curve);
         let (cost, second) = (i32::from(minimum.cost), i32::from(minimum.second));
-        if self.uniqueness_ratio > 0 && second <= cost + cost * i32::from(self.uniqueness_ratio) / 100 {
+        if self.uniqueness_ratio > 0
+            && second <= cost + cost * i32::from(self.uniqueness_ratio) / 100
+        {
             return None;
         }
         let fraction = minimum.neighbours(curve).map_or(0, |neighbours| {
@@ -88,7 +91,11 @@ impl StereoBm {
 fn texture(values: &[u8], search: Search) -> Vec<i16> {
     let mut texture = vec![0; values.len()];
     // The cost of one disparity against an image without any.
-    let windows = Windows::new(Search { count: 1, ..search }, BLOCK_HALF, [values.to_vec(), vec![CAP; values.len()]]);
+    let windows = Windows::new(
+        Search { count: 1, ..search },
+        BLOCK_HALF,
+        [values.to_vec(), vec![CAP; values.len()]],
+    );
     windows.for_each_row(u8::abs_diff, |row| {
         texture[row.y * search.width() + row.first..][..row.costs.len()].copy_from_slice(row.costs);
     });

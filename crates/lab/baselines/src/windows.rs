@@ -22,7 +22,7 @@ use crate::curve::CurveRow;
 /// Half the side of the window of block matching: 15 x 15 px.
 pub(crate) const BLOCK_HALF: usize = 7;
 
-/// What is compared, and in which windows.
+/// Costs that are compared, and their windows.
 pub(crate) struct Windows<T> {
     search: Search,
     half: usize,
@@ -44,7 +44,11 @@ impl<T: Copy> Windows<T> {
     }
 
     /// Calls `each` with the costs of every row of windows, from the top.
-    pub(crate) fn for_each_row(&self, term: impl Fn(T, T) -> u8, mut each: impl FnMut(CurveRow<'_>)) {
+    pub(crate) fn for_each_row(
+        &self,
+        term: impl Fn(T, T) -> u8,
+        mut each: impl FnMut(CurveRow<'_>),
+    ) {
         let (count, side) = (self.search.count, 2 * self.half + 1);
         let stride = self.search.columns() * count;
         let mut costs = vec![0; stride.saturating_sub(2 * self.half * count)];
@@ -65,9 +69,16 @@ impl<T: Copy> Windows<T> {
     }
 
     /// Moves the column sums down to row `y`. `terms` holds the row that goes out, and takes `y`'s.
-    fn move_down(&self, y: usize, term: impl Fn(T, T) -> u8, terms: &mut [u8], column_sums: &mut [i16]) {
+    fn move_down(
+        &self,
+        y: usize,
+        term: impl Fn(T, T) -> u8,
+        terms: &mut [u8],
+        column_sums: &mut [i16],
+    ) {
         let (width, count) = (self.search.width(), self.search.count);
-        let (left, mirrored) = (&self.left[y * width..][..width], &self.mirrored[y * width..][..width]);
+        let (left, mirrored) =
+            (&self.left[y * width..][..width], &self.mirrored[y * width..][..width]);
         let columns = terms.chunks_exact_mut(count).zip(column_sums.chunks_exact_mut(count));
         for (x, (terms, sums)) in (self.search.first()..).zip(columns) {
             let (value, others) = (left[x], &mirrored[width - 1 - x..][..count]);
@@ -91,7 +102,9 @@ fn sum_windows(column_sums: &[i16], count: usize, side: usize, costs: &mut [i16]
     }
     let moves = columns.clone().skip(side - 1).zip(columns);
     for (costs, (enters, leaves)) in costs.chunks_exact_mut(count).zip(moves) {
-        for (((cost, sum), &enters), &leaves) in costs.iter_mut().zip(&mut window).zip(enters).zip(leaves) {
+        for (((cost, sum), &enters), &leaves) in
+            costs.iter_mut().zip(&mut window).zip(enters).zip(leaves)
+        {
             *cost = sum.wrapping_add(enters);
             *sum = cost.wrapping_sub(leaves);
         }

@@ -1,19 +1,25 @@
-//! From the costs of a window to a disparity, and from a row of them to those that the right image confirms.
+//! From the costs of a window to a disparity, and from a row of them to those that the right image
+//! confirms.
 //!
 //! ```text
-//! unique:   every cost more than 1 px from the lowest > lowest + lowest * ratio / 100; the largest disparity of equals
-//! result:   lowest + (before - after) / (2 (max(before, after) - lowest cost)), in 1/256 px, plus 15 and halved four times
-//! confirm:  each right pixel belongs to the disparity with the lowest cost that meets it; others that differ are dropped
+//! unique:   every cost more than 1 px from the lowest > lowest + lowest * ratio / 100; the largest
+//!           disparity of equals
+//! result:   lowest + (before - after) / (2 (max(before, after) - lowest cost)), in 1/256 px, plus
+//!           15 and halved four times
+//! confirm:  each right pixel belongs to the disparity with the lowest cost that meets it; others
+//!           that differ are dropped
 //! ```
 //!
 //! # Bounds
 //! Costs are at most 15 872, so a bound with a ratio of up to 300 fits `u16`.
 //!
 //! # Cost
-//! Most pixels are turned down by the lowest of every fourth cost: two further on lies no neighbour of the lowest.
+//! Most pixels are turned down by the lowest of every fourth cost: two further on lies no neighbour
+//! of the lowest.
 //!
 //! # Source
-//! OpenCV, `calib3d/stereobm.cpp` and `validateDisparity` of `stereosgbm.cpp`, both with a shift of four bits.
+//! OpenCV, `calib3d/stereobm.cpp` and `validateDisparity` of `stereosgbm.cpp`, both with a shift of
+//! four bits.
 
 use crate::kernel::{Group, groups_within, places_within};
 use core::cmp::Ordering;
@@ -37,7 +43,8 @@ pub(super) fn decide(costs: &[Group], lowest: Group, uniqueness_ratio: u16) -> O
     let cost = a.min(b).min(c.min(d));
     let ratio = u32::from(uniqueness_ratio.min(MOST_UNIQUE));
     let bound = (u32::from(cost) + u32::from(cost) * ratio / 100) as u16;
-    // Two further on, modulo four, lies no neighbour of the lowest. Where two neighbours are the lowest it is not known which one counts.
+    // Two further on, modulo four, lies no neighbour of the lowest. Where two neighbours are the
+    // lowest it is not known which one counts.
     let opposite = match a.min(c).cmp(&b.min(d)) {
         Ordering::Less => a.max(c),
         Ordering::Greater => b.max(d),
@@ -90,7 +97,8 @@ pub(super) struct DecidedMemory<const ROW: usize> {
 }
 
 impl<const ROW: usize> DecidedMemory<ROW> {
-    pub(super) const CLEARED: Self = Self { disparities: [0; ROW], right_costs: [0; ROW], right_disparities: [0; ROW] };
+    pub(super) const CLEARED: Self =
+        Self { disparities: [0; ROW], right_costs: [0; ROW], right_disparities: [0; ROW] };
 
     /// As far as rows of this width need it.
     pub(super) fn row(&mut self, width: usize) -> DecidedRow<'_> {
@@ -102,7 +110,8 @@ impl<const ROW: usize> DecidedMemory<ROW> {
     }
 }
 
-/// The disparities of a left row, and those that meet the pixels of the right one, each with the lowest cost.
+/// The disparities of a left row, and those that meet the pixels of the right one, each with the
+/// lowest cost.
 #[derive(Debug)]
 pub(super) struct DecidedRow<'a> {
     left: &'a mut [i16],
@@ -122,7 +131,8 @@ impl DecidedRow<'_> {
     pub(super) fn note(&mut self, x: usize, found: Found) {
         self.left[x] = found.sixteenths;
         let met = x.wrapping_sub(((found.sixteenths + 8) >> 4) as usize);
-        if let (Some(cost), Some(sixteenths)) = (self.right_costs.get_mut(met), self.right.get_mut(met))
+        if let (Some(cost), Some(sixteenths)) =
+            (self.right_costs.get_mut(met), self.right.get_mut(met))
             && *cost > found.cost
         {
             *cost = found.cost;
@@ -130,7 +140,8 @@ impl DecidedRow<'_> {
         }
     }
 
-    /// The disparities, without those that meet two right pixels which belong to others, if that is asked for.
+    /// The disparities, without those that meet two right pixels which belong to others, if that is
+    /// asked for.
     pub(super) fn checked(&mut self, most_px: Option<u16>) -> &[i16] {
         if let Some(most_px) = most_px {
             self.check(most_px);

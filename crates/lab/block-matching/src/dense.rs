@@ -10,13 +10,15 @@
 //!         where there is texture: the lowest costs, the decision
 //!     left-right check of the row
 //! ```
-//! The costs are read and written once for each pixel and row: what a column changed is held in bytes, for 15 columns.
+//! The costs are read and written once for each pixel and row: what a column changed is held in
+//! bytes, for 15 columns.
 //!
 //! # Bounds
 //! A window costs at most 225 * 62 = 13 950, a column's texture is at most 15 * 31 = 465.
 //!
 //! # Cost
-//! Memory: 2 bytes a disparity for each window of a row, 32 rows of values, 15 columns of changes, five rows of what is decided.
+//! Memory: 2 bytes a disparity for each window of a row, 32 rows of values, 15 columns of changes,
+//! five rows of what is decided.
 //!
 //! # Source
 //! See the crate.
@@ -76,7 +78,8 @@ impl<const ROW: usize, const COSTS: usize> DenseMemory<ROW, COSTS> {
         }
     }
 
-    /// Matches a pair; `row` is given the number and the disparities of each row that has windows, in 1/16 px or [`NO_DISPARITY`](crate::NO_DISPARITY).
+    /// Matches a pair; `row` is given the number and the disparities of each row that has windows,
+    /// in 1/16 px or [`NO_DISPARITY`](crate::NO_DISPARITY).
     pub fn run(
         &mut self,
         settings: &Settings,
@@ -86,7 +89,8 @@ impl<const ROW: usize, const COSTS: usize> DenseMemory<ROW, COSTS> {
         let dims = left.dims();
         let groups = settings.groups(dims, SIDE)?;
         let width = usize::from(dims.width);
-        let costs = self.costs.get_mut(..dense_groups(width, 4 * groups)).ok_or(Misfit::Size(dims))?;
+        let costs =
+            self.costs.get_mut(..dense_groups(width, 4 * groups)).ok_or(Misfit::Size(dims))?;
         if right.dims() != dims || width > ROW {
             return Err(Misfit::Size(dims));
         }
@@ -143,7 +147,8 @@ impl State<'_> {
     #[inline(never)]
     fn run(&mut self, [left, right]: [Gray<'_>; 2], row: &mut dyn FnMut(usize, &[i16])) {
         for y in 0..usize::from(self.dims.height) {
-            let (Some(left_values), Some(right_values)) = (self.left.get_mut(y % ROWS), self.right.get_mut(y % ROWS))
+            let (Some(left_values), Some(right_values)) =
+                (self.left.get_mut(y % ROWS), self.right.get_mut(y % ROWS))
             else {
                 continue;
             };
@@ -174,7 +179,11 @@ impl State<'_> {
         self.sums.fill(Group::default());
         for (i, ring) in (0..before_last).zip(&mut *self.changes) {
             let right = right.map(|row| &row[width - 1 - first - i..]);
-            add_column(&Column { left: left.map(|row| row[i]), right }, &mut ring[..self.groups], self.sums);
+            add_column(
+                &Column { left: left.map(|row| row[i]), right },
+                &mut ring[..self.groups],
+                self.sums,
+            );
         }
         let ending = Windows {
             left: left.map(|row| &row[before_last..]),
@@ -182,7 +191,12 @@ impl State<'_> {
             asked: self.asked,
         };
         slide_windows(&ending, (self.changes, before_last), self.sums, self.costs, self.lowest);
-        let all = self.costs.chunks_exact(self.groups).zip(&*self.lowest).zip(&*self.asked).zip(first + HALF..);
+        let all = self
+            .costs
+            .chunks_exact(self.groups)
+            .zip(&*self.lowest)
+            .zip(&*self.asked)
+            .zip(first + HALF..);
         for (((costs, lowest), asked), x) in all {
             if *asked && let Some(found) = decide(costs, *lowest, self.settings.uniqueness_ratio) {
                 self.decided.note(x, found);
@@ -192,21 +206,28 @@ impl State<'_> {
 }
 
 /// Row `y` and the one above the windows that end there; before the first one there is nothing.
-fn entering_and_leaving<'a>(ring: &'a [&mut [u8]; ROWS], flat: &'a [u8], y: usize) -> [&'a [u8]; 2] {
+fn entering_and_leaving<'a>(
+    ring: &'a [&mut [u8]; ROWS],
+    flat: &'a [u8],
+    y: usize,
+) -> [&'a [u8]; 2] {
     [&*ring[y % ROWS], if y >= SIDE { &*ring[(y + 1) % ROWS] } else { flat }]
 }
 
 /// Moves the texture of each column one row down.
 fn sum_texture([enter, leave]: [&[u8]; 2], texture: &mut [u16]) {
     for ((texture, new), old) in texture.iter_mut().zip(enter).zip(leave) {
-        *texture = texture.wrapping_add(new.abs_diff(CAP).into()).wrapping_sub(old.abs_diff(CAP).into());
+        *texture =
+            texture.wrapping_add(new.abs_diff(CAP).into()).wrapping_sub(old.abs_diff(CAP).into());
     }
 }
 
 /// Asks for the windows that have enough texture.
 fn ask(texture: &[u16], threshold: u32, asked: &mut [bool]) {
     let mut sum: u32 = texture.iter().take(SIDE - 1).map(|&column| u32::from(column)).sum();
-    for ((asked, &enters), &leaves) in asked.iter_mut().zip(texture.iter().skip(SIDE - 1)).zip(texture) {
+    for ((asked, &enters), &leaves) in
+        asked.iter_mut().zip(texture.iter().skip(SIDE - 1)).zip(texture)
+    {
         sum += u32::from(enters);
         *asked = sum >= threshold;
         sum -= u32::from(leaves);

@@ -1,17 +1,22 @@
-//! Kernels of block matching for cores with the Armv7E-M DSP extension, equal to the [`portable`](crate::portable) ones bit for bit.
+//! Kernels of block matching for cores with the Armv7E-M DSP extension, equal to the
+//! [`portable`](crate::portable) ones bit for bit.
 //!
 //! ```text
-//! sobel         four columns at a time: sums of three rows in half words, clipped by USAT16, UQSUB8 and UQADD8
-//! windows       four disparities at a time: absolute differences by USUB8 and SEL, extended and added by SXTAB16
-//! block_costs   four pixels of a column in a word: USADA8; the words of the right image move on in registers, one load a disparity
+//! sobel         four columns at a time: sums of three rows in half words, clipped by USAT16,
+//!               UQSUB8 and UQADD8
+//! windows       four disparities at a time: absolute differences by USUB8 and SEL, extended and
+//!               added by SXTAB16
+//! block_costs   four pixels of a column in a word: USADA8; the words of the right image move on in
+//!               registers, one load a disparity
 //! add_block     sums in pairs of half words
 //! ```
 //!
-//! The rest of a loop (groups that are no multiple of four, slices of other lengths) goes to the portable kernel.
+//! The rest of a loop (groups that are no multiple of four, slices of other lengths) goes to the
+//! portable kernel.
 //!
 //! # Cost
-//! Instructions for four disparities: 24 for a pixel of a window with the lowest, 20 without, 16 where no window ends; 23 for the costs of
-//! a block and 20 for its window.
+//! Instructions for four disparities: 24 for a pixel of a window with the lowest, 20 without, 16
+//! where no window ends; 23 for the costs of a block and 20 for its window.
 
 use crate::portable::{self, Blocks, CAP, Column, Group, Windows};
 use core::arch::asm;
@@ -26,12 +31,16 @@ pub(crate) fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) 
         return portable::sobel_row(above, row, below, out);
     }
     let steps = (width - 4) / 4;
-    // SAFETY: all slices hold `width` bytes. n steps read 4 n + 4 <= width bytes and write 4 n <= width - 4 from the second on.
-    unsafe { sobel_words([above.as_ptr(), row.as_ptr(), below.as_ptr()], out.as_mut_ptr().add(1), steps) };
+    // SAFETY: all slices hold `width` bytes. n steps read 4 n + 4 <= width bytes and write 4 n <=
+    // width - 4 from the second on.
+    unsafe {
+        sobel_words([above.as_ptr(), row.as_ptr(), below.as_ptr()], out.as_mut_ptr().add(1), steps)
+    };
     // The columns that are left; their neighbour before is written again.
     let from = 4 * steps;
     let mut rest = [CAP; 8];
-    if let (Some(above), Some(row), Some(below)) = (above.get(from..), row.get(from..), below.get(from..))
+    if let (Some(above), Some(row), Some(below)) =
+        (above.get(from..), row.get(from..), below.get(from..))
         && let (Some(rest), Some(out)) = (rest.get_mut(..width - from), out.get_mut(from + 1..))
     {
         portable::sobel_row(above, row, below, rest);
@@ -49,8 +58,9 @@ pub(crate) fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) 
 #[inline(never)]
 unsafe fn sobel_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
     let [above, row, below] = rows;
-    // SAFETY: the caller's. Sums of columns are in two words, of even columns (r5) and of odd ones (r8); the next four in r9 and r10. The
-    // two registers that cannot be named are kept on the stack.
+    // SAFETY: the caller's. Sums of columns are in two words, of even columns (r5) and of odd ones
+    // (r8); the next four in r9 and r10. The two registers that cannot be named are kept on the
+    // stack.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -116,7 +126,8 @@ unsafe fn sobel_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
     }
 }
 
-/// Four disparities of one column: new minus old absolute differences, their change, the row's sums.
+/// Four disparities of one column: new minus old absolute differences, their change, the row's
+/// sums.
 macro_rules! column {
     () => {
         "ldr r11, [r0], #4
@@ -167,7 +178,8 @@ pub(crate) fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [
         return portable::add_column(column, ring, sums);
     }
     let ([new, old], [enters, leaves]) = (column.left, column.right);
-    // SAFETY: there is a turn; ring and sums have four groups for each, the rows as many times four bytes.
+    // SAFETY: there is a turn; ring and sums have four groups for each, the rows as many times four
+    // bytes.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -222,15 +234,21 @@ pub(crate) fn slide_windows<const GROUPS: usize>(
     let is_long = windows.right.iter().all(|row| row.len() + 1 >= count + 4 * groups);
     let is_whole = windows.left.iter().all(|row| row.len() == count) && lowest.len() == count;
     let is_held = groups <= GROUPS && place < changes.len();
-    if !(is_long && is_whole && is_held && count > 0 && groups > 0 && groups.is_multiple_of(UNROLLED))
+    if !(is_long
+        && is_whole
+        && is_held
+        && count > 0
+        && groups > 0
+        && groups.is_multiple_of(UNROLLED))
         || costs.len() != count * groups
     {
         return portable::slide_windows(windows, (changes, place), sums, costs, lowest);
     }
     let ring = changes.as_mut_ptr_range();
-    // SAFETY: there is a column, and a turn of four groups. For each column there are a value of either left row, a place in `asked` and
-    // `lowest` and the groups of its costs. A right row holds for the first column, from count - 1 on, the bytes of all groups, and one
-    // more before them for each other column. Each place of the ring holds at least as many groups.
+    // SAFETY: there is a column, and a turn of four groups. For each column there are a value of
+    // either left row, a place in `asked` and `lowest` and the groups of its costs. A right row
+    // holds for the first column, from count - 1 on, the bytes of all groups, and one more before
+    // them for each other column. Each place of the ring holds at least as many groups.
     unsafe {
         slide(&mut Slide {
             left: windows.left.map(<[u8]>::as_ptr),
@@ -253,12 +271,14 @@ pub(crate) fn slide_windows<const GROUPS: usize>(
 /// There is a column and a turn, and for all of them memory.
 #[inline(never)]
 unsafe fn slide(state: &mut Slide) {
-    // SAFETY: the caller's. The state's address is on the stack, below what is kept of the two registers that cannot be named.
+    // SAFETY: the caller's. The state's address is on the stack, below what is kept of the two
+    // registers that cannot be named.
     unsafe {
         asm!(
             "push {{r6, r7}}",
             "push {{r0}}",
-            // A column: values in all bytes (r5, r8), right rows (r0, r1), place in the ring (r2), sums (r3), costs (r4), turns (r7).
+            // A column: values in all bytes (r5, r8), right rows (r0, r1), place in the ring (r2),
+            // sums (r3), costs (r4), turns (r7).
             "2:",
             "ldr r7, [sp]",
             "ldrd r0, r1, [r7]",
@@ -344,8 +364,8 @@ pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
     let above = (u32::from(bound) + 1).wrapping_mul(0x0001_0001);
     let (start, turns) = (costs.as_ptr(), costs.len() / UNROLLED);
     let (first, last): (*const Group, *const Group);
-    // SAFETY: there is a turn, and four groups for each. Either loop ends at a group that has such a cost, or after the last one; both
-    // point one group further on.
+    // SAFETY: there is a turn, and four groups for each. Either loop ends at a group that has such
+    // a cost, or after the last one; both point one group further on.
     unsafe {
         asm!(
             "2:",
@@ -421,8 +441,8 @@ pub(crate) fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
         return portable::columns_of_four(rows, out);
     }
     let [a, b, c, d] = rows.map(<[u8]>::as_ptr);
-    // SAFETY: four bytes of each row and four words of `out` for each turn, of which there is one. The register that cannot be named is
-    // kept on the stack.
+    // SAFETY: four bytes of each row and four words of `out` for each turn, of which there is one.
+    // The register that cannot be named is kept on the stack.
     unsafe {
         asm!(
             "push {{r6, r7}}",
@@ -432,7 +452,8 @@ pub(crate) fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
             "ldr r8, [r1], #4",
             "ldr r9, [r2], #4",
             "ldr r10, [r3], #4",
-            // First and third column (r11, r12: upper two rows; r5, r9: lower two), then second and fourth.
+            // First and third column (r11, r12: upper two rows; r5, r9: lower two), then second and
+            // fourth.
             "uxtb16 r11, r5",
             "uxtb16 lr, r8",
             "orr r11, r11, lr, lsl #8",
@@ -477,8 +498,9 @@ pub(crate) fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
     if count == 0 || right.len() != count + 3 {
         return portable::block_costs(left, right, out);
     }
-    // SAFETY: of count + 3 words the last three are read, then one for each disparity down to the first. `out` has a group for each turn, of
-    // which there is one. The two registers that cannot be named are kept on the stack.
+    // SAFETY: of count + 3 words the last three are read, then one for each disparity down to the
+    // first. `out` has a group for each turn, of which there is one. The two registers that cannot
+    // be named are kept on the stack.
     unsafe {
         let last = right.as_ptr().add(count + 2);
         asm!(

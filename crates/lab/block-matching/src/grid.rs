@@ -6,7 +6,8 @@
 //! for each four rows:
 //!     values of both images, four of a column in a word
 //!     for each block of four columns: its costs at every disparity, four pixels an instruction
-//!         sum over four blocks, by what enters and leaves; costs of the window += that sum - the sum of four rows of blocks above
+//!         sum over four blocks, by what enters and leaves; costs of the window += that sum -
+//!             the sum of four rows of blocks above
 //!         where there is texture: the decision
 //!     left-right check of the row
 //! ```
@@ -15,7 +16,8 @@
 //! A block costs at most 16 * 62 = 992, a window 15 872.
 //!
 //! # Cost
-//! Memory: for each window of a row 10 bytes a disparity, two rows of words and four rows of values.
+//! Memory: for each window of a row 10 bytes a disparity, two rows of words and four rows of
+//! values.
 //!
 //! # Source
 //! See the crate.
@@ -75,8 +77,9 @@ impl<const ROW: usize, const COSTS: usize> GridMemory<ROW, COSTS> {
         }
     }
 
-    /// Matches a pair; `row` is given the number and the disparities of each row that has windows, in 1/16 px or [`NO_DISPARITY`](crate::NO_DISPARITY); between
-    /// columns that are multiples of four there is none.
+    /// Matches a pair; `row` is given the number and the disparities of each row that has windows,
+    /// in 1/16 px or [`NO_DISPARITY`](crate::NO_DISPARITY); between columns that are multiples of
+    /// four there is none.
     pub fn run(
         &mut self,
         settings: &Settings,
@@ -162,7 +165,8 @@ impl State<'_> {
         let threshold = self.settings.texture_threshold * (SIDE * SIDE) as u32 / 225;
         self.row.fill(Group::default());
         self.blocks.as_flattened_mut().fill(Group::default());
-        let mut windows = self.costs.chunks_exact_mut(groups).zip(self.rows[r % BLOCKS].chunks_exact_mut(groups));
+        let mut windows =
+            self.costs.chunks_exact_mut(groups).zip(self.rows[r % BLOCKS].chunks_exact_mut(groups));
         let mut columns = [0_u16; BLOCKS];
         for (b, left) in self.left.as_chunks::<BLOCK>().0.iter().enumerate().skip(first) {
             let x = BLOCK * b;

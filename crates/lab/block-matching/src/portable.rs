@@ -1,11 +1,12 @@
 //! Portable kernels of block matching: the definition.
 //!
-//! Costs of four disparities that follow each other lie in a [`Group`], in the order 0, 2, 1, 3: what the halves of two words hold after
-//! the bytes of one word were extended.
+//! Costs of four disparities that follow each other lie in a [`Group`], in the order 0, 2, 1, 3:
+//! what the halves of two words hold after the bytes of one word were extended.
 //!
 //! # Bounds
-//! Values are 0 ..= 62, so a difference of two absolute differences is -62 ..= 62, and that of two such is -124 ..= 124: both fit `i8`. A
-//! window of 16 x 16 costs at most 15 872. With other values all sums wrap, and `dsp` wraps alike.
+//! Values are 0 ..= 62, so a difference of two absolute differences is -62 ..= 62, and that of two
+//! such is -124 ..= 124: both fit `i8`. A window of 16 x 16 costs at most 15 872. With other values
+//! all sums wrap, and `dsp` wraps alike.
 
 /// Costs of four disparities: of the first, the third, the second and the fourth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,8 +58,8 @@ pub(crate) const CAP: u8 = 31;
 /// The lowest of nothing.
 const NOTHING: Group = Group([u16::MAX; 4]);
 
-/// Sobel along the row, clipped to +-[`CAP`] and shifted by it: 0 ..= 62. The first and last pixel are [`CAP`], and so is what `out` is longer
-/// than the shortest row.
+/// Sobel along the row, clipped to +-[`CAP`] and shifted by it: 0 ..= 62. The first and last pixel
+/// are [`CAP`], and so is what `out` is longer than the shortest row.
 pub(crate) fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     out.fill(CAP);
     let triples = above.windows(3).zip(row.windows(3)).zip(below.windows(3));
@@ -78,14 +79,17 @@ pub(crate) struct Column<'a> {
     pub(crate) right: [&'a [u8]; 2],
 }
 
-/// Moves the sums over the columns of one row on: `sums` gains what this column costs more in the row that enters than in the one that
-/// leaves, and loses the same of the column that `ring` holds, which is kept there for when this column leaves. As many groups as all have.
+/// Moves the sums over the columns of one row on: `sums` gains what this column costs more in the
+/// row that enters than in the one that leaves, and loses the same of the column that `ring` holds,
+/// which is kept there for when this column leaves. As many groups as all have.
 pub(crate) fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [Group]) {
     let [enters, leaves] = column.right.map(|row| row.as_chunks::<4>().0);
     for (((sum, kept), enters), leaves) in sums.iter_mut().zip(ring).zip(enters).zip(leaves) {
         let [new, old] = column.left;
         let mut changes = [0_i8; 4];
-        for (((change, kept), &enters), &leaves) in changes.iter_mut().zip(kept).zip(enters).zip(leaves) {
+        for (((change, kept), &enters), &leaves) in
+            changes.iter_mut().zip(kept).zip(enters).zip(leaves)
+        {
             let difference = new.abs_diff(enters).wrapping_sub(old.abs_diff(leaves)) as i8;
             *change = difference.wrapping_sub(*kept);
             *kept = difference;
@@ -99,15 +103,17 @@ pub(crate) fn add_column(column: &Column<'_>, ring: &mut [[i8; 4]], sums: &mut [
 pub(crate) struct Windows<'a> {
     /// Values of the left image at each column.
     pub(crate) left: [&'a [u8]; 2],
-    /// The right rows, from right to left: the last column meets the first pixel at disparity 0, each column before it one further on.
+    /// The right rows, from right to left: the last column meets the first pixel at disparity 0,
+    /// each column before it one further on.
     pub(crate) right: [&'a [u8]; 2],
     /// Is the lowest cost asked for?
     pub(crate) asked: &'a [bool],
 }
 
-/// Moves the sums on, column by column as [`add_column`], and the costs of each window one row down. Where it is asked for, `lowest` becomes the
-/// lowest of every fourth cost, elsewhere it stays. `place` is where in the ring of `changes` the first column is kept. Nothing happens unless there is as
-/// much of everything as of `asked`.
+/// Moves the sums on, column by column as [`add_column`], and the costs of each window one row
+/// down. Where it is asked for, `lowest` becomes the lowest of every fourth cost, elsewhere it
+/// stays. `place` is where in the ring of `changes` the first column is kept. Nothing happens
+/// unless there is as much of everything as of `asked`.
 pub(crate) fn slide_windows<const GROUPS: usize>(
     windows: &Windows<'_>,
     (changes, mut place): (&mut [[[i8; 4]; GROUPS]], usize),
@@ -128,7 +134,8 @@ pub(crate) fn slide_windows<const GROUPS: usize>(
         return;
     }
     let [enter, leave] = windows.left;
-    let columns = enter.iter().zip(leave).zip(windows.asked).zip(costs.chunks_exact_mut(groups)).zip(lowest);
+    let columns =
+        enter.iter().zip(leave).zip(windows.asked).zip(costs.chunks_exact_mut(groups)).zip(lowest);
     for (i, ((((&new, &old), asked), costs), lowest)) in columns.enumerate() {
         let right = windows.right.map(|row| row.get(count - 1 - i..).unwrap_or_default());
         if let Some(ring) = changes.get_mut(place) {
@@ -165,23 +172,30 @@ pub(crate) fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
     }
 }
 
-/// Costs of a block of four columns: at the last disparity of `out` it meets the first four of `right`, at each one before that four
-/// begin one further on. `out` stays where `right` ends.
+/// Costs of a block of four columns: at the last disparity of `out` it meets the first four of
+/// `right`, at each one before that four begin one further on. `out` stays where `right` ends.
 pub(crate) fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
     let mut places = right.windows(4).take(4 * out.len()).rev();
     if places.len() < 4 * out.len() {
         return;
     }
     let difference = |(a, b): (&u32, &u32)| {
-        a.to_le_bytes().iter().zip(b.to_le_bytes()).map(|(&a, b)| u16::from(a.abs_diff(b))).sum::<u16>()
+        a.to_le_bytes()
+            .iter()
+            .zip(b.to_le_bytes())
+            .map(|(&a, b)| u16::from(a.abs_diff(b)))
+            .sum::<u16>()
     };
     for group in out {
-        *group = Group::of([0; 4].map(|_| places.next().map_or(0, |four| left.iter().zip(four).map(difference).sum())));
+        *group =
+            Group::of([0; 4].map(|_| {
+                places.next().map_or(0, |four| left.iter().zip(four).map(difference).sum())
+            }));
     }
 }
 
-/// Costs of blocks that the next window of a row has and the one before had not, and the other way round; and of the row of blocks that
-/// leaves.
+/// Costs of blocks that the next window of a row has and the one before had not, and the other way
+/// round; and of the row of blocks that leaves.
 #[derive(Debug)]
 pub(crate) struct Blocks<'a> {
     /// Costs of the block that enters.
@@ -194,8 +208,8 @@ pub(crate) struct Blocks<'a> {
     pub(crate) kept: &'a mut [Group],
 }
 
-/// Moves the sums of one row of blocks on by a block, and the costs of the window there down by a row of blocks. Gives the lowest of every
-/// fourth cost. As many groups as all have.
+/// Moves the sums of one row of blocks on by a block, and the costs of the window there down by a
+/// row of blocks. Gives the lowest of every fourth cost. As many groups as all have.
 pub(crate) fn add_block(blocks: &mut Blocks<'_>, costs: &mut [Group]) -> Group {
     let mut lowest = NOTHING;
     let (row, kept) = (blocks.row.iter_mut(), blocks.kept.iter_mut());

@@ -1,16 +1,20 @@
 //! Block matching on the pairs of a file: instructions, and a digest of all disparities.
 //!
-//! In: pairs, one after the other: width, height and number of disparities, each as two bytes, lower one first, then the pixels of the
-//! left and of the right image. Out: a line for each pair and method: cost, number of disparities found, digest; separated by tabs.
+//! In: pairs, one after the other: width, height and number of disparities, each as two bytes,
+//! lower one first, then the pixels of the left and of the right image. Out: a line for each pair
+//! and method: cost, number of disparities found, digest; separated by tabs.
 //!
-//! The same code runs on a board, by the kernels for its processor, and on a PC, by the portable ones.
+//! The same code runs on a board, by the kernels for its processor, and on a PC, by the portable
+//! ones.
 #![no_std]
 #![deny(missing_debug_implementations)]
 
 use core::fmt;
 use linestereo::diagnostics::Fnv;
 use linestereo::{Dims, Gray};
-use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
+use linestereo_block_matching::{
+    DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups,
+};
 use linestereo_boards::Board;
 use linestereo_firmware::ports::{ByteSource, Clock};
 
@@ -54,7 +58,10 @@ impl Matchers {
 
     /// Cleared memory.
     #[must_use]
-    #[expect(clippy::new_without_default, reason = "it is too large to be made but in a static or a box")]
+    #[expect(
+        clippy::new_without_default,
+        reason = "it is too large to be made but in a static or a box"
+    )]
     pub const fn new() -> Self {
         Self { frames: [[0; BOARD.pixels()]; 2], dense: Dense::new(), grid: Grid::new() }
     }
@@ -68,14 +75,16 @@ impl Matchers {
     ) -> Result<(), Misfit> {
         while let Some((dims, disparities)) = self.read(pairs) {
             for (_, sampling, settings) in METHODS {
-                let line = self.line(clock, dims, sampling, &Settings { disparities, ..settings })?;
+                let line =
+                    self.line(clock, dims, sampling, &Settings { disparities, ..settings })?;
                 let _ = writeln!(table, "{line}");
             }
         }
         Ok(())
     }
 
-    /// Reads the next pair into the frames. Returns its size and number of disparities; `None` at the end, or if it does not fit.
+    /// Reads the next pair into the frames. Returns its size and number of disparities; `None` at
+    /// the end, or if it does not fit.
     fn read(&mut self, pairs: &mut impl ByteSource) -> Option<(Dims, usize)> {
         let mut head = [0; 6];
         if pairs.read(&mut head) < head.len() {
@@ -102,7 +111,8 @@ impl Matchers {
         settings: &Settings,
     ) -> Result<Line, Misfit> {
         let [left, right] = &self.frames;
-        let view = |frame| Gray::new(frame, dims, dims.width.into()).map_err(|_| Misfit::Size(dims));
+        let view =
+            |frame| Gray::new(frame, dims, dims.width.into()).map_err(|_| Misfit::Size(dims));
         let pair = [view(left)?, view(right)?];
         let mut line = Line { cost: 0, found: 0, digest: 0 };
         let mut digest = Fnv::EMPTY;

@@ -1,4 +1,4 @@
-//! What a run gained and lost against an earlier one.
+//! Gains and losses of a run against an earlier one.
 
 use super::figures::{Better, Figure, Report};
 use core::fmt::Write;
@@ -19,7 +19,9 @@ impl Change<'_> {
         let rises = match (self.before, now) {
             (Some(before), Some(now)) => now > before,
             // What is not reached at all, such as a coverage, is worse than any value of it.
-            (before, _) => return (self.figure.better != Better::Neither).then_some(before.is_none()),
+            (before, _) => {
+                return (self.figure.better != Better::Neither).then_some(before.is_none());
+            }
         };
         match self.figure.better {
             Better::Higher => Some(rises),
@@ -34,17 +36,23 @@ impl Change<'_> {
             Some(false) => "lost",
             None => "changed",
         };
-        let (before, now) = (self.figure.shown(self.before), self.figure.shown(self.figure.values.linestereo));
+        let (before, now) =
+            (self.figure.shown(self.before), self.figure.shown(self.figure.values.linestereo));
         format!("    {what:<8}{:<44}{before:>9} -> {now}\n", self.figure.name)
     }
 }
 
-/// The figures of linestereo that changed in what is shown of them, by set and metric. Both runs may
-/// have sets that the other one lacks: these are left out.
+/// The figures of linestereo that changed in what is shown of them, by set and metric. Both runs
+/// may have sets that the other one lacks: these are left out.
 pub(crate) fn changes(before: &Report, now: &Report) -> String {
     let changes = find(before, now);
-    let count = |kind: Option<bool>| changes.iter().filter(|change| change.is_gain() == kind).count();
-    let mut text = format!("\nagainst the stored run: {} gained, {} lost", count(Some(true)), count(Some(false)));
+    let count =
+        |kind: Option<bool>| changes.iter().filter(|change| change.is_gain() == kind).count();
+    let mut text = format!(
+        "\nagainst the stored run: {} gained, {} lost",
+        count(Some(true)),
+        count(Some(false))
+    );
     let _ = match count(None) {
         0 => writeln!(text),
         others => writeln!(text, ", {others} others changed"),
@@ -68,7 +76,9 @@ fn find<'a>(before: &Report, now: &'a Report) -> Vec<Change<'a>> {
     for set in &now.sets {
         let Some(old_set) = before.sets.iter().find(|old| old.name == set.name) else { continue };
         for group in &set.groups {
-            let Some(old_group) = old_set.groups.iter().find(|old| old.name == group.name) else { continue };
+            let Some(old_group) = old_set.groups.iter().find(|old| old.name == group.name) else {
+                continue;
+            };
             for figure in &group.figures {
                 let old = old_group.figures.iter().find(|old| old.name == figure.name);
                 let before = old.and_then(|old| old.values.linestereo);
@@ -98,17 +108,26 @@ mod tests {
     fn report(set: &str, better: Better, value: f64) -> Report {
         let values = Values::default().with(Method::Linestereo, Some(value));
         let group = Group::new("cells", vec![Figure::new("a figure", better, 1, values)]);
-        let set = SetReport { name: set.to_owned(), scenes: 1, notes: Vec::new(), groups: vec![group] };
+        let set =
+            SetReport { name: set.to_owned(), scenes: 1, notes: Vec::new(), groups: vec![group] };
         Report { opencv: None, sets: vec![set] }
     }
 
     #[test]
     fn gains_and_losses_are_told_apart() {
-        let of = |better, before, now| changes(&report("room", better, before), &report("room", better, now));
-        assert!(of(Better::Lower, 2.0, 1.0).contains("1 gained, 0 lost\n  room: cells\n    gained  a figure"));
+        let of = |better, before, now| {
+            changes(&report("room", better, before), &report("room", better, now))
+        };
+        assert!(
+            of(Better::Lower, 2.0, 1.0)
+                .contains("1 gained, 0 lost\n  room: cells\n    gained  a figure")
+        );
         assert!(of(Better::Higher, 2.0, 1.0).contains("0 gained, 1 lost"));
         assert!(of(Better::Neither, 2.0, 1.0).contains("0 gained, 0 lost, 1 others changed"));
-        assert!(of(Better::Lower, 2.0, 2.01).contains("0 gained, 0 lost\n"), "what is shown is equal");
+        assert!(
+            of(Better::Lower, 2.0, 2.01).contains("0 gained, 0 lost\n"),
+            "what is shown is equal"
+        );
     }
 
     #[test]

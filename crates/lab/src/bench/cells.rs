@@ -1,8 +1,8 @@
 //! One hypothesis per cell: error rates of the most probable ones among all cells.
 //!
-//! Of each cell of 16x16 pixels the most probable point is taken. The hypotheses of all scenes stand
-//! in the order of their confidence. The first N percent *of all cells* are judged, so that a method
-//! that leaves cells out does not gain by it.
+//! Of each cell of 16x16 pixels the most probable point is taken. The hypotheses of all scenes
+//! stand in the order of their confidence. The first N percent *of all cells* are judged, so that a
+//! method that leaves cells out does not gain by it.
 
 use super::figures::{Better, Figure, Group, Method, Values, percent};
 use super::grid::Grid;
@@ -36,7 +36,7 @@ struct CellBest {
     error: f64,
 }
 
-/// What one method claims in the cells of all scenes.
+/// Answers of one method in the cells of all scenes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cells {
     best: Vec<CellBest>,
@@ -67,7 +67,8 @@ impl Cells {
         let rates = |share: usize| {
             let wanted = (self.count * share) as f64 / 100.0;
             let judged = sorted.get(..wanted as usize).filter(|_| sorted.len() as f64 >= wanted)?;
-            let errors: Vec<f64> = judged.iter().map(|best| best.error).filter(|error| error.is_finite()).collect();
+            let errors: Vec<f64> =
+                judged.iter().map(|best| best.error).filter(|error| error.is_finite()).collect();
             let beyond = |limit: f64| errors.iter().filter(|&&error| error > limit).count();
             Some([1.0, 2.0].map(|limit| 100.0 * (beyond(limit) as f64 / errors.len() as f64)))
         };
@@ -105,9 +106,12 @@ pub(crate) fn spread(truth: &Grid<f64>) -> Grid<f64> {
 /// Figures of the methods that have hypotheses with a confidence.
 pub(crate) fn group(name: &str, methods: &[(Method, &Cells)]) -> Group {
     let of = |value: &dyn Fn(&Cells) -> Option<f64>| {
-        methods.iter().fold(Values::default(), |values, &(method, cells)| values.with(method, value(cells)))
+        methods
+            .iter()
+            .fold(Values::default(), |values, &(method, cells)| values.with(method, value(cells)))
     };
-    let mut figures = vec![Figure::new("cells with a hypothesis, %", Better::Higher, 1, of(&Cells::covered))];
+    let mut figures =
+        vec![Figure::new("cells with a hypothesis, %", Better::Higher, 1, of(&Cells::covered))];
     let rates: Vec<(Method, Vec<Option<[f64; 2]>>)> =
         methods.iter().map(|&(method, cells)| (method, cells.error_rates())).collect();
     for (limit, px) in [1, 2].into_iter().enumerate() {
@@ -116,8 +120,12 @@ pub(crate) fn group(name: &str, methods: &[(Method, &Cells)]) -> Group {
                 values.with(*method, rates[row].map(|rates| rates[limit]))
             };
             let values = rates.iter().fold(Values::default(), add);
-            let figure =
-                Figure::new(format!("first {share} % of all cells: off by > {px} px, %"), Better::Lower, 2, values);
+            let figure = Figure::new(
+                format!("first {share} % of all cells: off by > {px} px, %"),
+                Better::Lower,
+                2,
+                values,
+            );
             let is_main = px == 1 && MAIN_SHARES.contains(&share);
             figures.push(if is_main { figure } else { figure.minor() });
         }
@@ -150,8 +158,13 @@ mod tests {
     #[test]
     fn shares_are_of_all_cells() {
         let mut cells = Cells::default();
-        let truth = Grid::new(160, vec![10.0; 160 * 16]).map(|x, _| if x == 32 { f64::NAN } else { 10.0 });
-        let found = [hypothesis(0, 0, 10.0, 0.9), hypothesis(16, 0, 11.5, 0.8), hypothesis(32, 0, 99.0, 0.7)];
+        let truth =
+            Grid::new(160, vec![10.0; 160 * 16]).map(|x, _| if x == 32 { f64::NAN } else { 10.0 });
+        let found = [
+            hypothesis(0, 0, 10.0, 0.9),
+            hypothesis(16, 0, 11.5, 0.8),
+            hypothesis(32, 0, 99.0, 0.7),
+        ];
         cells.add(&found, &truth);
         assert_eq!(cells.covered(), Some(30.0));
         let rates = cells.error_rates();
@@ -163,7 +176,8 @@ mod tests {
 
     #[test]
     fn sparse_truth_counts_beside_its_pixel() {
-        let truth = Grid::new(5, vec![f64::NAN; 25]).map(|x, y| if (x, y) == (2, 2) { 7.0 } else { f64::NAN });
+        let truth = Grid::new(5, vec![f64::NAN; 25])
+            .map(|x, y| if (x, y) == (2, 2) { 7.0 } else { f64::NAN });
         let spread = spread(&truth);
         assert_eq!(spread.values().iter().filter(|value| **value == 7.0).count(), 9);
         assert!(spread.at(0, 2).is_nan());

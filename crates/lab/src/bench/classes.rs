@@ -1,8 +1,8 @@
 //! Seen by class: what is answered of floor, walls, furniture, thin things and holes.
 //!
-//! A cell of 8x8 pixels counts for a class that fills two thirds of it with visible pixels; an eighth
-//! is enough of what is thin. The answer of linestereo is its most probable point on that class with
-//! at least 90 %; that of a dense matcher the median of its pixels on it.
+//! A cell of 8x8 pixels counts for a class that fills two thirds of it with visible pixels; an
+//! eighth is enough of what is thin. The answer of linestereo is its most probable point on that
+//! class with at least 90 %; that of a dense matcher the median of its pixels on it.
 
 use super::cells::Hypothesis;
 use super::figures::{Better, Figure, Group, Method, Values};
@@ -21,8 +21,13 @@ pub(crate) const GLOSSY: u8 = 5;
 pub(crate) const THIN: u8 = 4;
 
 /// Labels with their names, and how many pixels make a cell count.
-const CLASSES: [(u8, &str, usize); 5] =
-    [(1, "floor", 43), (2, "wall", 43), (3, "furniture", 43), (THIN, "thin", 8), (6, "below the floor", 43)];
+const CLASSES: [(u8, &str, usize); 5] = [
+    (1, "floor", 43),
+    (2, "wall", 43),
+    (3, "furniture", 43),
+    (THIN, "thin", 8),
+    (6, "below the floor", 43),
+];
 
 /// A cell that counts for a class: column, row and label.
 pub(crate) type ClassCell = (usize, usize, u8);
@@ -37,7 +42,8 @@ pub(crate) fn cells(labels: &Grid<u8>, visible: &Grid<bool>) -> Vec<ClassCell> {
     for row in 0..labels.height() / CELL {
         for column in 0..labels.width() / CELL {
             for (label, _, least) in CLASSES {
-                let of_class = |&(x, y): &(usize, usize)| labels.at(x, y) == label && visible.at(x, y);
+                let of_class =
+                    |&(x, y): &(usize, usize)| labels.at(x, y) == label && visible.at(x, y);
                 if pixels(column, row).filter(of_class).count() >= least {
                     cells.push((column, row, label));
                 }
@@ -77,7 +83,13 @@ impl SeenByClass {
     }
 
     /// Adds a scene by a map of disparities, not a number where there is none.
-    pub(crate) fn add_map(&mut self, cells: &[ClassCell], map: &Grid<f64>, labels: &Grid<u8>, truth: &Grid<f64>) {
+    pub(crate) fn add_map(
+        &mut self,
+        cells: &[ClassCell],
+        map: &Grid<f64>,
+        labels: &Grid<u8>,
+        truth: &Grid<f64>,
+    ) {
         self.add(cells, |&(column, row, label)| {
             let on_class = pixels(column, row).filter(|&(x, y)| labels.at(x, y) == label);
             let errors = on_class.map(|(x, y)| (map.at(x, y) - truth.at(x, y)).abs());
@@ -108,11 +120,27 @@ pub(crate) fn group(methods: &[(Method, &SeenByClass)]) -> Group {
             })
         };
         figures.extend([
-            Figure::new(format!("{name}: cells"), Better::Neither, 0, of(&|seen| seen.cells as f64)).minor(),
+            Figure::new(
+                format!("{name}: cells"),
+                Better::Neither,
+                0,
+                of(&|seen| seen.cells as f64),
+            )
+            .minor(),
             Figure::new(format!("{name}: seen, %"), Better::Higher, 0, of(&Seen::answered_percent)),
-            Figure::new(format!("{name}: off by > 1 px, %"), Better::Lower, 2, of(&|seen| seen.off_percent()[0])),
-            Figure::new(format!("{name}: off by > 2 px, %"), Better::Lower, 2, of(&|seen| seen.off_percent()[1]))
-                .minor(),
+            Figure::new(
+                format!("{name}: off by > 1 px, %"),
+                Better::Lower,
+                2,
+                of(&|seen| seen.off_percent()[0]),
+            ),
+            Figure::new(
+                format!("{name}: off by > 2 px, %"),
+                Better::Lower,
+                2,
+                of(&|seen| seen.off_percent()[1]),
+            )
+            .minor(),
         ]);
     }
     Group::new("seen by class: 8x8 cells with an answer of p >= 0.9", figures)
@@ -148,9 +176,18 @@ mod tests {
         assert_eq!(seen.0[3], Seen { cells: 1, answered: 1, off: [1, 0] });
 
         let mut of_map = SeenByClass::default();
-        of_map.add_map(&cells, &truth.map(|_, y| if y < 3 { 10.0 } else { f64::NAN }), &labels, &truth);
+        of_map.add_map(
+            &cells,
+            &truth.map(|_, y| if y < 3 { 10.0 } else { f64::NAN }),
+            &labels,
+            &truth,
+        );
         assert_eq!(of_map.0[0], Seen { cells: 1, answered: 1, off: [0, 0] });
-        assert_eq!(of_map.0[3], Seen { cells: 1, answered: 0, off: [0, 0] }, "three pixels are too few");
+        assert_eq!(
+            of_map.0[3],
+            Seen { cells: 1, answered: 0, off: [0, 0] },
+            "three pixels are too few"
+        );
         let group = group(&[(Method::Linestereo, &seen), (Method::Bm, &of_map)]);
         assert_eq!(group.figures.len(), 8, "two classes occur");
     }

@@ -21,7 +21,8 @@ use std::path::{Path, PathBuf};
 
 /// Folders below that of the frames in which sets are looked for.
 const DEPTH: usize = 4;
-/// Disparity ranges that follow from the truth are multiples of this, and at most [`LARGEST_RANGE`].
+/// Disparity ranges that follow from the truth are multiples of this, and at most
+/// [`LARGEST_RANGE`].
 const RANGE_STEP: f64 = 16.0;
 const LARGEST_RANGE: f64 = 240.0;
 /// A range that suits most large images.
@@ -107,7 +108,8 @@ pub(crate) fn find(frames: &Path) -> Result<Vec<DataSet>> {
 }
 
 fn search(root: &Path, folder: &Path, depth: usize, sets: &mut Vec<DataSet>) -> Result<()> {
-    let entries = fs::read_dir(folder).with_context(|| format!("cannot read {}; check the path", folder.display()))?;
+    let entries = fs::read_dir(folder)
+        .with_context(|| format!("cannot read {}; check the path", folder.display()))?;
     let mut folders: Vec<PathBuf> =
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|at| at.is_dir()).collect();
     folders.sort_unstable();
@@ -145,8 +147,9 @@ impl SceneFolder {
         }
         let text = untrusted::read(&path, untrusted::SETTINGS_BYTES)
             .with_context(|| format!("cannot read {}", path.display()))?;
-        let info: Info = serde_json::from_slice(&text)
-            .with_context(|| format!("{} is not understood; correct it, or move the folder away", path.display()))?;
+        let info: Info = serde_json::from_slice(&text).with_context(|| {
+            format!("{} is not understood; correct it, or move the folder away", path.display())
+        })?;
         let scene = Self { folder: folder.to_path_buf(), info };
         Ok(Some(scene).filter(|scene| scene.info.ground_truth.is_some() && scene.images().is_ok()))
     }
@@ -169,7 +172,10 @@ impl SceneFolder {
     pub(crate) fn images(&self) -> Result<[PathBuf; 2]> {
         let kinds = ["png", "jpg", "jpeg", "pgm", "ppm", "tif", "tiff", "bmp"];
         let find = |side: &str| {
-            kinds.map(|kind| self.folder.join(side).with_extension(kind)).into_iter().find(|at| at.is_file())
+            kinds
+                .map(|kind| self.folder.join(side).with_extension(kind))
+                .into_iter()
+                .find(|at| at.is_file())
         };
         match (find("left"), find("right")) {
             (Some(left), Some(right)) => Ok([left, right]),
@@ -288,7 +294,9 @@ mod tests {
     #[test]
     fn sets_are_found_by_their_scenes() {
         let root = tempfile::tempdir().unwrap();
-        for (name, info) in [("b/1", r#"{"ground_truth":{"file":"gt.png","disparity_scale":4}}"#), ("a/x/1", "{}")] {
+        for (name, info) in
+            [("b/1", r#"{"ground_truth":{"file":"gt.png","disparity_scale":4}}"#), ("a/x/1", "{}")]
+        {
             let folder = root.path().join(name);
             fs::create_dir_all(&folder).unwrap();
             for (file, content) in [("left.png", ""), ("right.png", ""), ("scene.json", info)] {

@@ -63,7 +63,12 @@ pub(crate) struct Figure {
 }
 
 impl Figure {
-    pub(crate) fn new(name: impl Into<String>, better: Better, decimals: usize, values: Values) -> Self {
+    pub(crate) fn new(
+        name: impl Into<String>,
+        better: Better,
+        decimals: usize,
+        values: Values,
+    ) -> Self {
         Self { name: name.into(), better, decimals, main: true, values }
     }
 
@@ -108,7 +113,7 @@ pub(crate) struct SetReport {
     /// Its path below the folder that was scored.
     pub(crate) name: String,
     pub(crate) scenes: usize,
-    /// What was left out, and why.
+    /// Scenes that were left out, and why.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) notes: Vec<String>,
     pub(crate) groups: Vec<Group>,
@@ -134,7 +139,12 @@ impl SetReport {
         let head = format!("{}, {} scenes", self.name, self.scenes);
         let mut text = format!("\n{head:<48}{:>11}{:>9}{:>10}\n", "linestereo", "SGBM", "StereoBM");
         for group in &self.groups {
-            let lines: String = group.figures.iter().filter(|figure| full || figure.main).map(Figure::line).collect();
+            let lines: String = group
+                .figures
+                .iter()
+                .filter(|figure| full || figure.main)
+                .map(Figure::line)
+                .collect();
             if !lines.is_empty() {
                 text.push_str(&format!("  {}\n{lines}", group.name));
             }
@@ -155,14 +165,25 @@ mod tests {
 
     #[test]
     fn a_table_has_a_line_per_figure() {
-        let values = Values::default().with(Method::Linestereo, Some(12.345)).with(Method::Bm, Some(f64::NAN));
+        let values = Values::default()
+            .with(Method::Linestereo, Some(12.345))
+            .with(Method::Bm, Some(f64::NAN));
         let shown = Figure::new("off by > 1 px, %", Better::Lower, 2, values);
         let group = Group::new(
             "cells",
-            vec![shown.clone(), shown.clone().minor(), Figure { values: Values::default(), ..shown }],
+            vec![
+                shown.clone(),
+                shown.clone().minor(),
+                Figure { values: Values::default(), ..shown },
+            ],
         );
         assert_eq!(group.figures.len(), 2, "no method has a value");
-        let set = SetReport { name: "room".to_owned(), scenes: 3, notes: vec!["one".to_owned()], groups: vec![group] };
+        let set = SetReport {
+            name: "room".to_owned(),
+            scenes: 3,
+            notes: vec!["one".to_owned()],
+            groups: vec![group],
+        };
         let report = Report { opencv: None, sets: vec![set] };
         let text = report.table(false);
         assert_eq!(text.matches("off by > 1 px, %").count(), 1);

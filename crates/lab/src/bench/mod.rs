@@ -132,8 +132,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &report)?;
     let stored = serde_json::to_string_pretty(&against::merged(stored, report))? + "\n";
-    fs::create_dir_all(&args.store)
-        .with_context(|| format!("cannot make the folder {}; choose another one by --store", args.store.display()))?;
+    fs::create_dir_all(&args.store).with_context(|| {
+        format!("cannot make the folder {}; choose another one by --store", args.store.display())
+    })?;
     output.add(&last, stored.as_bytes())?;
     output.commit()?;
     if !args.json.as_ref().is_some_and(OutputPath::is_stdout) {
@@ -145,7 +146,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// What a task gave.
+/// Result of a task.
 #[derive(Debug)]
 struct Done {
     scenes: usize,
@@ -154,7 +155,8 @@ struct Done {
 }
 
 fn read_report(path: &Path) -> Result<Report> {
-    let advice = || format!("{} is no run of this program; delete it, or give another file", path.display());
+    let advice =
+        || format!("{} is no run of this program; delete it, or give another file", path.display());
     let text = untrusted::read(path, untrusted::RESULT_BYTES)
         .with_context(|| format!("cannot read {}; check the path", path.display()))?;
     serde_json::from_slice(&text).with_context(advice)
@@ -178,7 +180,10 @@ fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
 /// The slowest first, so that none is left over at the end.
 fn tasks(sets: &[DataSet], width: Option<usize>, has_opencv: bool) -> Result<Vec<Task<'_>>> {
     if width.is_some() && !has_opencv {
-        bail!("--width reduces images by OpenCV; pip install opencv-python-headless numpy, and leave out --no-opencv");
+        bail!(
+            "--width reduces images by OpenCV; pip install opencv-python-headless numpy, and \
+             leave out --no-opencv"
+        );
     }
     let mut tasks = Vec::new();
     for set in sets {
@@ -198,7 +203,11 @@ fn score(tasks: &[Task<'_>], opencv: Option<&OpenCv>, args: &Args) -> Result<Vec
     let cache = cache.as_deref().map(std::path::absolute).transpose()?;
     let pairs: usize = tasks.iter().map(|task| task.set.scenes.len()).sum();
     let style = ProgressStyle::with_template("{bar:30} {pos} of {len} pairs, {msg}, {eta} left")?;
-    let progress = if is_quiet() { ProgressBar::hidden() } else { ProgressBar::new(pairs as u64).with_style(style) };
+    let progress = if is_quiet() {
+        ProgressBar::hidden()
+    } else {
+        ProgressBar::new(pairs as u64).with_style(style)
+    };
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || -> Result<()> {
         let mut worker = opencv.map(Worker::start).transpose()?;
@@ -213,9 +222,9 @@ fn score(tasks: &[Task<'_>], opencv: Option<&OpenCv>, args: &Args) -> Result<Vec
     };
     thread::scope(|scope| {
         let threads: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
-        threads
-            .into_iter()
-            .try_for_each(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+        threads.into_iter().try_for_each(|thread| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
     })?;
     progress.finish_and_clear();
     let mut done = done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -230,7 +239,8 @@ fn score_task(
     progress: &ProgressBar,
 ) -> Result<Done> {
     let (mut scenes, mut notes) = (Vec::<(&SceneFolder, Known)>::new(), Vec::new());
-    let left_out = |scene: &SceneFolder, why: &anyhow::Error| format!("{} is left out: {why:#}", scene.name());
+    let left_out =
+        |scene: &SceneFolder, why: &anyhow::Error| format!("{} is left out: {why:#}", scene.name());
     for scene in &task.set.scenes {
         let known = task.known(scene)?;
         match product::check([known.truth.width(), known.truth.height()], known.max_disparity) {
@@ -256,7 +266,8 @@ fn score_task(
 fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done], args: &Args) -> SetReport {
     let of_set = |damage: &str| {
         let mut all = tasks.iter().zip(scored);
-        all.find(|(task, _)| task.set.name == set.name && task.damage == damage).map(|(_, done)| done)
+        all.find(|(task, _)| task.set.name == set.name && task.damage == damage)
+            .map(|(_, done)| done)
     };
     let done: Vec<&Done> = DAMAGES.iter().filter_map(|damage| of_set(damage)).collect();
     let width = args.width.map_or(String::new(), |width| format!(" at {width} px"));
@@ -278,7 +289,8 @@ mod tests {
     fn first_two(set: &str) -> (DataSet, Done) {
         let beside = || PathBuf::from("../../../shared/frames");
         let frames = std::env::var_os("LINESTEREO_FRAMES").map_or_else(beside, PathBuf::from);
-        let mut set = data_set::find(&frames).unwrap().into_iter().find(|found| found.name == set).unwrap();
+        let mut set =
+            data_set::find(&frames).unwrap().into_iter().find(|found| found.name == set).unwrap();
         set.scenes.truncate(2);
         let task = Task { set: &set, damage: DAMAGES[0], width: None };
         let done = score_task(&task, None, None, &ProgressBar::hidden()).unwrap();
@@ -302,12 +314,18 @@ mod tests {
             let [left, right] = scene.images().unwrap();
             let pair = Pair::load(&left, &right).unwrap();
             let points = pair.points(scene.known().unwrap().max_disparity).unwrap();
-            cells += points.iter().map(|point| (point.x / 16, point.y / 16)).collect::<HashSet<_>>().len();
+            cells += points
+                .iter()
+                .map(|point| (point.x / 16, point.y / 16))
+                .collect::<HashSet<_>>()
+                .len();
             all += pair.left.width().div_ceil(16) * pair.left.height().div_ceil(16);
         }
         let covered = value(&done, "one hypothesis per", "cells with a hypothesis, %");
         assert_eq!(covered, 100.0 * cells as f64 / all as f64);
-        assert!(value(&done, "one hypothesis per", "first 50 % of all cells: off by > 1 px, %") < 5.0);
+        assert!(
+            value(&done, "one hypothesis per", "first 50 % of all cells: off by > 1 px, %") < 5.0
+        );
         assert!(value(&done, "seen", "answered, %") > 50.0);
         assert!(value(&done, "said against right", "mean |said - right|, %") < 10.0);
     }
@@ -317,7 +335,8 @@ mod tests {
     fn rendered_rooms_are_scored_by_class() {
         let (set, done) = first_two("robot_world");
         assert!(set.is_rooms && done.notes.is_empty());
-        let names: Vec<&str> = done.groups.iter().filter_map(|group| group.name.split([':', ' ']).next()).collect();
+        let names: Vec<&str> =
+            done.groups.iter().filter_map(|group| group.name.split([':', ' ']).next()).collect();
         assert_eq!(names, ["one", "seen", "objects", "obstacles", "said"]);
         assert!(value(&done, "seen by class", "floor: cells") > 500.0);
         assert!(value(&done, "obstacles", "sectors with an obstacle") > 10.0);

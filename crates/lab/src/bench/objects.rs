@@ -1,7 +1,7 @@
 //! The depth of objects, given their masks.
 //!
-//! An object is judged if 60 of its pixels are visible in both images and 30 have truth. An answer is
-//! wrong when it lies more than 1 px outside the middle 90 % of the object's true disparities.
+//! An object is judged if 60 of its pixels are visible in both images and 30 have truth. An answer
+//! is wrong when it lies more than 1 px outside the middle 90 % of the object's true disparities.
 
 use super::classes::THIN;
 use super::figures::{Better, Figure, Group, Method, Values, percent};
@@ -16,7 +16,7 @@ const ENDS: [f64; 2] = [0.05, 0.95];
 /// Beyond these ends by more is wrong, px.
 const TOLERANCE: f64 = 1.0;
 
-/// What is true of an object.
+/// Ground truth of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ObjectTruth {
     /// Its value in the mask.
@@ -43,14 +43,22 @@ pub(crate) struct Objects {
 }
 
 /// The objects of a scene that are judged.
-pub(crate) fn truths(mask: &Grid<u16>, truth: &Grid<f64>, labels: &Grid<u8>, visible: &Grid<bool>) -> Vec<ObjectTruth> {
+pub(crate) fn truths(
+    mask: &Grid<u16>,
+    truth: &Grid<f64>,
+    labels: &Grid<u8>,
+    visible: &Grid<bool>,
+) -> Vec<ObjectTruth> {
     let mut pixels: BTreeMap<u16, Vec<(usize, usize)>> = BTreeMap::new();
     for (x, y) in mask.positions().filter(|&(x, y)| mask.at(x, y) > 0) {
         pixels.entry(mask.at(x, y)).or_default().push((x, y));
     }
     let judged = |(label, pixels): (u16, Vec<(usize, usize)>)| {
-        let count = |holds: &dyn Fn(usize, usize) -> bool| pixels.iter().filter(|&&(x, y)| holds(x, y)).count();
-        let mut known: Vec<f64> = pixels.iter().map(|&(x, y)| truth.at(x, y)).filter(|d| d.is_finite()).collect();
+        let count = |holds: &dyn Fn(usize, usize) -> bool| {
+            pixels.iter().filter(|&&(x, y)| holds(x, y)).count()
+        };
+        let mut known: Vec<f64> =
+            pixels.iter().map(|&(x, y)| truth.at(x, y)).filter(|d| d.is_finite()).collect();
         if count(&|x, y| visible.at(x, y)) < LEAST_VISIBLE || known.len() < LEAST_KNOWN {
             return None;
         }
@@ -79,12 +87,22 @@ impl Objects {
     /// Figures of linestereo; OpenCV has no notion of an object.
     pub(crate) fn group(&self) -> Group {
         let of = |value: f64| Values::default().with(Method::Linestereo, Some(value));
-        let figures = [("thin", &self.thin), ("other", &self.solid)].into_iter().filter(|(_, tally)| tally.objects > 0);
+        let figures = [("thin", &self.thin), ("other", &self.solid)]
+            .into_iter()
+            .filter(|(_, tally)| tally.objects > 0);
         let figures = figures.flat_map(|(name, tally)| {
-            let (answered, wrong) =
-                (percent(tally.answered, tally.objects), percent(tally.wrong, tally.answered.max(1)));
+            let (answered, wrong) = (
+                percent(tally.answered, tally.objects),
+                percent(tally.wrong, tally.answered.max(1)),
+            );
             [
-                Figure::new(format!("{name}: objects"), Better::Neither, 0, of(tally.objects as f64)).minor(),
+                Figure::new(
+                    format!("{name}: objects"),
+                    Better::Neither,
+                    0,
+                    of(tally.objects as f64),
+                )
+                .minor(),
                 Figure::new(format!("{name}: answered, %"), Better::Higher, 0, of(answered)),
                 Figure::new(format!("{name}: wrong of these, %"), Better::Lower, 1, of(wrong)),
             ]

@@ -1,7 +1,7 @@
 //! OpenCV's StereoSGBM and StereoBM, and NumPy's noise, through workers in Python.
 //!
-//! `opencv.py` states the protocol. A worker answers the pairs of a request one after the other, and
-//! matches the next one while an answer is scored.
+//! `opencv.py` states the protocol. A worker answers the pairs of a request one after the other,
+//! and matches the next one while an answer is scored.
 
 use super::cells::Hypothesis;
 use super::grid::Grid;
@@ -71,7 +71,8 @@ impl Worker {
     pub(crate) fn start(opencv: &OpenCv) -> Result<Self> {
         let mut command = Command::new(opencv.python());
         command.args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped());
-        let mut process = command.spawn().with_context(|| format!("cannot run {}", opencv.python().display()))?;
+        let mut process =
+            command.spawn().with_context(|| format!("cannot run {}", opencv.python().display()))?;
         let answers = process.stdout.take().map(BufReader::new).context("Python has no stdout")?;
         Ok(Self { process, answers })
     }
@@ -90,10 +91,14 @@ impl Worker {
     pub(crate) fn answer(&mut self) -> Result<Answer> {
         let mut line = String::new();
         self.answers.read_line(&mut line)?;
-        let head: Head = serde_json::from_str(&line).context("Python ended early; its message is above")?;
+        let head: Head =
+            serde_json::from_str(&line).context("Python ended early; its message is above")?;
         let count = head.width * head.height;
         let bytes_of_pixels = |grid: Vec<u8>| Grid::new(head.width, grid);
-        let pair = Pair { left: bytes_of_pixels(self.bytes(count)?), right: bytes_of_pixels(self.bytes(count)?) };
+        let pair = Pair {
+            left: bytes_of_pixels(self.bytes(count)?),
+            right: bytes_of_pixels(self.bytes(count)?),
+        };
         let mut map = || Ok::<_, anyhow::Error>(Grid::new(head.width, self.disparities(count)?));
         let (sgbm, bm, best) = (map()?, map()?, map()?);
         let levels = Grid::new(head.width, self.bytes(count)?);

@@ -7,9 +7,11 @@ use super::grid::Grid;
 use super::sectors::{self, Camera, Said};
 use anyhow::{Context, Result, bail};
 use linestereo::obstacles::ObstacleParams;
-use linestereo::{Confidence, Dims, Gray, Params};
+use linestereo::{CameraPose, Confidence, Dims, Gray, GroundPlane, Params};
 use linestereo_frames::regions::{self, Frame};
-use linestereo_frames::{PairFiles, check_same_size, check_size, check_usable, load_images, load_values};
+use linestereo_frames::{
+    PairFiles, check_same_size, check_size, check_usable, load_images, load_values,
+};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::directions::{Direction, Directions, five_decimals};
 use linestereo_sim::results::health::is_fit;
@@ -45,17 +47,22 @@ impl Pair {
     }
 
     fn run(&self, params: &Params) -> Result<(Engine, FrameResult)> {
-        let dims = self.dims()?;
-        let mut engine = Engine::new(params, dims)?;
-        let view = |image| Gray::new(Grid::values(image), dims, dims.width.into());
-        let result = engine.run(view(&self.left)?, view(&self.right)?)?;
+        let mut engine = Engine::new(params, self.dims()?)?.answering_unfit();
+        let result = self.run_by(&mut engine)?;
         Ok((engine, result))
+    }
+
+    fn run_by(&self, engine: &mut Engine) -> Result<FrameResult> {
+        let dims = self.dims()?;
+        let view = |image| Gray::new(Grid::values(image), dims, dims.width.into());
+        Ok(engine.run(view(&self.left)?, view(&self.right)?)?)
     }
 
     /// Points with their probabilities, in the order in which they are listed.
     pub(crate) fn points(&self, max_disparity: u16) -> Result<Vec<Hypothesis>> {
         let min_confidence = Confidence::from_num(LEAST_PROBABILITY);
-        let (_, result) = self.run(&Params { max_disparity, min_confidence, ..Params::default() })?;
+        let (_, result) =
+            self.run(&Params { max_disparity, min_confidence, ..Params::default() })?;
         let listed = result.points.iter().map(|point| Hypothesis {
             x: point.x.into(),
             y: point.y.into(),
@@ -68,28 +75,45 @@ impl Pair {
     /// The disparity of each object of a label image that has one, by its label, px.
     pub(crate) fn objects(&self, max_disparity: u16, mask: &Path) -> Result<BTreeMap<u16, f64>> {
         let dims = self.dims()?;
-        let objects = regions::load(mask, None, Frame { given: dims, matched: dims, image_name: None })?;
-        let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
+        let objects =
+            regions::load(mask, None, Frame { given: dims, matched: dims, image_name: None })?;
+        let regions: Vec<_> =
+            objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
         let (mut engine, result) = self.run(&Params { max_disparity, ..Params::default() })?;
-        let depths = engine.objects(&regions, is_fit(result.health));
-        Ok(depths.iter().filter_map(|found| Some((found.label, found.disparity.ok()?.to_num()))).collect())
+        let depths = if is_fit(result.health) { engine.objects(&regions) } else { Vec::new() };
+        Ok(depths
+            .iter()
+            .filter_map(|found| Some((found.label, found.disparity.ok()?.to_num())))
+            .collect())
     }
 
-    /// What is said of each sector in view: its middle in degrees clockwise from ahead.
+    /// State of each sector in view; its middle in degrees clockwise from ahead.
     pub(crate) fn sectors(&self, max_disparity: u16, camera: &Camera) -> Result<Vec<(f64, Said)>> {
         let dims = self.dims()?;
-        let numbers = RigUpdate { focal_px: camera.focal_px, baseline_m: camera.baseline_m, offset_px: 0.0 };
+        let numbers =
+            RigUpdate { focal_px: camera.focal_px, baseline_m: camera.baseline_m, offset_px: 0.0 };
         let rig = Some(numbers.rig()?.centred(dims));
         let params = Params { max_disparity, rig, ..Params::default() };
         // In millimetres, as options are given.
         let above_camera = |height: f64| format!("{:.3}", height - camera.height_m).parse::<f32>();
         let [low, high] = sectors::HEIGHTS_M.map(above_camera);
-        let wanted =
-            ObstacleParams { range_m: sectors::RANGE_M as f32, heights_m: [low?, high?], ..ObstacleParams::DEFAULT };
+        let wanted = ObstacleParams {
+            range_m: sectors::RANGE_M as f32,
+            heights_m: [low?, high?],
+            ..ObstacleParams::DEFAULT
+        };
         let plan = wanted.plan(&params, dims)?;
-        let (_, result) = self.run(&params)?;
-        let directions =
-            Directions::new(plan.on_ground(result.ground), &result.matches, &result.points, result.health.of_pair());
+        let (height_m, pitch_deg) = (camera.height_m as f32, camera.pitch_deg as f32);
+        let pose = CameraPose { height_m, pitch_deg, roll_deg: camera.roll_deg as f32 };
+        let mut engine = Engine::new(&params, dims)?;
+        engine.expect_ground(Some(GroundPlane::of_pose(pose, &numbers.rig()?, dims)?));
+        let result = self.run_by(&mut engine)?;
+        let directions = Directions::new(
+            plan.on_ground(result.ground),
+            &result.matches,
+            &result.obstacle_points,
+            result.health.of_pair(),
+        );
         let said = |direction: Direction| {
             let said = match (direction.state, direction.distance_m) {
                 ("outside", _) => return None,
@@ -120,6 +144,7 @@ pub(crate) fn check(sides: [usize; 2], max_disparity: u16) -> Result<()> {
 
 /// Reads an image of plain numbers.
 pub(crate) fn load_numbers(path: &Path) -> Result<Grid<u16>> {
-    let (dims, values) = load_values(path).with_context(|| format!("{} is not scored", path.display()))?;
+    let (dims, values) =
+        load_values(path).with_context(|| format!("{} is not scored", path.display()))?;
     Ok(Grid::new(dims.width.into(), values))
 }

@@ -10,7 +10,7 @@ use super::grid::Grid;
 /// Lower end of each bin, percent; the last one ends at certainty.
 const BINS: [u32; 10] = [50, 55, 60, 65, 70, 75, 80, 85, 90, 95];
 
-/// What a user is given without asking for more; a short table shows these bins.
+/// Bins of a short table: the probabilities that are reported by default.
 const SURE_PERCENT: u32 = 90;
 
 /// Points of one bin.
@@ -54,21 +54,28 @@ impl Reliability {
     /// error.
     fn mean_gap(&self) -> f64 {
         let used = || self.0.iter().filter(|bin| bin.points > 0);
-        let gaps: f64 = used().map(|bin| bin.points as f64 * (bin.said_percent() - bin.right_percent()).abs()).sum();
+        let gaps: f64 = used()
+            .map(|bin| bin.points as f64 * (bin.said_percent() - bin.right_percent()).abs())
+            .sum();
         gaps / used().map(|bin| bin.points).sum::<usize>() as f64
     }
 
     /// Figures of linestereo; other methods state no probability.
     pub(crate) fn group(&self, name: &str) -> Group {
         let of = |value: f64| Values::default().with(Method::Linestereo, Some(value));
-        let mut figures = vec![Figure::new("mean |said - right|, %", Better::Lower, 2, of(self.mean_gap()))];
+        let mut figures =
+            vec![Figure::new("mean |said - right|, %", Better::Lower, 2, of(self.mean_gap()))];
         for (from, bin) in BINS.into_iter().zip(&self.0).filter(|(_, bin)| bin.points > 0) {
-            let range = format!("p {:.2} to {:.2}", f64::from(from) / 100.0, f64::from(from + 5) / 100.0);
-            let of_bin =
-                |what: &str, value: f64| Figure::new(format!("{range}: {what}"), Better::Neither, 1, of(value));
-            let said_and_right = [of_bin("said, %", bin.said_percent()), of_bin("right, %", bin.right_percent())];
+            let range =
+                format!("p {:.2} to {:.2}", f64::from(from) / 100.0, f64::from(from + 5) / 100.0);
+            let of_bin = |what: &str, value: f64| {
+                Figure::new(format!("{range}: {what}"), Better::Neither, 1, of(value))
+            };
+            let said_and_right =
+                [of_bin("said, %", bin.said_percent()), of_bin("right, %", bin.right_percent())];
             let is_main = from >= SURE_PERCENT;
-            figures.extend(said_and_right.map(|figure| if is_main { figure } else { figure.minor() }));
+            figures
+                .extend(said_and_right.map(|figure| if is_main { figure } else { figure.minor() }));
             figures.push(Figure { decimals: 0, ..of_bin("points", bin.points as f64) }.minor());
         }
         Group::new(name, figures)
@@ -84,8 +91,10 @@ mod tests {
         let truth = Grid::new(4, vec![10.0, 10.0, 10.0, f64::NAN]);
         let point = |x, disparity, confidence| Hypothesis { x, y: 0, disparity, confidence };
         let mut reliability = Reliability::default();
-        reliability
-            .add(&[point(0, 11.0, 0.9), point(1, 11.5, 0.92), point(2, 10.0, 0.49), point(3, 10.0, 0.9)], &truth);
+        reliability.add(
+            &[point(0, 11.0, 0.9), point(1, 11.5, 0.92), point(2, 10.0, 0.49), point(3, 10.0, 0.9)],
+            &truth,
+        );
         assert_eq!(reliability.0[8], Bin { points: 2, right: 1, said: 1.82 });
         assert_eq!(reliability.0.iter().map(|bin| bin.points).sum::<usize>(), 2);
         assert!((reliability.mean_gap() - 41.0).abs() < 1e-9);

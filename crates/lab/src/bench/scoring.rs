@@ -13,7 +13,7 @@ use super::seen::{self, Seen};
 use anyhow::Result;
 use std::path::Path;
 
-/// What is done to images before they are matched; the first one is nothing.
+/// Damages of images before they are matched; the first one is none.
 pub(crate) const DAMAGES: [&str; 5] = ["none", "noise2", "noise5", "blur1", "gain"];
 
 /// A data set in one state of its images.
@@ -55,14 +55,18 @@ impl Task<'_> {
         self.damage == DAMAGES[0] && self.width.is_none()
     }
 
-    /// What is known of a scene.
+    /// Knowledge of a scene.
     pub(crate) fn known(&self, scene: &SceneFolder) -> Result<Known> {
         let known = scene.known()?;
         Ok(self.width.map_or_else(|| known.clone(), |width| known.clone().reduced(width)))
     }
 
-    /// What OpenCV is asked for.
-    pub(crate) fn request(&self, scenes: &[(&SceneFolder, Known)], cache: Option<&Path>) -> Result<Request> {
+    /// Request to OpenCV.
+    pub(crate) fn request(
+        &self,
+        scenes: &[(&SceneFolder, Known)],
+        cache: Option<&Path>,
+    ) -> Result<Request> {
         let pair = |(scene, known): &(&SceneFolder, Known)| {
             let [left, right] = scene.images()?;
             let size = self.width.map(|_| [known.truth.width(), known.truth.height()]);
@@ -104,14 +108,20 @@ impl Scores {
         };
         let objects = match (&stored, &known.room, scene.object_mask()) {
             (Some(stored), Some(room), Some(mask)) => {
-                let truths =
-                    objects::truths(&super::product::load_numbers(&mask)?, &known.truth, &room.labels, &room.visible);
+                let truths = objects::truths(
+                    &super::product::load_numbers(&mask)?,
+                    &known.truth,
+                    &room.labels,
+                    &room.visible,
+                );
                 Some((truths, stored.objects(range, &mask)?))
             }
             _ => None,
         };
         let sectors = match (&stored, &known.room, scene.camera()) {
-            (Some(stored), Some(room), Some(camera)) => Some((room, camera, stored.sectors(range, &camera)?)),
+            (Some(stored), Some(room), Some(camera)) => {
+                Some((room, camera, stored.sectors(range, &camera)?))
+            }
             _ => None,
         };
 
@@ -159,13 +169,19 @@ impl Scores {
     /// Figures of all scenes.
     pub(crate) fn groups(&self, task: &Task<'_>) -> Vec<Group> {
         const METHODS: [Method; 3] = [Method::Linestereo, Method::Sgbm, Method::Bm];
-        let state = if task.damage == DAMAGES[0] { String::new() } else { format!(", {}", task.damage) };
+        let state =
+            if task.damage == DAMAGES[0] { String::new() } else { format!(", {}", task.damage) };
         let cells = [(Method::Linestereo, &self.cells), (Method::Sgbm, &self.cells_sgbm)];
-        let mut groups = vec![cells::group(&format!("one hypothesis per 16x16 cell{state}"), &cells)];
+        let mut groups =
+            vec![cells::group(&format!("one hypothesis per 16x16 cell{state}"), &cells)];
         if task.is_whole() && task.set.is_rooms {
-            groups.push(classes::group(&core::array::from_fn::<_, 3, _>(|i| (METHODS[i], &self.classes[i]))));
+            groups.push(classes::group(&core::array::from_fn::<_, 3, _>(|i| {
+                (METHODS[i], &self.classes[i])
+            })));
         } else if task.is_whole() {
-            groups.push(seen::group(&core::array::from_fn::<_, 3, _>(|i| (METHODS[i], &self.seen[i][..]))));
+            groups.push(seen::group(&core::array::from_fn::<_, 3, _>(|i| {
+                (METHODS[i], &self.seen[i][..])
+            })));
         }
         groups.extend(self.objects.as_ref().map(Objects::group));
         groups.extend(self.sectors.as_ref().map(Sectors::group));

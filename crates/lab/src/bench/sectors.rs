@@ -1,4 +1,4 @@
-//! What a robot asks: the nearest obstacle of each direction.
+//! Obstacles by direction, as a robot needs them.
 //!
 //! An obstacle is what stands 0.05 to 0.4 m above the floor, within 3 m. The truth of a sector of 5
 //! degrees is the tenth nearest such pixel; with fewer the sector is clear.
@@ -38,7 +38,7 @@ pub(crate) struct Camera {
     pub(crate) centre: Option<[f64; 2]>,
 }
 
-/// What is said of a sector.
+/// State of a sector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Said {
     Obstacle(f64),
@@ -76,8 +76,10 @@ fn seen(truth: &Grid<f64>, labels: &Grid<u8>, camera: &Camera) -> Vec<Seen> {
         let ahead = camera.focal_px * camera.baseline_m / truth.at(x, y);
         let right = (x as f64 - centre_x) / camera.focal_px * ahead;
         let down = (y as f64 - centre_y) / camera.focal_px * ahead;
-        let (right, down) = (right * cos_roll - down * sin_roll, right * sin_roll + down * cos_roll);
-        let (level_down, level_ahead) = (down * cos_pitch + ahead * sin_pitch, ahead * cos_pitch - down * sin_pitch);
+        let (right, down) =
+            (right * cos_roll - down * sin_roll, right * sin_roll + down * cos_roll);
+        let (level_down, level_ahead) =
+            (down * cos_pitch + ahead * sin_pitch, ahead * cos_pitch - down * sin_pitch);
         let (above, distance_m) = (camera.height_m - level_down, right.hypot(level_ahead));
         let matters = above > HEIGHTS_M[0] && above < HEIGHTS_M[1] && distance_m < RANGE_M;
         Seen {
@@ -90,8 +92,8 @@ fn seen(truth: &Grid<f64>, labels: &Grid<u8>, camera: &Camera) -> Vec<Seen> {
 }
 
 impl Sectors {
-    /// Adds a scene: for the middle of each sector that was answered, clockwise from ahead, what was
-    /// said of it.
+    /// Adds a scene: for the middle of each sector that was answered, clockwise from ahead, what
+    /// was said of it.
     pub(crate) fn add(
         &mut self,
         truth: &Grid<f64>,
@@ -101,7 +103,8 @@ impl Sectors {
     ) {
         let seen = seen(truth, labels, camera);
         for (direction_deg, said) in said {
-            let within = |pixel: &&Seen| (pixel.direction_deg - direction_deg).abs() <= HALF_WIDTH_DEG;
+            let within =
+                |pixel: &&Seen| (pixel.direction_deg - direction_deg).abs() <= HALF_WIDTH_DEG;
             let inside: Vec<&Seen> = seen.iter().filter(within).collect();
             if inside.len() as f64 <= truth.height() as f64 * 0.5 {
                 continue; // hardly in view
@@ -117,7 +120,11 @@ impl Sectors {
         match (obstacle_m, said) {
             (Some(_), Said::Unknown) => &mut self.unknown,
             (Some(_), Said::Free) => &mut self.called_free,
-            (Some(nearest), Said::Obstacle(told)) if (told - nearest).abs() <= TOLERANCE * nearest => &mut self.right,
+            (Some(nearest), Said::Obstacle(told))
+                if (told - nearest).abs() <= TOLERANCE * nearest =>
+            {
+                &mut self.right
+            }
             (Some(nearest), Said::Obstacle(told)) if told > nearest => &mut self.farther,
             (Some(_), Said::Obstacle(_)) => &mut self.ghost_nearer,
             (None, Said::Unknown) => &mut self.clear_unknown,
@@ -129,14 +136,24 @@ impl Sectors {
     /// Figures of linestereo.
     pub(crate) fn group(&self) -> Group {
         let of = |value: f64| Values::default().with(Method::Linestereo, Some(value));
-        let Self { right, farther, called_free, ghost_nearer, unknown, clear_free, clear_ghost, clear_unknown } = *self;
+        let Self {
+            right,
+            farther,
+            called_free,
+            ghost_nearer,
+            unknown,
+            clear_free,
+            clear_ghost,
+            clear_unknown,
+        } = *self;
         let obstacles = right + farther + called_free + ghost_nearer + unknown;
         let clear = clear_free + clear_ghost + clear_unknown;
         let share = |name: &str, better: Better, part: usize, whole: usize| {
             Figure::new(format!("{name}, %"), better, 0, of(percent(part, whole.max(1))))
         };
         let figures = vec![
-            Figure::new("sectors with an obstacle", Better::Neither, 0, of(obstacles as f64)).minor(),
+            Figure::new("sectors with an obstacle", Better::Neither, 0, of(obstacles as f64))
+                .minor(),
             share("obstacle: told right", Better::Higher, right, obstacles),
             share("obstacle: told farther", Better::Lower, farther, obstacles),
             share("obstacle: called free", Better::Lower, called_free, obstacles),
@@ -158,15 +175,33 @@ mod tests {
     /// A level camera 0.2 m above the floor looks at a wall 2 m away.
     #[test]
     fn the_tenth_nearest_pixel_is_the_distance() {
-        let camera =
-            Camera { focal_px: 100.0, baseline_m: 0.1, height_m: 0.2, pitch_deg: 0.0, roll_deg: 0.0, centre: None };
+        let camera = Camera {
+            focal_px: 100.0,
+            baseline_m: 0.1,
+            height_m: 0.2,
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            centre: None,
+        };
         let truth = Grid::new(81, vec![5.0; 81 * 61]);
         let wall = truth.map(|_, _| 2_u8);
         let mut sectors = Sectors::default();
-        let said = [Said::Obstacle(2.4), Said::Obstacle(2.6), Said::Obstacle(1.4), Said::Free, Said::Unknown];
+        let said = [
+            Said::Obstacle(2.4),
+            Said::Obstacle(2.6),
+            Said::Obstacle(1.4),
+            Said::Free,
+            Said::Unknown,
+        ];
         sectors.add(&truth, &wall, &camera, said.map(|said| (0.0, said)));
-        let expected =
-            Sectors { right: 1, farther: 1, ghost_nearer: 1, called_free: 1, unknown: 1, ..Sectors::default() };
+        let expected = Sectors {
+            right: 1,
+            farther: 1,
+            ghost_nearer: 1,
+            called_free: 1,
+            unknown: 1,
+            ..Sectors::default()
+        };
         assert_eq!(sectors, expected);
 
         // The floor is no obstacle, and what lies behind the camera is not in view.
@@ -183,8 +218,14 @@ mod tests {
 
     #[test]
     fn pitch_and_roll_are_turned_back() {
-        let camera =
-            Camera { focal_px: 100.0, baseline_m: 0.1, height_m: 0.5, pitch_deg: 30.0, roll_deg: 0.0, centre: None };
+        let camera = Camera {
+            focal_px: 100.0,
+            baseline_m: 0.1,
+            height_m: 0.5,
+            pitch_deg: 30.0,
+            roll_deg: 0.0,
+            centre: None,
+        };
         // The optical axis, 30 degrees down, meets the floor after 1 m.
         let truth = Grid::new(1, vec![10.0]);
         let pixel = seen(&truth, &Grid::new(1, vec![2]), &camera)[0];

@@ -1,7 +1,7 @@
 //! Seen: the share of cells that are answered with at least 90 %, and how many answers are wrong.
 //!
-//! A cell of 16x16 pixels counts where a third of it has truth. The answer of linestereo is its most
-//! probable point there; that of a dense matcher the median of its pixels.
+//! A cell of 16x16 pixels counts where a third of it has truth. The answer of linestereo is its
+//! most probable point there; that of a dense matcher the median of its pixels.
 
 use super::cells::Hypothesis;
 use super::figures::{Better, Figure, Group, Method, Values, percent};
@@ -74,7 +74,11 @@ fn pixels((x0, y0): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// A scene by the points of linestereo: truth counts at a point, or one pixel beside it.
-pub(crate) fn of_points(cells: &[(usize, usize)], points: &[Hypothesis], truth: &Grid<f64>) -> Seen {
+pub(crate) fn of_points(
+    cells: &[(usize, usize)],
+    points: &[Hypothesis],
+    truth: &Grid<f64>,
+) -> Seen {
     let mut best: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
     for point in points.iter().filter(|point| point.confidence >= SURE) {
         let Some(near) = truth_near(truth, (point.x, point.y)) else { continue };
@@ -111,7 +115,9 @@ pub(crate) fn of_map(cells: &[(usize, usize)], map: &Grid<f64>, truth: &Grid<f64
 pub(crate) fn group(methods: &[(Method, &[Seen])]) -> Group {
     let of = |value: &dyn Fn(&[Seen]) -> f64| {
         let present = methods.iter().filter(|(_, scenes)| !scenes.is_empty());
-        present.fold(Values::default(), |values, &(method, scenes)| values.with(method, Some(value(scenes))))
+        present.fold(Values::default(), |values, &(method, scenes)| {
+            values.with(method, Some(value(scenes)))
+        })
     };
     let worst = |scenes: &[Seen]| {
         let shares = scenes.iter().map(|scene| scene.answered as f64 / scene.cells as f64);
@@ -121,8 +127,19 @@ pub(crate) fn group(methods: &[(Method, &[Seen])]) -> Group {
     Group::new(
         "seen: 16x16 cells with an answer of p >= 0.9",
         vec![
-            Figure::new("cells", Better::Neither, 0, of(&|scenes| Seen::joined(scenes).cells as f64)).minor(),
-            Figure::new("answered, %", Better::Higher, 0, of(&|scenes| Seen::joined(scenes).answered_percent())),
+            Figure::new(
+                "cells",
+                Better::Neither,
+                0,
+                of(&|scenes| Seen::joined(scenes).cells as f64),
+            )
+            .minor(),
+            Figure::new(
+                "answered, %",
+                Better::Higher,
+                0,
+                of(&|scenes| Seen::joined(scenes).answered_percent()),
+            ),
             Figure::new("answered in the worst scene, %", Better::Higher, 0, of(&worst)).minor(),
             Figure::new("answers off by > 1 px, %", Better::Lower, 2, of(&off(0))),
             Figure::new("answers off by > 2 px, %", Better::Lower, 2, of(&off(1))).minor(),
@@ -150,7 +167,8 @@ mod tests {
 
     #[test]
     fn the_most_probable_point_with_truth_beside_it_answers() {
-        let truth = Grid::new(48, vec![0.0; 48 * 16]).map(|x, _| if x % 16 < 8 { 9.0 } else { f64::NAN });
+        let truth =
+            Grid::new(48, vec![0.0; 48 * 16]).map(|x, _| if x % 16 < 8 { 9.0 } else { f64::NAN });
         let all = cells(&truth);
         assert_eq!(all.len(), 3);
         let points = [
@@ -171,14 +189,21 @@ mod tests {
             (false, 0) if x < 31 => 9.0,
             _ => f64::NAN,
         });
-        assert_eq!(of_map(&cells(&truth), &map, &truth), Seen { cells: 2, answered: 1, off: [1, 0] });
+        assert_eq!(
+            of_map(&cells(&truth), &map, &truth),
+            Seen { cells: 2, answered: 1, off: [1, 0] }
+        );
     }
 
     #[test]
     fn scenes_are_pooled_and_the_worst_is_named() {
-        let scenes = [Seen { cells: 10, answered: 9, off: [3, 1] }, Seen { cells: 30, answered: 3, off: [0, 0] }];
+        let scenes = [
+            Seen { cells: 10, answered: 9, off: [3, 1] },
+            Seen { cells: 30, answered: 3, off: [0, 0] },
+        ];
         let group = group(&[(Method::Sgbm, &scenes)]);
-        let values: Vec<Option<f64>> = group.figures.iter().map(|figure| figure.values.sgbm).collect();
+        let values: Vec<Option<f64>> =
+            group.figures.iter().map(|figure| figure.values.sgbm).collect();
         assert_eq!(values, [Some(40.0), Some(30.0), Some(10.0), Some(25.0), Some(100.0 / 12.0)]);
     }
 }

@@ -1,4 +1,5 @@
-//! Evaluations over many pairs, the same for every command that scores: which pairs, on how many threads.
+//! Evaluations over many pairs, the same for every command that scores: which pairs, on how many
+//! threads.
 
 use anyhow::{Result, bail};
 use core::num::NonZeroUsize;
@@ -27,18 +28,26 @@ impl BatchArgs {
     }
 }
 
-/// Finds the pairs with ground truth. Where there is none at all, it is an error if truth is needed, and every pair is taken if not.
+/// Finds the pairs with ground truth. Where there is none at all, it is an error if truth is
+/// needed, and every pair is taken if not.
 pub(crate) fn collect(folders: &[PathBuf], needs_truth: bool) -> Result<Collected> {
     let (mut pairs, mut without, mut notes, mut alone) = (Vec::new(), Vec::new(), Vec::new(), 0);
     for folder in folders {
         let strict = Dataset::find(folder);
         // A folder that is no scene, or a broken one, is left out; the others are scored.
-        let found = if needs_truth { strict? } else { strict.or_else(|_| Dataset::sequence(folder, false))? };
+        let found = if needs_truth {
+            strict?
+        } else {
+            strict.or_else(|_| Dataset::sequence(folder, false))?
+        };
         for (layout, count) in layouts(&found.pairs) {
-            let name = folder.file_name().map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));
+            let name = folder
+                .file_name()
+                .map_or_else(String::new, |name| format!("{}: ", name.to_string_lossy()));
             notes.push(format!("{name}{count} pairs, layout: {layout}"));
         }
-        let (scored, rest): (Vec<_>, Vec<_>) = found.pairs.into_iter().partition(StoredPair::has_truth);
+        let (scored, rest): (Vec<_>, Vec<_>) =
+            found.pairs.into_iter().partition(StoredPair::has_truth);
         pairs.extend(scored);
         without.extend(rest);
         alone += found.alone;

@@ -3,14 +3,15 @@
 use super::batch::{BatchArgs, collect};
 use crate::draw;
 use crate::rivals::{
-    Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table, object_comparison,
-    summarise, time_scene,
+    Contender, MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene,
+    comparison_table, object_comparison, summarise, time_scene,
 };
 use anyhow::{Context, Result, bail};
 use linestereo::Params;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::{
-    GrayImage, PairFiles, Scene, StoredPair, area_average, check_same_size, check_size, check_usable, load_images,
+    GrayImage, PairFiles, Scene, StoredPair, area_average, check_same_size, check_size,
+    check_usable, load_images,
 };
 use linestereo_sim::commands::method::MethodArgs;
 use linestereo_sim::commands::pairs::{for_each_pair, timed_bar};
@@ -42,7 +43,8 @@ Columns:
 
 /// Match the same frames by several methods: scores, times and pictures side by side.
 ///
-/// Give two rectified images, or folders of any layout with ground truth: those are matched on all cores.
+/// Give two rectified images, or folders of any layout with ground truth: those are matched on all
+/// cores.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -70,7 +72,8 @@ pub struct Args {
     /// Search disparities 0 .. N [default: the data set's, 64 for two images].
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
-    /// Leave the times out. They are measured one pair after the other, when all others are done, and differ from run to run.
+    /// Leave the times out. They are measured one pair after the other, when all others are done,
+    /// and differ from run to run.
     #[arg(long)]
     no_times: bool,
     #[command(flatten)]
@@ -105,7 +108,8 @@ struct Compared {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let contenders = if args.methods.is_empty() { Contender::ALL.to_vec() } else { args.methods.clone() };
+    let contenders =
+        if args.methods.is_empty() { Contender::ALL.to_vec() } else { args.methods.clone() };
     let mut notes = Vec::new();
     let opencv = args.opencv(&mut notes)?;
     let rivals = Rivals { args, contenders, opencv };
@@ -130,7 +134,9 @@ pub fn run(args: &Args) -> Result<()> {
             Ok(scene) => scene,
             Err(error) => return Ok(Err(error.context(pair.name.clone()))),
         };
-        rivals.compare(&scene, args.picture.is_some() && *place < DRAWN).map(|compared| Ok((*place, compared)))
+        rivals
+            .compare(&scene, args.picture.is_some() && *place < DRAWN)
+            .map(|compared| Ok((*place, compared)))
     })?;
     let (mut compared, mut left_out) = (Vec::new(), Vec::new());
     for outcome in outcomes {
@@ -165,11 +171,14 @@ struct Rivals<'a> {
 impl Rivals<'_> {
     fn engine(&self, scene: &Scene) -> Result<Engine> {
         engine_with(&self.args.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+            .map(Engine::answering_unfit)
             .with_context(|| scene.name.clone())
     }
 
     fn compare(&self, scene: &Scene, draw: bool) -> Result<Compared> {
-        let mut methods = compare_scene(scene, &self.contenders, self.opencv.as_ref(), |scene| self.engine(scene))?;
+        let mut methods = compare_scene(scene, &self.contenders, self.opencv.as_ref(), |scene| {
+            self.engine(scene)
+        })?;
         if !draw {
             methods.iter_mut().for_each(|score| score.result = None);
         }
@@ -181,7 +190,8 @@ impl Rivals<'_> {
         if self.args.no_times {
             return Ok(());
         }
-        let times = time_scene(scene, &self.contenders, self.opencv.as_ref(), |scene| self.engine(scene))?;
+        let times =
+            time_scene(scene, &self.contenders, self.opencv.as_ref(), |scene| self.engine(scene))?;
         for (score, milliseconds) in compared.methods.iter_mut().zip(times) {
             score.score.milliseconds = Some(milliseconds);
         }
@@ -219,7 +229,10 @@ impl Args {
     fn range(&self, scene: &Scene) -> Result<u16> {
         let (range, dims) = (self.max_disparity.unwrap_or(scene.max_disparity), scene.left.dims);
         if range == 0 || range >= dims.width {
-            bail!("a disparity range of {range} does not fit an image of {dims}; change --max-disparity");
+            bail!(
+                "a disparity range of {range} does not fit an image of {dims}; change \
+                 --max-disparity"
+            );
         }
         Ok(range)
     }
@@ -228,14 +241,18 @@ impl Args {
         let files = PairFiles::Two([left_path, right_path].map(Path::to_path_buf));
         let [left, right] = load_images(&files, None)?;
         check_same_size((left_path, left.dims), (right_path, right.dims))?;
-        let reduced = |image| self.width.map_or_else(|| Ok(Clone::clone(&image)), |width| area_average(&image, width));
+        let reduced = |image| {
+            self.width.map_or_else(|| Ok(Clone::clone(&image)), |width| area_average(&image, width))
+        };
         let (left, right) = (reduced(left)?, reduced(right)?);
         for (path, image) in [(left_path, &left), (right_path, &right)] {
             check_size(path, image)?;
             check_usable(path, image)?;
         }
         let mut scene = Scene {
-            name: left_path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
+            name: left_path
+                .file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
             folder: left_path.parent().unwrap_or(Path::new("")).to_path_buf(),
             max_disparity: Params::default_max_disparity(left.dims.width),
             left,
@@ -251,8 +268,11 @@ impl Args {
     fn write(&self, compared: Vec<Compared>, notes: &[String]) -> Result<()> {
         let methods = summarise(compared.iter().map(|compared| compared.methods.as_slice()));
         let count = compared.len();
-        let mut text =
-            format!("{count} {}\n\n{}", if count == 1 { "pair" } else { "pairs" }, comparison_table(&methods));
+        let mut text = format!(
+            "{count} {}\n\n{}",
+            if count == 1 { "pair" } else { "pairs" },
+            comparison_table(&methods)
+        );
         text.push('\n');
         text.push_str(&cell_comparison(&methods));
         let objects = object_comparison(&methods);
@@ -270,7 +290,8 @@ impl Args {
             scene: name.clone(),
             methods: summarise([methods.as_slice()]),
         };
-        let report = JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
+        let report =
+            JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
         output.add_json(self.json.as_ref(), &report)?;
         output.commit_and_say(&text)
     }
@@ -278,14 +299,22 @@ impl Args {
 
 fn picture(compared: &[Compared]) -> image::RgbImage {
     let maps = |compared: &Compared| -> Vec<(String, FrameResult)> {
-        let drawn = compared.methods.iter().filter_map(|score| Some((score.method.clone(), score.result.clone()?)));
+        let drawn = compared
+            .methods
+            .iter()
+            .filter_map(|score| Some((score.method.clone(), score.result.clone()?)));
         drawn.collect()
     };
     let scenes: Vec<draw::SceneMaps<'_>> = compared
         .iter()
         .filter_map(|compared| {
             let (left, max_disparity) = compared.drawn.as_ref()?;
-            Some(draw::SceneMaps { name: &compared.name, left, max_disparity: *max_disparity, maps: maps(compared) })
+            Some(draw::SceneMaps {
+                name: &compared.name,
+                left,
+                max_disparity: *max_disparity,
+                maps: maps(compared),
+            })
         })
         .collect();
     draw::maps(&scenes)

@@ -52,8 +52,9 @@ model that has not seen it.";
 
 /// Score the core on every pair with ground truth, on all cores.
 ///
-/// Parameters are the defaults for every scene; only the disparity range and the rig come from its scene.json or calibration. Folders may
-/// be of any layout: with scene.json, Middlebury, KITTI, ETH3D, left and right folders, numbered pairs.
+/// Parameters are the defaults for every scene; only the disparity range and the rig come from its
+/// scene.json or calibration. Folders may be of any layout: with scene.json, Middlebury, KITTI,
+/// ETH3D, left and right folders, numbered pairs.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -69,14 +70,17 @@ pub struct Args {
     /// Search disparities 0 .. N in every scene, whatever its scene.json says.
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
-    /// Score the depth of objects in place of points and segments: masks as given, 2 px too large, eroded by 2 px, and drawn boxes.
+    /// Score the depth of objects in place of points and segments: masks as given, 2 px too large,
+    /// eroded by 2 px, and drawn boxes.
     #[arg(long)]
     objects: bool,
-    /// Print one answer per cell alone, a line for every scene: how often the first 30 to 85 % of all 16x16 cells are wrong, each by its most
-    /// probable answer, least probable 0.2 unless --min-confidence says otherwise.
+    /// Print one answer per cell alone, a line for every scene: how often the first 30 to 85 % of
+    /// all 16x16 cells are wrong, each by its most probable answer, least probable 0.2 unless
+    /// --min-confidence says otherwise.
     #[arg(long, conflicts_with = "objects")]
     cells: bool,
-    /// Leave the times out. They are measured one pair after the other, when all others are done, and differ from run to run.
+    /// Leave the times out. They are measured one pair after the other, when all others are done,
+    /// and differ from run to run.
     #[arg(long)]
     no_times: bool,
     #[command(flatten)]
@@ -115,7 +119,8 @@ struct PerturbationArgs {
     /// Blur both images by a Gaussian of this standard deviation.
     #[arg(long, value_name = "SIGMA", default_value_t = 0.0, allow_negative_numbers = true)]
     blur: f64,
-    /// Swap left and right: every true disparity is then negative, and the honest answer is next to nothing.
+    /// Swap left and right: every true disparity is then negative, and the honest answer is next to
+    /// nothing.
     #[arg(long)]
     swap: bool,
 }
@@ -167,7 +172,14 @@ pub fn run(args: &Args) -> Result<()> {
     if args.objects {
         let load = |pair: &StoredPair| load(pair, args);
         let (method, json) = (&args.method, args.json.as_ref());
-        return super::eval_objects::run(&pairs, args.batch.threads(), load, method, &perturbation, json);
+        return super::eval_objects::run(
+            &pairs,
+            args.batch.threads(),
+            load,
+            method,
+            &perturbation,
+            json,
+        );
     }
     let name = |pair: &StoredPair| pair.name.clone();
     let mut scores = for_each_pair(&pairs, args.batch.threads(), name, |pair| {
@@ -196,7 +208,10 @@ struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     fn new(scene: &'a Scene, method: &MethodArgs, perturbation: &Perturbation) -> Result<Self> {
-        let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", scene.folder.display()))?;
+        let truth = scene
+            .truth
+            .as_ref()
+            .with_context(|| format!("{} has no truth", scene.folder.display()))?;
         let (left, right) = perturbation.apply(&scene.left, &scene.right);
         check_usable(&scene.folder.join("left"), &left)?;
         check_usable(&scene.folder.join("right"), &right)?;
@@ -211,7 +226,9 @@ impl<'a> Prepared<'a> {
 
     /// The core; says what is wrong in terms of options.
     fn engine(&self) -> Result<Engine> {
-        engine_with(&self.params, self.images.0.dims).with_context(|| self.name())
+        engine_with(&self.params, self.images.0.dims)
+            .map(Engine::answering_unfit)
+            .with_context(|| self.name())
     }
 }
 
@@ -224,7 +241,12 @@ fn scored(scene: &Scene, method: &MethodArgs, perturbation: &Perturbation) -> Re
 }
 
 /// Times every pair alone, on one thread.
-fn measure(args: &Args, pairs: &[StoredPair], scores: &mut [FrameScore], perturbation: &Perturbation) -> Result<()> {
+fn measure(
+    args: &Args,
+    pairs: &[StoredPair],
+    scores: &mut [FrameScore],
+    perturbation: &Perturbation,
+) -> Result<()> {
     let progress = timed_bar(pairs.len());
     for (pair, score) in pairs.iter().zip(scores) {
         progress.set_message(format!("timing {}", pair.name));
@@ -258,7 +280,8 @@ fn write_results(args: &Args, notes: &[String], scores: &[FrameScore]) -> Result
     let mut text = if args.cells {
         let scenes: Vec<(&str, Summary)> =
             scores.iter().map(|score| (score.name.as_str(), Summary::pool([score]))).collect();
-        let rows = scenes.iter().map(|(name, summary)| (*name, summary)).chain([("pooled", &pooled)]);
+        let rows =
+            scenes.iter().map(|(name, summary)| (*name, summary)).chain([("pooled", &pooled)]);
         cell_table(rows)
     } else {
         format!("{}\n{}", scene_table(scores), report(&pooled))
@@ -269,7 +292,10 @@ fn write_results(args: &Args, notes: &[String], scores: &[FrameScore]) -> Result
     if args.perturbation.swap {
         text.push_str("\nthe images were swapped: every true disparity is negative, so every answer above is wrong\n");
     }
-    let scene = |score: &FrameScore| JsonScene { scene: score.name.clone(), summary: Summary::pool([score]) };
+    let scene = |score: &FrameScore| JsonScene {
+        scene: score.name.clone(),
+        summary: Summary::pool([score]),
+    };
     let report = JsonReport { pooled, scenes: scores.iter().map(scene).collect() };
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &report)?;

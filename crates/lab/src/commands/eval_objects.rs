@@ -1,6 +1,8 @@
 //! `linestereo-lab eval --objects`: depth per object against ground truth.
 
-use crate::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects};
+use crate::evaluate::{
+    ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects,
+};
 use crate::fitting::{EvidenceLog, SceneSamples, fit, scene_samples};
 use anyhow::{Context, Result, bail};
 use linestereo_frames::{Perturbation, Scene, StoredPair, check_usable};
@@ -38,7 +40,10 @@ pub(crate) fn run(
     let (fitted, samples): (Vec<_>, Vec<_>) = watched.into_iter().unzip();
     let fitted = fitted.concat();
     if fitted.is_empty() {
-        bail!("no scene has objects; give folders with objects.png, or with objects.json and mask_objects.png");
+        bail!(
+            "no scene has objects; give folders with objects.png, or with objects.json and \
+             mask_objects.png"
+        );
     }
     let places: Vec<usize> = (0..pairs.len()).collect();
     let unseen = for_each_pair(
@@ -47,7 +52,8 @@ pub(crate) fn run(
         |&held| format!("leaving out {}", pairs[held].name),
         |&held| {
             let scene = load(&pairs[held])?;
-            let others: Vec<_> = samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, s)| s).collect();
+            let others: Vec<_> =
+                samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, s)| s).collect();
             let mut engine = engine(&scene, method)?.with_models(fit(&others));
             run_pair(&mut engine, &scene, perturbation, &mut EvidenceLog::default())?;
             Ok(score_objects(&mut engine, &object_cases(&scene)?))
@@ -77,10 +83,16 @@ impl Watched {
 
 fn engine(scene: &Scene, method: &MethodArgs) -> Result<Engine> {
     engine_with(&method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+        .map(Engine::answering_unfit)
         .with_context(|| scene.folder.display().to_string())
 }
 
-fn run_pair(engine: &mut Engine, scene: &Scene, perturbation: &Perturbation, log: &mut EvidenceLog) -> Result<()> {
+fn run_pair(
+    engine: &mut Engine,
+    scene: &Scene,
+    perturbation: &Perturbation,
+    log: &mut EvidenceLog,
+) -> Result<()> {
     let (left, right) = perturbation.apply(&scene.left, &scene.right);
     check_usable(&scene.folder.join("left"), &left)?;
     check_usable(&scene.folder.join("right"), &right)?;
@@ -88,7 +100,11 @@ fn run_pair(engine: &mut Engine, scene: &Scene, perturbation: &Perturbation, log
     Ok(())
 }
 
-fn write_results(fitted: &[ObjectScore], unseen: Option<&[ObjectScore]>, json: Option<&OutputPath>) -> Result<()> {
+fn write_results(
+    fitted: &[ObjectScore],
+    unseen: Option<&[ObjectScore]>,
+    json: Option<&OutputPath>,
+) -> Result<()> {
     let mut text = format!("Objects, by the models of the core\n\n{}", object_table(fitted));
     if let Some(unseen) = unseen {
         text.push_str("\nLeave one scene out: each scene by models fitted on the others\n\n");

@@ -1,8 +1,11 @@
-//! `linestereo-lab eval-pixels`: depth at random pixels against ground truth, and the constants of its confidence model.
+//! `linestereo-lab eval-pixels`: depth at random pixels against ground truth, and the constants of
+//! its confidence model.
 
 use super::batch::collect;
 use crate::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
-use crate::fitting::{EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples};
+use crate::fitting::{
+    EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples,
+};
 use anyhow::{Context, Result, bail};
 use linestereo::diagnostics::FITTED_PIXEL;
 use linestereo_calibration::rectify_raw;
@@ -31,7 +34,8 @@ Words:
 
 /// Ask for the depth of random pixels of every scene with ground truth.
 ///
-/// Scenes that the confidence model was fitted on flatter it: --leave-one-out rates each by models that have not seen it.
+/// Scenes that the confidence model was fitted on flatter it: --leave-one-out rates each by models
+/// that have not seen it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -96,6 +100,7 @@ fn load(args: &Args) -> Result<Vec<Scene>> {
 
 fn engine(args: &Args, scene: &Scene) -> Result<Engine> {
     engine_with(&args.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+        .map(Engine::answering_unfit)
         .with_context(|| scene.folder.display().to_string())
 }
 
@@ -112,16 +117,28 @@ fn ask(args: &Args, scene: &Scene, models: Option<FittedModels>) -> Result<Vec<Q
 }
 
 /// Each scene by models of segments and of pixels that were fitted without it.
-fn leave_one_out(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>]) -> Result<Vec<PixelScore>> {
+fn leave_one_out(
+    args: &Args,
+    scenes: &[Scene],
+    asked: &[Vec<QueriedPixel>],
+) -> Result<Vec<PixelScore>> {
     let samples = scenes.iter().map(|scene| sample(args, scene)).collect::<Result<Vec<_>>>()?;
     let bar = bar(scenes.len(), "{bar:30} {pos}/{len} leaving out {msg}");
     let mut scores = Vec::new();
     for (held, scene) in scenes.iter().enumerate() {
         bar.set_message(scene.name.clone());
-        let others: Vec<&SceneSamples> =
-            samples.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, samples)| samples).collect();
-        let pixels: Vec<&[QueriedPixel]> =
-            asked.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, asked)| asked.as_slice()).collect();
+        let others: Vec<&SceneSamples> = samples
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != held)
+            .map(|(_, samples)| samples)
+            .collect();
+        let pixels: Vec<&[QueriedPixel]> = asked
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| *i != held)
+            .map(|(_, asked)| asked.as_slice())
+            .collect();
         let asked = ask(args, scene, Some(fit(&others)))?;
         scores.push(PixelScore::new(&scene.name, &asked, &fit_pixels(&pixels)));
         bar.inc(1);
@@ -140,18 +157,24 @@ fn sample(args: &Args, scene: &Scene) -> Result<SceneSamples> {
 }
 
 /// Prints the scores; the constants are written, or compared.
-fn write_constants(args: &Args, scenes: &[Scene], asked: &[Vec<QueriedPixel>], mut scores: String) -> Result<()> {
+fn write_constants(
+    args: &Args,
+    scenes: &[Scene],
+    asked: &[Vec<QueriedPixel>],
+    mut scores: String,
+) -> Result<()> {
     if args.out.is_none() && args.check.is_none() {
         return say(&scores);
     }
     let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
-    let origin = format!("{} pixels each of {} scenes ({})", args.queries, names.len(), names.join(", "));
+    let origin =
+        format!("{} pixels each of {} scenes ({})", args.queries, names.len(), names.join(", "));
     let pixels: Vec<&[QueriedPixel]> = asked.iter().map(Vec::as_slice).collect();
     let text = pixel_source_text(&fit_pixels(&pixels), &origin);
     if let Some(path) = &args.check {
         say(&scores)?;
-        let there =
-            untrusted::read_text(path, SETTINGS_BYTES).with_context(|| format!("cannot read {}", path.display()))?;
+        let there = untrusted::read_text(path, SETTINGS_BYTES)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         if there != text {
             bail!("{} is not what these frames give; write it again with --out", path.display());
         }

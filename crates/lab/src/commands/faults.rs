@@ -32,10 +32,11 @@ Columns:
   points off  points more than 1 px off; stated: how many should be, by their own probabilities
   flags       flags of health, and on how many pairs each was raised";
 
-/// Damage every pair with ground truth in about a hundred ways, and count what is answered wrongly while the pair is called healthy.
+/// Damage every pair with ground truth in about a hundred ways, and count what is answered wrongly
+/// while the pair is called healthy.
 ///
-/// Objects are those of objects.png or objects.json; scenes without them count by their points. The same seed gives the same damages on
-/// every machine.
+/// Objects are those of objects.png or objects.json; scenes without them count by their points. The
+/// same seed gives the same damages on every machine.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -91,20 +92,32 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn damages(args: &Args) -> Result<Vec<(Family, Damage)>> {
     let wanted = |&&(family, damage): &&(Family, Damage)| {
-        args.only.as_ref().is_none_or(|words| damage.to_string().contains(words) || family.name().contains(words))
+        args.only
+            .as_ref()
+            .is_none_or(|words| damage.to_string().contains(words) || family.name().contains(words))
     };
     let damages: Vec<_> = Damage::ALL.iter().filter(wanted).copied().collect();
     if damages.is_empty() {
-        bail!("no damage contains {:?}; without --only the table names them all", args.only.as_deref().unwrap_or(""));
+        bail!(
+            "no damage contains {:?}; without --only the table names them all",
+            args.only.as_deref().unwrap_or("")
+        );
     }
     Ok(damages)
 }
 
 /// All damages of one pair.
-fn damaged(args: &Args, scene: &Scene, other: &Scene, damages: &[(Family, Damage)]) -> Result<Vec<Outcome>> {
-    let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", scene.folder.display()))?;
-    let mut engine = engine_with(&args.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
-        .with_context(|| scene.folder.display().to_string())?;
+fn damaged(
+    args: &Args,
+    scene: &Scene,
+    other: &Scene,
+    damages: &[(Family, Damage)],
+) -> Result<Vec<Outcome>> {
+    let truth =
+        scene.truth.as_ref().with_context(|| format!("{} has no truth", scene.folder.display()))?;
+    let mut engine =
+        engine_with(&args.method.params(scene.max_disparity, scene.rig)?, scene.left.dims)
+            .with_context(|| scene.folder.display().to_string())?;
     let mut cases = object_cases(scene)?;
     cases.retain(is_asked);
     let mut objects = Mask::new(scene.left.dims, vec![false; scene.left.pixels.len()]);

@@ -4,7 +4,8 @@ use super::batch::collect;
 use crate::bench::GLOSSY;
 use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
 use crate::fitting::{
-    EvidenceLog, SceneSamples, add_ground_samples, fit, scene_samples, source_text, support_source_text,
+    EvidenceLog, SceneSamples, add_ground_samples, fit, scene_samples, source_text,
+    support_source_text,
 };
 use anyhow::{Context, Result, bail};
 use linestereo::Params;
@@ -31,18 +32,21 @@ const WIDEST_DAMAGED: u16 = 450;
 const SEGMENTS: &str = "confidence/fitted.rs";
 const SUPPORT: &str = "support/fitted.rs";
 
-/// Fit the confidence models on frames with truth, and score them on scenes that they have not seen.
+/// Fit the confidence models on frames with truth, and score them on scenes that they have not
+/// seen.
 ///
-/// Every scene is scored by models fitted on the other scenes ("leave one out"): the tables say what to expect of new scenes. Models see
-/// every pair as it is and damaged: with noise, blurred, darker on the right, with its rows off. The constants written are fitted on all
-/// scenes, and depend on the frames alone.
+/// Every scene is scored by models fitted on the other scenes ("leave one out"): the tables say
+/// what to expect of new scenes. Models see every pair as it is and damaged: with noise, blurred,
+/// darker on the right, with its rows off. The constants written are fitted on all scenes, and
+/// depend on the frames alone.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     /// Folders to search for scenes with truth, at any depth.
     #[arg(required = true, value_name = "FOLDER")]
     folders: Vec<PathBuf>,
-    /// More folders to fit on; what is in them is not scored, and not used where the same scene is scored at another size.
+    /// More folders to fit on; what is in them is not scored, and not used where the same scene is
+    /// scored at another size.
     #[arg(long, value_name = "FOLDER", num_args = 1..)]
     also: Vec<PathBuf>,
     /// Fit on pairs as they are, and score these alone.
@@ -66,6 +70,8 @@ pub fn run(args: &Args) -> Result<()> {
     let scenes = load(&args.folders)?;
     let also = if args.also.is_empty() { Vec::new() } else { load(&args.also)? };
     let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };
+    let halves =
+        halves_of(&args.folders)?.into_iter().chain(halves_of(&args.also)?).collect::<Vec<_>>();
     let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
     let name = |scene: &&Scene| scene.name.clone();
     let samples = for_each_pair(&all, None, name, |scene| {
@@ -74,17 +80,29 @@ pub fn run(args: &Args) -> Result<()> {
             .map(|(_, damage)| sample(scene, damage, &args.method))
             .collect::<Result<Vec<_>>>()
     })?;
-    let samples: Vec<SceneSamples> = samples.into_iter().flatten().collect();
+    let of_halves = for_each_pair(
+        &halves,
+        None,
+        |scene| scene.name.clone(),
+        |scene| sample(scene, &Perturbation::DAMAGES[0].1, &args.method),
+    )?;
+    let samples: Vec<SceneSamples> = samples.into_iter().flatten().chain(of_halves).collect();
     if !args.no_scores {
         leave_one_out(&scenes, damages, &samples, &args.method)?;
     }
     write_constants(args, &all, damages.len(), &samples)
 }
 
-fn write_constants(args: &Args, scenes: &[&Scene], damages: usize, samples: &[SceneSamples]) -> Result<()> {
+fn write_constants(
+    args: &Args,
+    scenes: &[&Scene],
+    damages: usize,
+    samples: &[SceneSamples],
+) -> Result<()> {
     let Some(folder) = args.check.as_ref().or(args.out.as_ref()) else { return Ok(()) };
     let fitted = fit(&samples.iter().collect::<Vec<_>>());
-    let folders = args.folders.iter().chain(&args.also).filter_map(|folder| folder.file_name()?.to_str());
+    let folders =
+        args.folders.iter().chain(&args.also).filter_map(|folder| folder.file_name()?.to_str());
     let origin = format!(
         "{} pairs of {}, small ones under {damages} damages",
         scenes.len(),
@@ -99,7 +117,10 @@ fn write_constants(args: &Args, scenes: &[&Scene], damages: usize, samples: &[Sc
             let there = untrusted::read_text(path, SETTINGS_BYTES)
                 .with_context(|| format!("cannot read {}", path.display()))?;
             if there != *text {
-                bail!("{} is not what these frames give; write it again with --out", path.display());
+                bail!(
+                    "{} is not what these frames give; write it again with --out",
+                    path.display()
+                );
             }
             print(&format!("{} is what these frames give\n", path.display()))?;
         }
@@ -118,8 +139,22 @@ fn load(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     if pairs.len() < 2 {
         bail!("one scene with truth alone: none can be left out; give more");
     }
-    let scenes: Vec<Scene> = pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?;
+    let scenes: Vec<Scene> =
+        pairs.iter().map(|pair| pair.load(None, &rectify_raw)).collect::<Result<_, _>>()?;
     scenes.into_iter().map(without_gloss).collect()
+}
+
+/// Large captured pairs at half of their size, at which they are matched first.
+fn halves_of(folders: &[PathBuf]) -> Result<Vec<Scene>> {
+    let mut halves = Vec::new();
+    for pair in collect(folders, true)?.pairs {
+        let scene = pair.load(None, &rectify_raw)?;
+        let width = scene.left.dims.width;
+        if width > WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file() {
+            halves.push(pair.load(Some(width / 2), &rectify_raw)?);
+        }
+    }
+    Ok(halves)
 }
 
 /// The scene without the truth of what shines, in rendered rooms: a mirror shows another place.
@@ -128,15 +163,22 @@ fn without_gloss(scene: Scene) -> Result<Scene> {
     if !labels.is_file() {
         return Ok(scene);
     }
-    let (_, labels) = load_values(&labels).with_context(|| format!("cannot read {}", labels.display()))?;
-    let truth = scene.truth.map(|truth| truth.without(|index| labels.get(index).copied() == Some(GLOSSY.into())));
+    let (_, labels) =
+        load_values(&labels).with_context(|| format!("cannot read {}", labels.display()))?;
+    let truth = scene
+        .truth
+        .map(|truth| truth.without(|index| labels.get(index).copied() == Some(GLOSSY.into())));
     Ok(Scene { truth, ..scene })
 }
 
 /// Damages of a scene before it is sampled: small captured pairs are damaged, rendered rooms
 /// have noise of their own, and large pairs show what small ones do.
-fn damages_of<'d>(scene: &Scene, damages: &'d [(&'static str, Perturbation)]) -> &'d [(&'static str, Perturbation)] {
-    let is_damaged = scene.left.dims.width <= WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file();
+fn damages_of<'d>(
+    scene: &Scene,
+    damages: &'d [(&'static str, Perturbation)],
+) -> &'d [(&'static str, Perturbation)] {
+    let is_damaged =
+        scene.left.dims.width <= WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file();
     if is_damaged { damages } else { damages.get(..1).unwrap_or(damages) }
 }
 
@@ -146,7 +188,8 @@ fn sample(scene: &Scene, damage: &Perturbation, method: &MethodArgs) -> Result<S
     let (left, right) = damage.apply(&scene.left, &scene.right);
     let run = |ground: bool| {
         let params = Params { ground, ..method.params(scene.max_disparity, scene.rig)? };
-        let (mut engine, mut log) = (engine_with(&params, scene.left.dims)?, EvidenceLog::default());
+        let (mut engine, mut log) =
+            (engine_with(&params, scene.left.dims)?.answering_unfit(), EvidenceLog::default());
         engine.run_observed(left.view()?, right.view()?, &mut log)?;
         anyhow::Ok((engine, log))
     };
@@ -166,9 +209,13 @@ fn leave_one_out(
 ) -> Result<()> {
     let name = |scene: &Scene| format!("leaving out {}", scene.name);
     let scores = for_each_pair(scenes, None, name, |scene| {
-        let others: Vec<&SceneSamples> = samples.iter().filter(|samples| !samples.shows(&scene.name)).collect();
+        let others: Vec<&SceneSamples> =
+            samples.iter().filter(|samples| !samples.shows(&scene.name)).collect();
         let models = fit(&others);
-        damages.iter().map(|(_, damage)| score(scene, damage, models, method)).collect::<Result<Vec<_>>>()
+        damages
+            .iter()
+            .map(|(_, damage)| score(scene, damage, models, method))
+            .collect::<Result<Vec<_>>>()
     })?;
     let of_damage = |i: usize| scores.iter().map(move |scene| &scene[i]);
     let clean: Vec<FrameScore> = of_damage(0).cloned().collect();
@@ -187,10 +234,15 @@ fn leave_one_out(
     ))
 }
 
-fn score(scene: &Scene, damage: &Perturbation, models: FittedModels, method: &MethodArgs) -> Result<FrameScore> {
+fn score(
+    scene: &Scene,
+    damage: &Perturbation,
+    models: FittedModels,
+    method: &MethodArgs,
+) -> Result<FrameScore> {
     let truth = scene.truth.as_ref().context("a scene without truth")?;
     let params = method.params(scene.max_disparity, scene.rig)?;
-    let mut engine = engine_with(&params, scene.left.dims)?.with_models(models);
+    let mut engine = engine_with(&params, scene.left.dims)?.answering_unfit().with_models(models);
     let (left, right) = damage.apply(&scene.left, &scene.right);
     let result = engine.run(left.view()?, right.view()?)?;
     Ok(FrameScore::new(&scene.name, truth, &result))

@@ -1,4 +1,5 @@
-//! One thin file per command: a `pub struct Args` and a `pub fn run(args: &Args) -> anyhow::Result<()>`.
+//! One thin file per command: a `pub struct Args` and a `pub fn run(args: &Args) ->
+//! anyhow::Result<()>`.
 
 mod batch;
 pub mod compare;
@@ -7,3 +8,4 @@ mod eval_objects;
 pub mod eval_pixels;
 pub mod faults;
 pub mod fit_confidence;
+pub mod thin;

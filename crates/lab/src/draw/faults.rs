@@ -1,4 +1,5 @@
-//! The fault bench as a chart: of each damage the objects that are answered rightly, wrongly, or not at all.
+//! The fault bench as a chart: of each damage the objects that are answered rightly, wrongly, or
+//! not at all.
 
 use crate::faults::{Family, FaultReport, Tally};
 use image::RgbImage;
@@ -14,12 +15,15 @@ const ROW: f32 = 20.0;
 /// Answered rightly, wrong, far off.
 const COLOURS: [[u8; 3]; 3] = [[70, 190, 110], [255, 190, 40], [255, 45, 45]];
 
-/// A bar for each damage, by families: its length is the share of objects that have an answer; beside it the pairs that are refused.
+/// A bar for each damage, by families: its length is the share of objects that have an answer;
+/// beside it the pairs that are refused.
 #[must_use]
 pub fn faults(report: &FaultReport) -> RgbImage {
     let families: Vec<_> = Family::ALL
         .into_iter()
-        .map(|family| (family, report.damages.iter().filter(|row| row.family == family).collect::<Vec<_>>()))
+        .map(|family| {
+            (family, report.damages.iter().filter(|row| row.family == family).collect::<Vec<_>>())
+        })
         .filter(|(_, rows)| !rows.is_empty())
         .collect();
     let lines = 2 + families.iter().map(|(_, rows)| rows.len() + 2).sum::<usize>();
@@ -73,7 +77,15 @@ mod tests {
 
     #[test]
     fn a_bar_has_the_shares_of_its_answers() {
-        let tally = Tally { pairs: 4, refused: 1, objects: 20, answers: 10, wrong: 6, far_off: 2, ..Tally::default() };
+        let tally = Tally {
+            pairs: 4,
+            refused: 1,
+            objects: 20,
+            answers: 10,
+            wrong: 6,
+            far_off: 2,
+            ..Tally::default()
+        };
         let row = |family, damage: &str| FaultRow {
             family,
             damage: damage.to_owned(),
@@ -86,9 +98,15 @@ mod tests {
         };
         let picture = faults(&report);
         assert_eq!(picture.dimensions(), (WIDTH, (TOP + 6.0 * ROW) as u32));
-        // A family's name, two damages, a gap, and the sum: right to 0.2, wrong to 0.4, far off to 0.5 of the bar.
+        // A family's name, two damages, a gap, and the sum: right to 0.2, wrong to 0.4, far off to
+        // 0.5 of the bar.
         let at = |share: f32, line: f32| {
-            picture.get_pixel((LEFT + share * (RIGHT - LEFT)) as u32, (TOP + (line + 0.5) * ROW) as u32).0
+            picture
+                .get_pixel(
+                    (LEFT + share * (RIGHT - LEFT)) as u32,
+                    (TOP + (line + 0.5) * ROW) as u32,
+                )
+                .0
         };
         for line in [1.0, 2.0, 4.0] {
             assert_eq!([0.1, 0.3, 0.45].map(|share| at(share, line)), COLOURS);

@@ -37,19 +37,31 @@ pub struct SceneMaps<'a> {
 pub fn maps(scenes: &[SceneMaps<'_>]) -> RgbImage {
     let count = scenes.iter().map(|scene| scene.maps.len() + 1).max().unwrap_or(1);
     let in_a_row = if scenes.len() == 1 { count.min(IN_A_ROW) } else { count };
-    let side = |of: fn(&GrayImage) -> u16| scenes.iter().map(|scene| u32::from(of(scene.left))).max().unwrap_or(1);
+    let side = |of: fn(&GrayImage) -> u16| {
+        scenes.iter().map(|scene| u32::from(of(scene.left))).max().unwrap_or(1)
+    };
     let (width, height) = (side(|image| image.dims.width), side(|image| image.dims.height));
     let step = (in_a_row as u32 * (width + GAP)).div_ceil(LARGEST_WIDTH).max(1);
     let cell = [width.div_ceil(step) + GAP, height.div_ceil(step) + TITLE];
-    let rows = scenes.iter().map(|scene| (scene.maps.len() + 1).div_ceil(in_a_row)).sum::<usize>().max(1);
-    let mut picture = RgbImage::from_pixel(in_a_row as u32 * cell[0], rows as u32 * cell[1], Rgb(BACKGROUND));
+    let rows =
+        scenes.iter().map(|scene| (scene.maps.len() + 1).div_ceil(in_a_row)).sum::<usize>().max(1);
+    let mut picture =
+        RgbImage::from_pixel(in_a_row as u32 * cell[0], rows as u32 * cell[1], Rgb(BACKGROUND));
     let mut row = 0;
     for scene in scenes {
-        let titled =
-            [(scene.name, None)].into_iter().chain(scene.maps.iter().map(|(name, map)| (name.as_str(), Some(map))));
+        let titled = [(scene.name, None)]
+            .into_iter()
+            .chain(scene.maps.iter().map(|(name, map)| (name.as_str(), Some(map))));
         for (i, (title, map)) in titled.enumerate() {
             let at = [(i % in_a_row) as u32 * cell[0], (row + i / in_a_row) as u32 * cell[1]];
-            write(&mut picture, (at[0] as f32 + 2.0, at[1] as f32 + 2.0), Align::Left, TEXT, INK, title);
+            write(
+                &mut picture,
+                (at[0] as f32 + 2.0, at[1] as f32 + 2.0),
+                Align::Left,
+                TEXT,
+                INK,
+                title,
+            );
             draw(&mut picture, [at[0], at[1] + TITLE], step, scene, map);
         }
         row += (scene.maps.len() + 1).div_ceil(in_a_row);
@@ -57,7 +69,13 @@ pub fn maps(scenes: &[SceneMaps<'_>]) -> RgbImage {
     picture
 }
 
-fn draw(picture: &mut RgbImage, at: [u32; 2], step: u32, scene: &SceneMaps<'_>, map: Option<&FrameResult>) {
+fn draw(
+    picture: &mut RgbImage,
+    at: [u32; 2],
+    step: u32,
+    scene: &SceneMaps<'_>,
+    map: Option<&FrameResult>,
+) {
     let (width, height) = (u32::from(scene.left.dims.width), u32::from(scene.left.dims.height));
     let share = if map.is_some() { DIMMED } else { 1.0 };
     for y in (0..height).step_by(step as usize) {

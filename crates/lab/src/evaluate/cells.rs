@@ -1,8 +1,10 @@
-//! One answer per cell: the most probable one of each 16x16 cell, and how often the first so many percent of all cells are wrong.
+//! One answer per cell: the most probable one of each 16x16 cell, and how often the first so many
+//! percent of all cells are wrong.
 //!
-//! "The most confident points" flatter a method that lists many on easy texture and none where it is hard. A robot needs the depth of every
-//! place: every method gives one number a cell, however many points it lists. Cells are taken in the order of their probability, those of
-//! all frames together; a cell whose answer has no truth takes its place and is neither right nor wrong.
+//! "The most confident points" flatter a method that lists many on easy texture and none where it
+//! is hard. A robot needs the depth of every place: every method gives one number a cell, however
+//! many points it lists. Cells are taken in the order of their probability, those of all frames
+//! together; a cell whose answer has no truth takes its place and is neither right nor wrong.
 
 use linestereo::Point;
 use linestereo_frames::Truth;
@@ -47,7 +49,8 @@ pub struct CellRow {
 impl CellAnswers {
     pub(super) fn new(truth: &Truth, points: &[Point]) -> Self {
         let dims = truth.dims();
-        let (columns, rows) = (usize::from(dims.width).div_ceil(CELL), usize::from(dims.height).div_ceil(CELL));
+        let (columns, rows) =
+            (usize::from(dims.width).div_ceil(CELL), usize::from(dims.height).div_ceil(CELL));
         let mut best: Vec<Option<&Point>> = vec![None; columns * rows];
         for point in points {
             let cell = usize::from(point.y) / CELL * columns + usize::from(point.x) / CELL;
@@ -80,12 +83,14 @@ pub(super) fn curve<'a>(frames: impl Iterator<Item = &'a CellAnswers>) -> Vec<Ce
         let wanted = cells * percent as usize / 100;
         let enough = 100 * answers.len() >= cells * percent as usize;
         let first = answers.get(..wanted).filter(|first| enough && !first.is_empty());
-        let errors: Vec<f32> = first.unwrap_or(&[]).iter().filter_map(|answer| answer.error).collect();
+        let errors: Vec<f32> =
+            first.unwrap_or(&[]).iter().filter_map(|answer| answer.error).collect();
         let bad = |limit: f32| {
             let wrong = errors.iter().filter(|&&error| error > limit).count();
             (!errors.is_empty()).then(|| 100.0 * wrong as f64 / errors.len() as f64)
         };
-        let least_probability = first.and_then(<[CellAnswer]>::last).map(|answer| answer.confidence);
+        let least_probability =
+            first.and_then(<[CellAnswer]>::last).map(|answer| answer.confidence);
         CellRow { percent, least_probability, bad1: bad(1.0), bad2: bad(2.0) }
     };
     SHARES.into_iter().map(row).collect()
@@ -99,8 +104,12 @@ mod tests {
     #[test]
     fn the_most_probable_claim_of_a_cell_is_its_only_one() {
         // 40 x 33 px are 3 x 3 cells, those at two borders cut off.
-        let points =
-            [answer(3, 3, 8.0, 0.5), answer(4, 3, 10.5, 0.75), answer(39, 32, 13.5, 0.25), answer(0, 20, 8.0, 0.9)];
+        let points = [
+            answer(3, 3, 8.0, 0.5),
+            answer(4, 3, 10.5, 0.75),
+            answer(39, 32, 13.5, 0.25),
+            answer(0, 20, 8.0, 0.9),
+        ];
         let found = CellAnswers::new(&truth(), &points);
         assert_eq!(found.cells, 9);
         let errors: Vec<_> = found.answers.iter().map(|answer| answer.error).collect();

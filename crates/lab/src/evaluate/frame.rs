@@ -6,7 +6,8 @@ use linestereo_frames::Truth;
 use linestereo_frames::statistics::median;
 use linestereo_sim::engine::FrameResult;
 
-/// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its neighbours across the edge are above and below.
+/// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its neighbours across the
+/// edge are above and below.
 const STEEP_LIMIT: f64 = 4.0;
 
 /// A point that has ground truth.
@@ -103,11 +104,17 @@ fn segment_errors(truth: &Truth, segment: &Match) -> Vec<f32> {
     let length = end[along] - start[along];
     let mut errors = Vec::new();
     for step in low.round() as i32..=high.round() as i32 {
-        let t = if length == 0.0 { 0.5 } else { ((f64::from(step) - start[along]) / length).clamp(0.0, 1.0) };
+        let t = if length == 0.0 {
+            0.5
+        } else {
+            ((f64::from(step) - start[along]) / length).clamp(0.0, 1.0)
+        };
         let edge = (start[across] + t * (end[across] - start[across])).round() as i32;
         let disparity = (from + t * (to - from)) as f32;
         let nearest = (edge - 1..=edge + 1)
-            .filter_map(|side| if steep { truth.disparity(side, step) } else { truth.disparity(step, side) })
+            .filter_map(|side| {
+                if steep { truth.disparity(side, step) } else { truth.disparity(step, side) }
+            })
             .map(|d| (disparity - d).abs())
             .reduce(f32::min);
         errors.extend(nearest);
@@ -130,11 +137,15 @@ fn cells(truth: &Truth, result: &FrameResult) -> Vec<CellScore> {
     }
     let counts = |cell: usize| {
         let (left, top) = (cell % columns * CELL, cell / columns * CELL);
-        let visible =
-            (0..CELL * CELL).filter(|i| truth.is_visible((left + i % CELL) as i32, (top + i / CELL) as i32)).count();
+        let visible = (0..CELL * CELL)
+            .filter(|i| truth.is_visible((left + i % CELL) as i32, (top + i / CELL) as i32))
+            .count();
         2 * visible >= CELL * CELL
     };
-    (0..columns * rows).filter(|&cell| counts(cell)).map(|cell| CellScore { best: best[cell] }).collect()
+    (0..columns * rows)
+        .filter(|&cell| counts(cell))
+        .map(|cell| CellScore { best: best[cell] })
+        .collect()
 }
 
 #[cfg(test)]
@@ -142,10 +153,10 @@ pub(super) mod tests {
     use super::*;
     use linestereo::diagnostics::Techniques;
     use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner, Point, Position};
-    use linestereo_wire::{Counts, Health};
 
     pub(in crate::evaluate) fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2]) -> Match {
-        let point = |[x, y]: [f64; 2]| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
+        let point =
+            |[x, y]: [f64; 2]| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         let disparity = disparity.map(Disparity::from_num);
         Match {
             ends: ends.map(point),
@@ -160,15 +171,17 @@ pub(super) mod tests {
     }
 
     pub(in crate::evaluate) fn answer(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
-        let (disparity, confidence) = (Disparity::from_num(disparity), Confidence::from_num(confidence));
+        let (disparity, confidence) =
+            (Disparity::from_num(disparity), Confidence::from_num(confidence));
         Point { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
     }
 
     pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<Point>) -> FrameResult {
-        FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None, ground: None }
+        FrameResult { matches, ..FrameResult::of_points(points) }
     }
 
-    /// 40 x 33 px; disparity 8 left of column 20 and 12 from there on, unknown in the first column, hidden below row 16.
+    /// 40 x 33 px; disparity 8 left of column 20 and 12 from there on, unknown in the first column,
+    /// hidden below row 16.
     pub(in crate::evaluate) fn truth() -> Truth {
         let dims = Dims { width: 40, height: 33 };
         let pixels = || (0..33).flat_map(|y| (0..40).map(move |x| (x, y)));
@@ -209,7 +222,8 @@ pub(super) mod tests {
 
     #[test]
     fn points_without_truth_are_in_the_yield_only() {
-        let points = vec![answer(0, 3, 8.0, 0.5), answer(5, 3, 8.25, 0.75), answer(5, 20, 10.0, 0.25)];
+        let points =
+            vec![answer(0, 3, 8.0, 0.5), answer(5, 3, 8.25, 0.75), answer(5, 20, 10.0, 0.25)];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
         assert_eq!(score.confidences, [0.5, 0.75, 0.25]);
         let expected = [
@@ -221,9 +235,14 @@ pub(super) mod tests {
 
     #[test]
     fn cells_count_by_visible_truth() {
-        // 2 x 2 whole cells; the lower two are hidden, so two count. Column 39 lies outside every whole cell.
-        let points =
-            vec![answer(3, 3, 8.0, 0.25), answer(4, 3, 8.0, 0.5), answer(39, 3, 8.0, 0.5), answer(3, 20, 8.0, 0.5)];
+        // 2 x 2 whole cells; the lower two are hidden, so two count. Column 39 lies outside every
+        // whole cell.
+        let points = vec![
+            answer(3, 3, 8.0, 0.25),
+            answer(4, 3, 8.0, 0.5),
+            answer(39, 3, 8.0, 0.5),
+            answer(3, 20, 8.0, 0.5),
+        ];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
         assert_eq!(score.cells, [CellScore { best: Some(0.5) }, CellScore { best: None }]);
     }

@@ -1,8 +1,10 @@
-//! Depth per object against ground truth: which answers are wrong, which objects have one, and whether what is reported of them is true.
+//! Depth per object against ground truth: which answers are wrong, which objects have one, and
+//! whether what is reported of them is true.
 //!
-//! In: scenes with `objects.png` (a label per surface) or `objects.json` (boxes drawn by hand, with `mask_objects.png` as their truth). Out: a
-//! table. A wrong answer is more than 1 px outside of the object's own 5-95 % range of true disparities; a covered object has an answer.
-//! The masks are given to the core as they are, 2 px too large and eroded by 2 px.
+//! In: scenes with `objects.png` (a label per surface) or `objects.json` (boxes drawn by hand, with
+//! `mask_objects.png` as their truth). Out: a table. A wrong answer is more than 1 px outside of
+//! the object's own 5-95 % range of true disparities; a covered object has an answer. The masks are
+//! given to the core as they are, 2 px too large and eroded by 2 px.
 
 use core::fmt::Write;
 use linestereo::objects::Run;
@@ -65,7 +67,8 @@ pub struct ObjectCase {
     range: (f32, f32),
     /// Their median.
     median: f32,
-    /// True disparity at its centre: of the own pixel with truth that is nearest to the mean of its pixels, px.
+    /// True disparity at its centre: of the own pixel with truth that is nearest to the mean of its
+    /// pixels, px.
     centre: f32,
     /// Its true pixels.
     mask: Arc<Mask>,
@@ -78,9 +81,16 @@ enum Given {
 }
 
 impl ObjectCase {
-    /// An object of these pixels, given to the core as they are; `None` where none of them has truth.
+    /// An object of these pixels, given to the core as they are; `None` where none of them has
+    /// truth.
     #[must_use]
-    pub fn of_mask(name: &str, label: u16, pixels: Vec<bool>, dims: Dims, truth: &Truth) -> Option<Self> {
+    pub fn of_mask(
+        name: &str,
+        label: u16,
+        pixels: Vec<bool>,
+        dims: Dims,
+        truth: &Truth,
+    ) -> Option<Self> {
         let mask = Arc::new(Mask::new(dims, pixels));
         let given = (Outline::Given, Given::Runs(mask.runs(label)));
         Self::new(name.to_owned(), truth, given, label, &mask, dims)
@@ -96,11 +106,15 @@ impl ObjectCase {
     ) -> Option<Self> {
         let width = usize::from(dims.width);
         let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
-        let own: Vec<[i64; 2]> = own.map(|(i, _)| [i % width, i / width].map(|at| at as i64)).collect();
-        let known = own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x as i32, y as i32)?)));
-        let mean = |axis: usize| own.iter().map(|at| at[axis]).sum::<i64>() / own.len().max(1) as i64;
+        let own: Vec<[i64; 2]> =
+            own.map(|(i, _)| [i % width, i / width].map(|at| at as i64)).collect();
+        let known =
+            own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x as i32, y as i32)?)));
+        let mean =
+            |axis: usize| own.iter().map(|at| at[axis]).sum::<i64>() / own.len().max(1) as i64;
         let [x0, y0] = [0, 1].map(mean);
-        let (_, centre) = known.clone().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2))?;
+        let (_, centre) =
+            known.clone().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2))?;
         let mut values: Vec<f32> = known.map(|(_, disparity)| disparity).collect();
         values.sort_by(f32::total_cmp);
         Some(Self {
@@ -212,8 +226,10 @@ impl ObjectSummary {
     /// Of those scores that are of this kind.
     #[must_use]
     pub fn pool(outline: Outline, scores: &[ObjectScore]) -> Self {
-        let all: Vec<&ObjectScore> = scores.iter().filter(|score| score.outline == outline).collect();
-        let answers: Vec<&ObjectScore> = all.iter().copied().filter(|score| score.refused.is_none()).collect();
+        let all: Vec<&ObjectScore> =
+            scores.iter().filter(|score| score.outline == outline).collect();
+        let answers: Vec<&ObjectScore> =
+            all.iter().copied().filter(|score| score.refused.is_none()).collect();
         let share = |is: &dyn Fn(&ObjectScore) -> bool| {
             let count = answers.iter().filter(|score| is(score)).count();
             (!answers.is_empty()).then(|| count as f64 / answers.len() as f64)
@@ -224,11 +240,13 @@ impl ObjectSummary {
             objects: all.len(),
             covered: answers.len(),
             wrong: answers.iter().filter(|score| score.wrong).count(),
-            median_relative_error: median(answers.iter().map(|score| score.relative).collect()).map(f64::from),
+            median_relative_error: median(answers.iter().map(|score| score.relative).collect())
+                .map(f64::from),
             within_sigma: share(&|score| score.error <= score.sigma),
             within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
             mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),
-            refused: NoDepth::ALL.map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
+            refused: NoDepth::ALL
+                .map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
         }
     }
 
@@ -255,14 +273,22 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
         present.sort_unstable();
         present.dedup();
         for label in present.into_iter().filter(|&label| label > 0) {
-            let mask = Arc::new(Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect()));
+            let mask =
+                Arc::new(Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect()));
             let given = [
                 (Outline::Given, Mask::clone(&mask)),
                 (Outline::TooLarge, mask.grown(SLOPPY_PX)),
                 (Outline::Eroded, mask.eroded(SLOPPY_PX)),
             ];
             for (outline, shape) in given {
-                cases.extend(case(scene, &label.to_string(), outline, label, Given::Runs(shape.runs(label)), &mask));
+                cases.extend(case(
+                    scene,
+                    &label.to_string(),
+                    outline,
+                    label,
+                    Given::Runs(shape.runs(label)),
+                    &mask,
+                ));
             }
         }
     }
@@ -276,7 +302,7 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
 #[must_use]
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase, engine: &mut Engine| {
-        let found = case.region().and_then(|region| engine.objects(&[region], true).pop());
+        let found = case.region().and_then(|region| engine.objects(&[region]).pop());
         case.score(&found.unwrap_or(EMPTY))
     };
     cases.iter().map(|case| answer(case, engine)).collect()
@@ -291,14 +317,16 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
     let mut text = String::from(
         "outline          objects   wrong           covered         median error   in 1, 2 sigma  stated   refused\n",
     );
-    let percent = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
+    let percent =
+        |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
     for outline in Outline::ALL {
         let s = ObjectSummary::pool(outline, scores);
         if s.objects == 0 {
             continue;
         }
         let refused = NoDepth::ALL.iter().zip(s.refused).filter(|(_, count)| *count > 0);
-        let refused: Vec<String> = refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
+        let refused: Vec<String> =
+            refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
         let _ = writeln!(
             text,
             "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {}",
@@ -328,7 +356,13 @@ pub fn object_table(scores: &[ObjectScore]) -> String {
     }
     for score in scores {
         if let Some(reason) = score.refused {
-            let _ = writeln!(text, "no answer: {}, {}: {}", score.name, score.outline.name(), reason.name());
+            let _ = writeln!(
+                text,
+                "no answer: {}, {}: {}",
+                score.name,
+                score.outline.name(),
+                reason.name()
+            );
         }
     }
     text
@@ -378,8 +412,10 @@ fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>, FrameError> {
 }
 
 fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, FrameError> {
-    let text = untrusted::read(path, SETTINGS_BYTES).map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
-    serde_json::from_slice(&text).map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
+    let text = untrusted::read(path, SETTINGS_BYTES)
+        .map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
+    serde_json::from_slice(&text)
+        .map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
 }
 
 fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameError> {
@@ -390,8 +426,11 @@ fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameErr
     let labels = resized_labels(&path, to)?;
     let mut cases = Vec::new();
     for object in drawn.objects {
-        let mask = Arc::new(Mask::new(to, labels.iter().map(|&label| label == object.label).collect()));
-        let scaled = |value: f64, from: u16, to: u16| (value * f64::from(to) / f64::from(from)).round() as u16;
+        let mask =
+            Arc::new(Mask::new(to, labels.iter().map(|&label| label == object.label).collect()));
+        let scaled = |value: f64, from: u16, to: u16| {
+            (value * f64::from(to) / f64::from(from)).round() as u16
+        };
         let [x0, y0, x1, y1] = object.corners;
         let area = Area {
             left: scaled(x0, from.width, to.width),
@@ -399,7 +438,14 @@ fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameErr
             right: scaled(x1, from.width, to.width),
             bottom: scaled(y1, from.height, to.height),
         };
-        cases.extend(case(scene, &object.name, Outline::Box, object.label, Given::Area(area), &mask));
+        cases.extend(case(
+            scene,
+            &object.name,
+            Outline::Box,
+            object.label,
+            Given::Area(area),
+            &mask,
+        ));
     }
     Ok(cases)
 }
@@ -407,7 +453,9 @@ fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameErr
 /// Labels at the size of the images: of the pixel at the same place.
 fn resized_labels(path: &Path, to: Dims) -> Result<Vec<u16>, FrameError> {
     let (from, labels) = load_values(path)?;
-    let same = |at: u16, from: u16, to: u16| (2 * usize::from(at) + 1) * usize::from(from) / (2 * usize::from(to));
+    let same = |at: u16, from: u16, to: u16| {
+        (2 * usize::from(at) + 1) * usize::from(from) / (2 * usize::from(to))
+    };
     let rows = (0..to.height).map(|y| same(y, from.height, to.height) * usize::from(from.width));
     Ok(rows
         .flat_map(|row| (0..to.width).map(move |x| row + same(x, from.width, to.width)))

@@ -1,7 +1,7 @@
 //! The depth of pixels that nobody chose: how many are answered, and how wrong.
 //!
-//! Pixels with truth are drawn at random until so many of them are visible in the right image; the hidden ones drawn meanwhile are queried
-//! too, because a robot does not know which are which.
+//! Pixels with truth are drawn at random until so many of them are visible in the right image; the
+//! hidden ones drawn meanwhile are queried too, because a robot does not know which are which.
 
 use core::fmt::Write;
 use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelEvidence};
@@ -30,13 +30,19 @@ pub struct QueriedPixel {
     pub found: Result<(f32, PixelEvidence), PixelRejection>,
 }
 
-/// Asks an engine that has just run on this pair for random pixels, `count` of them visible (fewer where the truth has fewer).
+/// Asks an engine that has just run on this pair for random pixels, `count` of them visible (fewer
+/// where the truth has fewer).
 #[must_use]
-pub fn query_pixels(engine: &mut Engine, truth: &Truth, (count, seed): (usize, u64)) -> Vec<QueriedPixel> {
+pub fn query_pixels(
+    engine: &mut Engine,
+    truth: &Truth,
+    (count, seed): (usize, u64),
+) -> Vec<QueriedPixel> {
     let dims = truth.dims();
     let pixels = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y)));
-    let mut pixels: Vec<(u16, u16, f32)> =
-        pixels.filter_map(|(x, y)| truth.disparity(x.into(), y.into()).map(|disparity| (x, y, disparity))).collect();
+    let mut pixels: Vec<(u16, u16, f32)> = pixels
+        .filter_map(|(x, y)| truth.disparity(x.into(), y.into()).map(|disparity| (x, y, disparity)))
+        .collect();
     let (mut random, mut queried, mut visible) = (SplitMix64(seed), Vec::new(), 0);
     while visible < count && !pixels.is_empty() {
         let (x, y, disparity) = pixels.swap_remove((random.bits() % pixels.len() as u64) as usize);
@@ -112,7 +118,8 @@ impl PixelScore {
         }
     }
 
-    /// Visible pixels answered with at least this probability, %, and how many of them are more than 1 and 2 px off, %.
+    /// Visible pixels answered with at least this probability, %, and how many of them are more
+    /// than 1 and 2 px off, %.
     #[must_use]
     pub fn answered(&self, least: Confidence) -> Option<(f64, [f64; 2])> {
         let answered = self.at(least.to_num());
@@ -128,10 +135,13 @@ impl PixelScore {
         Answered {
             visible_percent: percent(seen, self.visible),
             hidden_percent: percent(all - seen, self.hidden),
-            visible_bad: [1.0, 2.0].map(|limit| percent(visible().filter(|r| bad(r.error, limit)).count(), seen)),
-            all_bad: [1.0, 2.0].map(|limit| percent(answers().filter(|r| bad(r.error, limit)).count(), all)),
+            visible_bad: [1.0, 2.0]
+                .map(|limit| percent(visible().filter(|r| bad(r.error, limit)).count(), seen)),
+            all_bad: [1.0, 2.0]
+                .map(|limit| percent(answers().filter(|r| bad(r.error, limit)).count(), all)),
             median: upper_median(visible().map(|rated| rated.error).collect(), f64::total_cmp),
-            within_sigma: [1.0, 2.0].map(|k| percent(answers().filter(|r| r.error <= k * r.sigma).count(), all)),
+            within_sigma: [1.0, 2.0]
+                .map(|k| percent(answers().filter(|r| r.error <= k * r.sigma).count(), all)),
         }
     }
 
@@ -156,12 +166,18 @@ fn pair(values: [Option<f64>; 2]) -> String {
     values.map(|value| number(value, 6, 2)).join(" /")
 }
 
-/// One line per scene at this probability, the pooled curve of error against answers, and stated against observed probability.
+/// One line per scene at this probability, the pooled curve of error against answers, and stated
+/// against observed probability.
 #[must_use]
 pub fn pixel_report(scores: &[PixelScore], least: Confidence) -> String {
     let least: f64 = least.to_num();
     let pooled = PixelScore::pool(scores);
-    let width = scores.iter().map(|score| score.name.chars().count()).max().unwrap_or(0).max(pooled.name.len());
+    let width = scores
+        .iter()
+        .map(|score| score.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(pooled.name.len());
     let mut text = format!(
         "pixels answered with p >= {least:.2}\n\
          {:width$}  visible %  vis bad1/bad2 %  median px  hidden %  all bad1/bad2 %  within 1/2 sigma %\n",
@@ -196,10 +212,14 @@ pub fn pixel_report(scores: &[PixelScore], least: Confidence) -> String {
     }
     text.push_str("\nprobability stated against observed (within 1 px, hidden pixels included)\nbin           answers  stated   observed\n");
     for edges in BINS.windows(2) {
-        let inside: Vec<&Rated> =
-            pooled.rated.iter().filter(|r| r.probability >= edges[0] && r.probability < edges[1]).collect();
+        let inside: Vec<&Rated> = pooled
+            .rated
+            .iter()
+            .filter(|r| r.probability >= edges[0] && r.probability < edges[1])
+            .collect();
         let right = inside.iter().filter(|rated| rated.error <= 1.0).count();
-        let stated = inside.iter().map(|rated| rated.probability).sum::<f64>() / inside.len().max(1) as f64;
+        let stated =
+            inside.iter().map(|rated| rated.probability).sum::<f64>() / inside.len().max(1) as f64;
         let _ = writeln!(
             text,
             "{:.2} - {:.2} {:10} {} {}",
@@ -219,17 +239,26 @@ mod tests {
 
     #[test]
     fn shares_and_errors_of_five_pixels() {
-        let rated = |probability, error, is_visible| Rated { probability, sigma: 0.5, error, is_visible };
+        let rated =
+            |probability, error, is_visible| Rated { probability, sigma: 0.5, error, is_visible };
         let score = PixelScore {
             name: "five".to_owned(),
-            rated: vec![rated(0.95, 0.4, true), rated(0.9, 1.5, true), rated(0.9, 3.0, false), rated(0.2, 9.0, true)],
+            rated: vec![
+                rated(0.95, 0.4, true),
+                rated(0.9, 1.5, true),
+                rated(0.9, 3.0, false),
+                rated(0.2, 9.0, true),
+            ],
             visible: 4,
             hidden: 1,
         };
         assert_eq!(score.answered(Confidence::from_num(0.5)), Some((50.0, [50.0, 0.0])));
         assert_eq!(score.least_probability(0.25), Some(0.95));
         let a = score.at(0.5);
-        assert_eq!((a.hidden_percent, a.within_sigma[0].map(f64::round)), (Some(100.0), Some(33.0)));
+        assert_eq!(
+            (a.hidden_percent, a.within_sigma[0].map(f64::round)),
+            (Some(100.0), Some(33.0))
+        );
         let text = pixel_report(&[score], Confidence::from_num(0.5));
         assert!(text.contains("pooled") && text.contains("error against answers"), "{text}");
     }

@@ -7,7 +7,8 @@ use serde::Serialize;
 
 /// Points per frame at which the error-against-yield curve is read.
 pub const YIELDS: [usize; 4] = [800, 1500, 3000, 5000];
-/// Borders of the bins of stated probability; a bin holds its lower border, the last one its upper one too.
+/// Borders of the bins of stated probability; a bin holds its lower border, the last one its upper
+/// one too.
 pub const PROBABILITY_EDGES: [f32; 7] = [0.0, 0.5, 0.8, 0.9, 0.95, 0.98, 1.0];
 /// Fewer answers than this in a bin say little of it.
 const BIN: usize = 1000;
@@ -89,7 +90,8 @@ pub struct Summary {
     pub cells: Vec<CellRow>,
     /// Stated against observed probability between [`PROBABILITY_EDGES`].
     pub calibration: Vec<BinRow>,
-    /// Largest excess of stated over observed probability, percent, of the bins with at least 1000 answers.
+    /// Largest excess of stated over observed probability, percent, of the bins with at least 1000
+    /// answers.
     pub overconfidence: Option<f64>,
     /// Median error of visible points in px.
     pub median_error_px: Option<f64>,
@@ -105,19 +107,27 @@ impl Summary {
     pub fn pool<'a>(scores: impl IntoIterator<Item = &'a FrameScore>) -> Self {
         let scores: Vec<&FrameScore> = scores.into_iter().collect();
         let frames = scores.len();
-        let mut points: Vec<PointScore> = scores.iter().flat_map(|score| score.scored_points.iter().copied()).collect();
+        let mut points: Vec<PointScore> =
+            scores.iter().flat_map(|score| score.scored_points.iter().copied()).collect();
         points.sort_by(|a, b| b.confidence.total_cmp(&a.confidence)); // stable: ties stay in scene order
-        let segments: Vec<f32> =
-            scores.iter().flat_map(|score| score.scored_segments.iter().map(|segment| segment.median_error)).collect();
+        let segments: Vec<f32> = scores
+            .iter()
+            .flat_map(|score| score.scored_segments.iter().map(|segment| segment.median_error))
+            .collect();
         let segments_within = |limit: f32| percent(&segments, |&error| error <= limit);
-        let visible: Vec<f32> = points.iter().filter(|point| point.visible).map(|point| point.error).collect();
+        let visible: Vec<f32> =
+            points.iter().filter(|point| point.visible).map(|point| point.error).collect();
         let squares: f64 = visible.iter().map(|&error| f64::from(error).powi(2)).sum();
-        let times: Vec<f32> = scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
-        let calibration: Vec<BinRow> =
-            PROBABILITY_EDGES.windows(2).map(|edges| bin_row(&points, edges[0], edges[1])).collect();
+        let times: Vec<f32> =
+            scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
+        let calibration: Vec<BinRow> = PROBABILITY_EDGES
+            .windows(2)
+            .map(|edges| bin_row(&points, edges[0], edges[1]))
+            .collect();
         Self {
             frames,
-            segments_per_frame: scores.iter().map(|score| score.segments).sum::<usize>() as f64 / frames.max(1) as f64,
+            segments_per_frame: scores.iter().map(|score| score.segments).sum::<usize>() as f64
+                / frames.max(1) as f64,
             segprec1: segments_within(1.0),
             segprec2: segments_within(2.0),
             all: answers(&scores, &points, 0.0),
@@ -134,7 +144,8 @@ impl Summary {
 }
 
 fn percent<T>(items: &[T], is: impl Fn(&T) -> bool) -> Option<f64> {
-    (!items.is_empty()).then(|| 100.0 * items.iter().filter(|item| is(item)).count() as f64 / items.len() as f64)
+    (!items.is_empty())
+        .then(|| 100.0 * items.iter().filter(|item| is(item)).count() as f64 / items.len() as f64)
 }
 
 fn error_rates(points: &[PointScore]) -> ErrorRates {
@@ -149,8 +160,10 @@ fn error_rates(points: &[PointScore]) -> ErrorRates {
 
 /// `points` are the most confident first.
 fn answers(scores: &[&FrameScore], points: &[PointScore], least: f32) -> Answers {
-    let reported: usize = scores.iter().map(|score| score.confidences.iter().filter(|&&p| p >= least).count()).sum();
-    let cells: Vec<Option<f32>> = scores.iter().flat_map(|score| score.cells.iter().map(|cell| cell.best)).collect();
+    let reported: usize =
+        scores.iter().map(|score| score.confidences.iter().filter(|&&p| p >= least).count()).sum();
+    let cells: Vec<Option<f32>> =
+        scores.iter().flat_map(|score| score.cells.iter().map(|cell| cell.best)).collect();
     Answers {
         points_per_frame: reported as f64 / scores.len().max(1) as f64,
         cells_percent: percent(&cells, |best| best.is_some_and(|p| p >= least)),
@@ -175,7 +188,8 @@ fn overconfidence(bins: &[BinRow]) -> Option<f64> {
 
 fn bin_row(points: &[PointScore], low: f32, high: f32) -> BinRow {
     let inside = |p: f32| p >= low && (p < high || high >= 1.0);
-    let bin: Vec<PointScore> = points.iter().copied().filter(|point| inside(point.confidence)).collect();
+    let bin: Vec<PointScore> =
+        points.iter().copied().filter(|point| inside(point.confidence)).collect();
     let stated: f64 = bin.iter().map(|point| f64::from(point.confidence)).sum();
     BinRow {
         low,
@@ -195,7 +209,10 @@ mod tests {
     fn frames_are_pooled_point_by_point() {
         let truth = truth();
         let first = result(
-            vec![segment([[5.0, 1.0], [5.0, 9.0]], [8.5, 8.5]), segment([[5.0, 1.0], [5.0, 9.0]], [9.5, 9.5])],
+            vec![
+                segment([[5.0, 1.0], [5.0, 9.0]], [8.5, 8.5]),
+                segment([[5.0, 1.0], [5.0, 9.0]], [9.5, 9.5]),
+            ],
             vec![
                 answer(5, 3, 8.0, 0.96875),
                 answer(6, 3, 9.5, 0.9375),
@@ -203,14 +220,20 @@ mod tests {
                 answer(0, 3, 1.0, 0.5),
             ],
         );
-        let second = result(vec![segment([[5.0, 1.0], [5.0, 9.0]], [12.0, 12.0])], vec![answer(25, 3, 12.0, 0.25)]);
+        let second = result(
+            vec![segment([[5.0, 1.0], [5.0, 9.0]], [12.0, 12.0])],
+            vec![answer(25, 3, 12.0, 0.25)],
+        );
         let scores = [FrameScore::new("a", &truth, &first), FrameScore::new("b", &truth, &second)];
         let summary = Summary::pool(&scores);
 
         assert_eq!((summary.frames, summary.segments_per_frame), (2, 1.5));
         assert_eq!((summary.segprec1, summary.segprec2), (Some(100.0 / 3.0), Some(200.0 / 3.0)));
         assert_eq!((summary.all.points_per_frame, summary.sure.points_per_frame), (2.5, 1.0));
-        assert_eq!((summary.all.cells_percent, summary.sure.cells_percent), (Some(50.0), Some(25.0)));
+        assert_eq!(
+            (summary.all.cells_percent, summary.sure.cells_percent),
+            (Some(50.0), Some(25.0))
+        );
         let errors = ErrorRates {
             vis_bad1: Some(100.0 / 3.0),
             vis_bad2: Some(0.0),
@@ -219,11 +242,17 @@ mod tests {
         };
         assert_eq!(summary.all.errors, errors);
         assert_eq!(summary.sure.errors.all_gt_bad1, Some(50.0));
-        assert_eq!((summary.median_error_px, summary.rms_error_px), (Some(0.0), Some((2.25_f64 / 3.0).sqrt())));
+        assert_eq!(
+            (summary.median_error_px, summary.rms_error_px),
+            (Some(0.0), Some((2.25_f64 / 3.0).sqrt()))
+        );
         assert_eq!(summary.curve[0].available_per_frame, 2.0);
         let bins: Vec<usize> = summary.calibration.iter().map(|bin| bin.points).collect();
         assert_eq!(bins, [1, 1, 0, 1, 1, 0]);
-        assert_eq!((summary.calibration[1].stated, summary.calibration[1].observed), (Some(0.75), Some(0.0)));
+        assert_eq!(
+            (summary.calibration[1].stated, summary.calibration[1].observed),
+            (Some(0.75), Some(0.0))
+        );
     }
 
     #[test]
@@ -244,6 +273,9 @@ mod tests {
     #[test]
     fn nothing_gives_no_numbers() {
         let summary = Summary::pool([]);
-        assert_eq!((summary.segprec1, summary.all.cells_percent, summary.rms_error_px), (None, None, None));
+        assert_eq!(
+            (summary.segprec1, summary.all.cells_percent, summary.rms_error_px),
+            (None, None, None)
+        );
     }
 }

@@ -8,7 +8,12 @@ use core::fmt::Write;
 /// One line per frame and one for all of them.
 #[must_use]
 pub fn scene_table(scores: &[FrameScore]) -> String {
-    let width = scores.iter().map(|score| score.name.chars().count()).max().unwrap_or(0).max("pooled".len());
+    let width = scores
+        .iter()
+        .map(|score| score.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max("pooled".len());
     let mut text = format!(
         "{:width$}  segments  segprec@1/@2   points  cells   vis bad1/bad2  allGT bad1/bad2  median   rms px  {:>6}\n",
         "scene", "ms"
@@ -20,10 +25,12 @@ pub fn scene_table(scores: &[FrameScore]) -> String {
     text
 }
 
-/// Second line of the pooled scores: sure answers, error against yield, stated against observed probability.
+/// Second line of the pooled scores: sure answers, error against yield, stated against observed
+/// probability.
 #[must_use]
 pub fn report(summary: &Summary) -> String {
-    let mut text = String::from("answers     points/frame   cells   vis bad1/bad2   allGT bad1/bad2\n");
+    let mut text =
+        String::from("answers     points/frame   cells   vis bad1/bad2   allGT bad1/bad2\n");
     for (name, answers) in [("all", &summary.all), ("p >= 0.9", &summary.sure)] {
         answers_line(&mut text, name, answers);
     }
@@ -43,7 +50,8 @@ pub fn report(summary: &Summary) -> String {
         "\nprobability stated against observed (within 1 px, allGT)\nbin            points  stated   observed\n",
     );
     for bin in &summary.calibration {
-        let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+        let share =
+            |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
         let _ = writeln!(
             text,
             "{:.2}-{:.2}  {:10}  {:>6}   {:>8}",

@@ -16,7 +16,8 @@ pub enum Family {
     SamePixel,
     /// Rows of one image that moved along themselves.
     MovedRows,
-    /// Rows moved in proportion to their number: a plane added to all disparities, as another attitude of the camera would.
+    /// Rows moved in proportion to their number: a plane added to all disparities, as another
+    /// attitude of the camera would.
     Sheared,
     /// Rows, rotation, focal length: the calibration does not hold.
     Geometry,
@@ -286,15 +287,23 @@ impl Damage {
             D::RowNoise(sigma) => sensor::line_noise(pair, sigma, source.seed, false),
             D::OneCameraTwice => [source.scene.left.clone(), source.scene.left.clone()],
             D::Text(lines) => sensor::text(pair, lines, source.seed),
-            D::Dirt(count, radius) => pair.map(|image| sensor::blobs(image, count, radius, 25, source.seed)),
-            D::BrightDirt(count, radius) => pair.map(|image| sensor::blobs(image, count, radius, 235, source.seed)),
-            D::Drops(count, radius) => pair.map(|image| sensor::drops(&image, count, radius, source.seed)),
+            D::Dirt(count, radius) => {
+                pair.map(|image| sensor::blobs(image, count, radius, 25, source.seed))
+            }
+            D::BrightDirt(count, radius) => {
+                pair.map(|image| sensor::blobs(image, count, radius, 235, source.seed))
+            }
+            D::Drops(count, radius) => {
+                pair.map(|image| sensor::drops(&image, count, radius, source.seed))
+            }
             D::DeadColumns(step) => pair.map(|image| sensor::columns(image, step, 0)),
             D::BrightColumns(step) => pair.map(|image| sensor::columns(image, step, 255)),
             D::Torn(by) => right_only(&|right| geometry::torn(right, by)),
             D::RollingShutter(by) => right_only(&|right| geometry::sheared(right, by)),
             D::LostSync(by) => right_only(&|right| geometry::bands(right, by)),
-            D::Focal(percent) => right_only(&|right| geometry::magnified(right, 1.0 + percent / 100.0)),
+            D::Focal(percent) => {
+                right_only(&|right| geometry::magnified(right, 1.0 + percent / 100.0))
+            }
             D::Roll(degrees) => right_only(&|right| geometry::rotated(right, degrees.to_radians())),
             D::RowsOff(by) => right_only(&|right| geometry::moved(right, 0.0, by)),
             D::Distortion(by) => right_only(&|right| geometry::distorted(right, by)),
@@ -318,8 +327,13 @@ impl Damage {
                 right_only(&|right| sensor::blobs(right.clone(), count, radius, 25, source.seed))
             }
             D::Swapped => perturbed(Perturbation { swap: true, ..none }),
-            D::OneFrozen => [source.scene.left.clone(), geometry::fitted(source.other[1], source.scene.left.dims)],
-            D::BothFrozen => source.other.map(|image| geometry::fitted(image, source.scene.left.dims)),
+            D::OneFrozen => [
+                source.scene.left.clone(),
+                geometry::fitted(source.other[1], source.scene.left.dims),
+            ],
+            D::BothFrozen => {
+                source.other.map(|image| geometry::fitted(image, source.scene.left.dims))
+            }
             D::Shift(by) => right_only(&|right| geometry::moved(right, -by, 0.0)),
         }
     }
@@ -360,7 +374,9 @@ impl fmt::Display for Damage {
             Self::SaltAndPepper(percent) => write!(f, "salt and pepper {percent} %"),
             Self::Gain(gain) => write!(f, "gain {gain} of the right"),
             Self::Covered(percent) => write!(f, "right covered by {percent} %"),
-            Self::DirtOneEye(count, radius) => write!(f, "{count} spots, radius {radius}, right alone"),
+            Self::DirtOneEye(count, radius) => {
+                write!(f, "{count} spots, radius {radius}, right alone")
+            }
             Self::Swapped => write!(f, "swapped"),
             Self::OneFrozen => write!(f, "right frozen at another scene"),
             Self::BothFrozen => write!(f, "both frozen at another scene"),

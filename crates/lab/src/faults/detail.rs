@@ -13,8 +13,12 @@ pub(super) fn jpeg(image: &GrayImage, quality: u8) -> GrayImage {
     let mut bytes = Vec::new();
     let encoder = JpegEncoder::new_with_quality(&mut bytes, quality);
     let (width, height) = (u32::from(image.dims.width), u32::from(image.dims.height));
-    encoder.write_image(&image.pixels, width, height, ExtendedColorType::L8).expect("written to memory");
-    let decoded = image::load_from_memory_with_format(&bytes, ImageFormat::Jpeg).expect("just encoded").into_luma8();
+    encoder
+        .write_image(&image.pixels, width, height, ExtendedColorType::L8)
+        .expect("written to memory");
+    let decoded = image::load_from_memory_with_format(&bytes, ImageFormat::Jpeg)
+        .expect("just encoded")
+        .into_luma8();
     GrayImage { dims: image.dims, pixels: decoded.into_raw() }
 }
 
@@ -45,7 +49,10 @@ pub(super) fn motion(image: &GrayImage, length: usize) -> GrayImage {
 pub(super) fn fog(pair: [GrayImage; 2], contrast: f64, seed: u64) -> [GrayImage; 2] {
     const LIGHT: f64 = 190.0;
     let pair = pair.map(|mut image| {
-        image.pixels.iter_mut().for_each(|v| *v = (LIGHT + contrast * (f64::from(*v) - LIGHT)).round() as u8);
+        image
+            .pixels
+            .iter_mut()
+            .for_each(|v| *v = (LIGHT + contrast * (f64::from(*v) - LIGHT)).round() as u8);
         image
     });
     let [left, right] = &pair;

@@ -23,7 +23,9 @@ fn resampled(image: &GrayImage, at: impl Fn(f64, f64) -> (f64, f64)) -> GrayImag
 /// Cut to this size; what it lacks is its border repeated.
 pub(super) fn fitted(image: &GrayImage, dims: Dims) -> GrayImage {
     let (width, height) = (usize::from(image.dims.width), usize::from(image.dims.height));
-    let pixel = |x: u16, y: u16| image.pixels[usize::from(y).min(height - 1) * width + usize::from(x).min(width - 1)];
+    let pixel = |x: u16, y: u16| {
+        image.pixels[usize::from(y).min(height - 1) * width + usize::from(x).min(width - 1)]
+    };
     let pixels = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y)));
     GrayImage { dims, pixels: pixels.map(|(x, y)| pixel(x, y)).collect() }
 }

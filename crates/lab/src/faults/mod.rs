@@ -1,4 +1,5 @@
-//! Damaged pairs: what a lens, a cable, a sensor, a mount or a scene does to a pair, by name and strength, and what is answered of it.
+//! Damaged pairs: what a lens, a cable, a sensor, a mount or a scene does to a pair, by name and
+//! strength, and what is answered of it.
 //!
 //! ```text
 //! source     the pair before

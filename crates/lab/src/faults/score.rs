@@ -5,7 +5,8 @@
 //! answers   depths of objects while the pair was called healthy, by masks and by drawn boxes
 //! wrong     of these: more than 1 px outside of the object's own 5-95 % of true disparities
 //! far off   of these: wrong, and the depth differs by more than 20 % from the true median
-//! points    with p >= 0.9 while the pair was called healthy: how many are more than 1 px off, and how many should be by what they state
+//! points    with p >= 0.9 while the pair was called healthy: how many are more than 1 px off, and
+//!           how many should be by what they state
 //! ```
 
 use super::{Damage, Evidence, Family};
@@ -76,7 +77,12 @@ impl Tally {
 
 /// Counts of what the engine has just said of a damaged pair.
 #[must_use]
-pub fn score(engine: &mut Engine, result: &FrameResult, cases: &[ObjectCase], truth: &Truth) -> Tally {
+pub fn score(
+    engine: &mut Engine,
+    result: &FrameResult,
+    cases: &[ObjectCase],
+    truth: &Truth,
+) -> Tally {
     let mut tally = Tally { pairs: 1, objects: cases.len(), ..Tally::default() };
     if !result.health.of_pair().is_fit() {
         tally.refused = 1;
@@ -87,7 +93,8 @@ pub fn score(engine: &mut Engine, result: &FrameResult, cases: &[ObjectCase], tr
         tally.wrong += usize::from(answer.wrong);
         tally.far_off += usize::from(answer.wrong && answer.error > FAR_OFF * answer.disparity);
         if answer.wrong {
-            let ObjectScore { name, outline, disparity, range: (low, high), confidence, .. } = answer;
+            let ObjectScore { name, outline, disparity, range: (low, high), confidence, .. } =
+                answer;
             tally.wrong_answers.push(format!(
                 "{name}, {}: {disparity:.1} px, true {low:.1} to {high:.1}, at p {confidence:.3}",
                 outline.name()
@@ -97,14 +104,16 @@ pub fn score(engine: &mut Engine, result: &FrameResult, cases: &[ObjectCase], tr
     for point in &result.points {
         if let Some(disparity) = truth.disparity(point.x.into(), point.y.into()) {
             tally.points += 1;
-            tally.points_wrong += usize::from((point.disparity.to_num::<f32>() - disparity).abs() > WRONG_PX);
+            tally.points_wrong +=
+                usize::from((point.disparity.to_num::<f32>() - disparity).abs() > WRONG_PX);
             tally.stated += point.confidence.to_num::<f64>();
         }
     }
     tally
 }
 
-/// True for the forms of objects that the bench asks for: sloppy masks are scored by `eval --objects`.
+/// True for the forms of objects that the bench asks for: sloppy masks are scored by `eval
+/// --objects`.
 #[must_use]
 pub fn is_asked(case: &ObjectCase) -> bool {
     matches!(case.outline, Outline::Given | Outline::Box)
@@ -142,7 +151,12 @@ impl FaultReport {
         for (family, damage, flags, tally) in cases {
             let name = damage.to_string();
             let place = damages.iter().position(|row| row.damage == name).unwrap_or_else(|| {
-                let row = FaultRow { family: *family, damage: name, flags: BTreeMap::new(), tally: Tally::default() };
+                let row = FaultRow {
+                    family: *family,
+                    damage: name,
+                    flags: BTreeMap::new(),
+                    tally: Tally::default(),
+                };
                 damages.push(row);
                 damages.len() - 1
             });
@@ -160,7 +174,8 @@ impl FaultReport {
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = String::from(
-            "damage                                 refused   answers   wrong  far off   points off, stated   flags\n",
+            "damage                                 refused   answers   wrong  far off   points \
+             off, stated   flags\n",
         );
         for family in Family::ALL {
             let rows = self.damages.iter().filter(|row| row.family == family);
@@ -174,22 +189,30 @@ impl FaultReport {
                 let _ = writeln!(text, "\n{}{note}", family.name());
             }
             for row in rows {
-                let flags: Vec<String> = row.flags.iter().map(|(flag, count)| format!("{count} {flag}")).collect();
+                let flags: Vec<String> =
+                    row.flags.iter().map(|(flag, count)| format!("{count} {flag}")).collect();
                 text.push_str(&line(&row.damage, &row.tally, &flags.join(", ")));
             }
         }
         text.push('\n');
         text.push_str(&line("all that a pair can show", &self.shown_by_a_pair, ""));
         let [wrong, far_off] = self.shown_by_a_pair.wrong_percent();
-        let _ = writeln!(text, "\nof all answers of damaged pairs {wrong:.2} % are wrong, {far_off:.2} % far off");
+        let _ = writeln!(
+            text,
+            "\nof all answers of damaged pairs {wrong:.2} % are wrong, {far_off:.2} % far off"
+        );
         text
     }
 }
 
 fn line(name: &str, tally: &Tally, flags: &str) -> String {
     let Tally { pairs, refused, answers, wrong, far_off, .. } = tally;
-    let points = tally
-        .points_percent()
-        .map_or_else(|| "-".to_owned(), |(off, stated)| format!("{off:5.1} %, {:4.1} %", 100.0 * (1.0 - stated)));
-    format!("{name:36} {refused:4} of {pairs:<4} {answers:5} {wrong:7} {far_off:8}   {points:>18}   {flags}\n")
+    let points = tally.points_percent().map_or_else(
+        || "-".to_owned(),
+        |(off, stated)| format!("{off:5.1} %, {:4.1} %", 100.0 * (1.0 - stated)),
+    );
+    format!(
+        "{name:36} {refused:4} of {pairs:<4} {answers:5} {wrong:7} {far_off:8}   {points:>18}   \
+         {flags}\n"
+    )
 }

@@ -13,14 +13,22 @@ pub(super) fn fixed_pattern(pair: [GrayImage; 2], sigma: f64, seed: u64) -> [Gra
     pair.map(|mut image| {
         let mut random = SplitMix64(seed);
         for values in image.pixels.chunks_mut(2) {
-            values.iter_mut().zip(random.normal_pair()).for_each(|(value, normal)| add(value, sigma * normal));
+            values
+                .iter_mut()
+                .zip(random.normal_pair())
+                .for_each(|(value, normal)| add(value, sigma * normal));
         }
         image
     })
 }
 
 /// An offset of every column, or of every row, that is the same in both images.
-pub(super) fn line_noise(pair: [GrayImage; 2], sigma: f64, seed: u64, columns: bool) -> [GrayImage; 2] {
+pub(super) fn line_noise(
+    pair: [GrayImage; 2],
+    sigma: f64,
+    seed: u64,
+    columns: bool,
+) -> [GrayImage; 2] {
     pair.map(|mut image| {
         let mut random = SplitMix64(seed);
         let width = usize::from(image.dims.width);
@@ -84,7 +92,13 @@ fn cover(image: &GrayImage, count: usize, radius: f64, seed: u64) -> Vec<f64> {
 }
 
 /// Blobs of one grey level.
-pub(super) fn blobs(mut image: GrayImage, count: usize, radius: f64, level: u8, seed: u64) -> GrayImage {
+pub(super) fn blobs(
+    mut image: GrayImage,
+    count: usize,
+    radius: f64,
+    level: u8,
+    seed: u64,
+) -> GrayImage {
     let cover = cover(&image, count, radius, seed);
     for (value, share) in image.pixels.iter_mut().zip(cover) {
         add(value, share * (f64::from(level) - f64::from(*value)));
@@ -106,7 +120,12 @@ pub(super) fn drops(image: &GrayImage, count: usize, radius: f64, seed: u64) -> 
 /// Every `step`-th column at one level.
 pub(super) fn columns(mut image: GrayImage, step: usize, level: u8) -> GrayImage {
     let width = usize::from(image.dims.width);
-    image.pixels.iter_mut().enumerate().filter(|(i, _)| i % width % step == step / 2).for_each(|(_, v)| *v = level);
+    image
+        .pixels
+        .iter_mut()
+        .enumerate()
+        .filter(|(i, _)| i % width % step == step / 2)
+        .for_each(|(_, v)| *v = level);
     image
 }
 

@@ -37,10 +37,13 @@ pub(super) fn paint(source: &Source<'_>, pattern: impl Fn(f64, f64) -> f64) -> [
     let Some(truth) = &scene.truth else { return [left, right] };
     let (width, height) = (i32::from(left.dims.width), i32::from(left.dims.height));
     let painted = |own: u8, x: f64, y: i32| {
-        let value = 128.0 + REMAINING * (f64::from(own) - 128.0) + AMPLITUDE * pattern(x, f64::from(y));
+        let value =
+            128.0 + REMAINING * (f64::from(own) - 128.0) + AMPLITUDE * pattern(x, f64::from(y));
         value.round() as u8
     };
-    let surface = |x: i32, y: i32| truth.disparity(x, y).filter(|_| source.objects.contains(x, y)).map(f64::from);
+    let surface = |x: i32, y: i32| {
+        truth.disparity(x, y).filter(|_| source.objects.contains(x, y)).map(f64::from)
+    };
     for y in 0..height {
         for x in 0..width {
             let index = |x: i32| (y * width + x) as usize;
@@ -57,7 +60,8 @@ pub(super) fn paint(source: &Source<'_>, pattern: impl Fn(f64, f64) -> f64) -> [
             for u in from.ceil() as i32..=to.floor() as i32 {
                 if (0..width).contains(&u) {
                     let own = scene.right.pixels[index(u)];
-                    right.pixels[index(u)] = painted(own, f64::from(x) + (f64::from(u) - from) / (to - from), y);
+                    right.pixels[index(u)] =
+                        painted(own, f64::from(x) + (f64::from(u) - from) / (to - from), y);
                 }
             }
         }

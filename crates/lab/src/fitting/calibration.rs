@@ -32,7 +32,8 @@ pub(super) struct Tables {
 pub(super) fn tables(scenes: &[Vec<(f64, &Sample)>]) -> Tables {
     let held_out = scenes.concat();
     let mut tables = Tables { probability_q16: [0; NODES], sigma_q6: [0; NODES] };
-    let found = rising((0..NODES).filter_map(|node| Some((node, share_right(scenes, node_score(node))?))));
+    let found =
+        rising((0..NODES).filter_map(|node| Some((node, share_right(scenes, node_score(node))?))));
     let mut floor = 0.0_f64;
     for (node, probability) in tables.probability_q16.iter_mut().enumerate() {
         // Below the first node that scenes have, evenly up to it.
@@ -72,7 +73,8 @@ fn share_right(scenes: &[Vec<(f64, &Sample)>], centre: f64) -> Option<[f64; 2]> 
     shares.iter_mut().for_each(|share| share[1] = share[1].min(most));
     let all: f64 = shares.iter().map(|[_, pixels]| pixels).sum();
     let mean = shares.iter().map(|[share, pixels]| share * pixels).sum::<f64>() / all;
-    let variance: f64 = shares.iter().map(|[share, pixels]| (pixels * (share - mean)).powi(2)).sum();
+    let variance: f64 =
+        shares.iter().map(|[share, pixels]| (pixels * (share - mean)).powi(2)).sum();
     Some([mean - variance.sqrt() / all, all])
 }
 
@@ -88,7 +90,10 @@ fn rising(nodes: impl Iterator<Item = (usize, [f64; 2])>) -> Vec<(usize, f64)> {
         }
         pools.push((at, pool));
     }
-    pools.into_iter().flat_map(|(nodes, [share, _])| nodes.into_iter().map(move |node| (node, share))).collect()
+    pools
+        .into_iter()
+        .flat_map(|(nodes, [share, _])| nodes.into_iter().map(move |node| (node, share)))
+        .collect()
 }
 
 fn node_score(node: usize) -> f64 {
@@ -112,7 +117,8 @@ mod tests {
 
     #[test]
     fn shares_that_fall_are_pooled() {
-        let shares = [0.2, 0.5, 0.3, 0.9].into_iter().enumerate().map(|(node, share)| (node, [share, 1.0]));
+        let shares =
+            [0.2, 0.5, 0.3, 0.9].into_iter().enumerate().map(|(node, share)| (node, [share, 1.0]));
         assert_eq!(rising(shares), [(0, 0.2), (1, 0.4), (2, 0.4), (3, 0.9)]);
         let weighed = [(3, [0.75, 2.0]), (5, [0.25, 2.0])];
         assert_eq!(rising(weighed.into_iter()), [(3, 0.5), (5, 0.5)]);

@@ -17,7 +17,8 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// Fits the samples, with this penalty on standardised coefficients; `start` gives the standardisation and the first guess.
+    /// Fits the samples, with this penalty on standardised coefficients; `start` gives the
+    /// standardisation and the first guess.
     pub(super) fn fit(samples: &[&Sample], penalty: f64, start: Option<&Line>) -> Self {
         let mut line = start.cloned().unwrap_or_else(|| Self::standardised(samples));
         let mut rows = Rows::new(line.weights.len());
@@ -34,7 +35,8 @@ impl Line {
         let count = samples.len().max(1) as f64;
         for i in 0..kinds {
             mean[i] = samples.iter().map(|s| s.evidence[i]).sum::<f64>() / count;
-            let variance = samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
+            let variance =
+                samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
             // Evidence that never varies says nothing; a unit scale leaves its coefficient at zero.
             scale[i] = if variance > 1e-12 { variance.sqrt() } else { 1.0 };
         }
@@ -48,7 +50,10 @@ impl Line {
 
     /// Log-odds of a sample.
     pub(super) fn score(&self, sample: &Sample) -> f64 {
-        self.standardise(&sample.evidence).zip(self.weights.iter()).map(|(input, weight)| input * weight).sum()
+        self.standardise(&sample.evidence)
+            .zip(self.weights.iter())
+            .map(|(input, weight)| input * weight)
+            .sum()
     }
 
     /// Bias and coefficients of the raw evidence.
@@ -86,9 +91,13 @@ pub(super) fn newton(rows: &Rows, start: DVector<f64>, penalty: f64) -> DVector<
         let mut gradient = DVector::zeros(size);
         let mut curvature = vec![0.0; size * size]; // lower triangle, row by row
         for (inputs, &(right, wrong)) in rows.inputs.chunks_exact(rows.width).zip(&rows.outcomes) {
-            let p = logistic(inputs.iter().zip(weights.iter()).map(|(input, weight)| input * weight).sum());
+            let p = logistic(
+                inputs.iter().zip(weights.iter()).map(|(input, weight)| input * weight).sum(),
+            );
             let (error, weight) = (right - (right + wrong) * p, (right + wrong) * p * (1.0 - p));
-            for (i, (&input, row)) in inputs.iter().zip(curvature.chunks_exact_mut(size)).enumerate() {
+            for (i, (&input, row)) in
+                inputs.iter().zip(curvature.chunks_exact_mut(size)).enumerate()
+            {
                 gradient[i] += error * input;
                 let scaled = weight * input;
                 row[..=i].iter_mut().zip(inputs).for_each(|(sum, other)| *sum += scaled * other);

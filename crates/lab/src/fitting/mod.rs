@@ -6,12 +6,14 @@
 //! tables:  probability and spread of the scores of scenes that the line has not seen               (calibration)
 //! ```
 
+mod bars;
 mod calibration;
 mod logistic;
 mod pixels;
 mod sample;
 mod source;
 
+pub use bars::{bar_source_text, fit_bars};
 pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, add_ground_samples, scene_samples};
 pub use source::{source_text, support_source_text};
@@ -23,8 +25,8 @@ use rayon::prelude::*;
 use sample::{Sample, SampleKind};
 use std::collections::BTreeMap;
 
-/// Penalty on the coefficients of segments' answers. Neighbouring pixels and distances of one side are no independent samples: a hundred of
-/// them weigh about as much as one answer.
+/// Penalty on the coefficients of segments' answers. Neighbouring pixels and distances of one side
+/// are no independent samples: a hundred of them weigh about as much as one answer.
 const SIDES_PENALTY: f64 = 100.0;
 /// Tables are fitted on scores of scenes that the line has not seen: so many lines, each without
 /// its share of the scenes.
@@ -32,7 +34,8 @@ const FOLDS: usize = 8;
 /// Support points are one pixel each.
 const SUPPORT_PENALTY: f64 = 3.0;
 
-/// Fits the models on these pairs. Tables are fitted on scores of each scene by a line fitted on the others.
+/// Fits the models on these pairs. Tables are fitted on scores of each scene by a line fitted on
+/// the others.
 #[must_use]
 pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
     FittedModels {
@@ -45,6 +48,7 @@ pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
         support: SupportModels {
             upright: fit_kind(pairs, SampleKind::Support),
             ground: fit_kind(pairs, SampleKind::SupportOfGround),
+            fine: fit_kind(pairs, SampleKind::FineSupport),
         },
     }
 }
@@ -54,7 +58,8 @@ fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<
     for pair in pairs {
         scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
     }
-    let is_support = matches!(kind, SampleKind::Support | SampleKind::SupportOfGround);
+    let is_support =
+        matches!(kind, SampleKind::Support | SampleKind::SupportOfGround | SampleKind::FineSupport);
     let penalty = if is_support { SUPPORT_PENALTY } else { SIDES_PENALTY };
     fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
 }
@@ -76,7 +81,9 @@ fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> Model<N>
     let held_out: Vec<Vec<(f64, &Sample)>> = scenes
         .iter()
         .enumerate()
-        .map(|(i, scene)| scene.iter().map(|sample| (lines[i % folds].score(sample), *sample)).collect())
+        .map(|(i, scene)| {
+            scene.iter().map(|sample| (lines[i % folds].score(sample), *sample)).collect()
+        })
         .collect();
     let tables = calibration::tables(&held_out);
     let (bias, coefficients) = line.raw();
@@ -84,7 +91,12 @@ fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> Model<N>
     for (q12, coefficient) in coefficients_q12.iter_mut().zip(coefficients) {
         *q12 = q(coefficient);
     }
-    Model { bias_q12: q(bias), coefficients_q12, probability_q16: tables.probability_q16, sigma_q6: tables.sigma_q6 }
+    Model {
+        bias_q12: q(bias),
+        coefficients_q12,
+        probability_q16: tables.probability_q16,
+        sigma_q6: tables.sigma_q6,
+    }
 }
 
 /// Q12, within what the core's sums are proved for.

@@ -1,32 +1,37 @@
 //! The confidence model of the depth of pixels.
 
 use super::sample::Sample;
-use super::source::fields;
+use super::source::{fields, written_by};
 use super::{SIDES_PENALTY, fit_scenes};
 use crate::evaluate::QueriedPixel;
 use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelKind};
 
-/// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of each scene by a line fitted on the others.
+/// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of
+/// each scene by a line fitted on the others.
 #[must_use]
 pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> Model<PIXEL_EVIDENCE> {
     let sample = |pixel: &QueriedPixel| {
         let (disparity, evidence) = pixel.found.as_ref().ok()?;
         Some(Sample::pixel(evidence, (disparity - pixel.truth).abs()))
     };
-    let samples: Vec<Vec<Sample>> = scenes.iter().map(|scene| scene.iter().filter_map(sample).collect()).collect();
-    fit_scenes(&samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>(), SIDES_PENALTY)
+    let samples: Vec<Vec<Sample>> =
+        scenes.iter().map(|scene| scene.iter().filter_map(sample).collect()).collect();
+    fit_scenes(
+        &samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>(),
+        SIDES_PENALTY,
+    )
 }
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
 pub fn pixel_source_text(model: &Model<PIXEL_EVIDENCE>, origin: &str) -> String {
-    let mut text = format!(
-        "//! Written by `linestereo-lab eval-pixels` from {origin}: do not edit.\n\n\
-         use super::PIXEL_EVIDENCE;\n\
+    let mut text = written_by("eval-pixels", origin);
+    text.push_str(
+        "use super::PIXEL_EVIDENCE;\n\
          use crate::confidence::Model;\n\n\
          /// The model that plans use unless they are given another.\n\
          #[rustfmt::skip]\n\
-         pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {{\n"
+         pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {\n",
     );
     fields(&mut text, "    ", model, &PixelKind::NAMES);
     text.push_str("};\n");

@@ -1,7 +1,8 @@
 //! Answers with evidence and truth.
 
 use linestereo::diagnostics::{
-    Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
+    BarEvidence, Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent,
+    SupportEvidence, ValidPixels,
 };
 use linestereo::{Params, Support};
 use linestereo_frames::Truth;
@@ -20,10 +21,14 @@ pub(super) enum SampleKind {
     Support,
     /// Where the ground plane is looked for.
     SupportOfGround,
+    /// Of images that are matched at half of their size first.
+    FineSupport,
     Pixel,
+    Bar,
 }
 
-/// The pixels that one side of one candidate reports at one distance, or one pixel that was asked for.
+/// The pixels that one side of one candidate reports at one distance, or one pixel that was asked
+/// for.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     kind: SampleKind,
@@ -39,6 +44,12 @@ impl Sample {
         Self { kind: SampleKind::Pixel, evidence, errors: vec![error] }
     }
 
+    /// The pixels of a bar; `errors` are `|disparity - true|`, px.
+    pub(super) fn bar(evidence: &BarEvidence, errors: Vec<f32>) -> Self {
+        let evidence = evidence.0.iter().map(|&value| f64::from(value) / 256.0).collect();
+        Self { kind: SampleKind::Bar, evidence, errors }
+    }
+
     /// Pixels within 1 px, and the others.
     pub(super) fn outcome(&self) -> (f64, f64) {
         let right = self.errors.iter().filter(|&&error| error <= 1.0).count();
@@ -49,7 +60,8 @@ impl Sample {
 /// All samples of one pair.
 #[derive(Clone, Debug)]
 pub struct SceneSamples {
-    /// Name of the scene: samples of the same one are never scored by a model that has seen one of them.
+    /// Name of the scene: samples of the same one are never scored by a model that has seen one of
+    /// them.
     pub(super) scene: String,
     samples: Vec<Sample>,
 }
@@ -100,17 +112,36 @@ impl Observer for EvidenceLog {
 
 /// Adds the support points of the last run, with the ground plane, that have truth; `log` watched
 /// it.
-pub fn add_ground_samples(samples: &mut SceneSamples, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) {
-    let points = support_samples(SampleKind::SupportOfGround, engine.matched().support(), log, truth);
+pub fn add_ground_samples(
+    samples: &mut SceneSamples,
+    engine: &mut Engine,
+    log: &EvidenceLog,
+    truth: &Truth,
+) {
+    let matched = engine.matched();
+    let support = matched.support();
+    let kind =
+        if support.is_fine() { SampleKind::FineSupport } else { SampleKind::SupportOfGround };
+    let points = support_samples(kind, support, log, truth);
     samples.samples.extend(points);
 }
 
 /// Samples every answer of the last run that has truth; `log` watched it.
 #[must_use]
-pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth: &Truth) -> SceneSamples {
+pub fn scene_samples(
+    scene: &str,
+    engine: &mut Engine,
+    log: &EvidenceLog,
+    truth: &Truth,
+) -> SceneSamples {
     let matched = engine.matched();
     let (candidates, dims) = (matched.candidates(), matched.dims());
-    let mut samples = support_samples(SampleKind::Support, matched.support(), log, truth);
+    let support = matched.support();
+    let mut samples = if support.is_fine() {
+        Vec::new()
+    } else {
+        support_samples(SampleKind::Support, support, log, truth)
+    };
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {
@@ -120,20 +151,31 @@ pub fn scene_samples(scene: &str, engine: &mut Engine, log: &EvidenceLog, truth:
         };
         // The nearest truth within 1 px across the edge, as segments are scored.
         let at_edge = |x: i32, y: i32, d: f32| {
-            let near =
-                (-1..=1).filter_map(|k| if flat { truth.disparity(x, y + k) } else { truth.disparity(x + k, y) });
+            let near = (-1..=1).filter_map(|k| {
+                if flat { truth.disparity(x, y + k) } else { truth.disparity(x + k, y) }
+            });
             near.map(|truth| (truth - d).abs()).reduce(f32::min)
         };
-        let at_pixel = |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
+        let at_pixel =
+            |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
         for (index, (side, logged)) in candidate.sides.iter().zip(logged).enumerate() {
             let Some(side) = side else { continue };
             let known = logged.with_nearby(side.nearby_q8);
             for distance in 0..=REACH {
                 let mut errors: Vec<f32> = Vec::new();
-                candidate.for_each_pixel(index, distance, ValidPixels::whole(dims), |x, y, d_q6| {
-                    let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
-                    errors.extend(if distance == 0 { at_edge(x, y, d) } else { at_pixel(x, y, d) });
-                });
+                candidate.for_each_pixel(
+                    index,
+                    distance,
+                    ValidPixels::whole(dims),
+                    |x, y, d_q6| {
+                        let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
+                        errors.extend(if distance == 0 {
+                            at_edge(x, y, d)
+                        } else {
+                            at_pixel(x, y, d)
+                        });
+                    },
+                );
                 if errors.is_empty() {
                     continue;
                 }
@@ -154,11 +196,17 @@ fn what_it_shows(name: &str) -> String {
     name.split('_').next().unwrap_or_default().to_lowercase()
 }
 
-fn support_samples(kind: SampleKind, support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
+fn support_samples(
+    kind: SampleKind,
+    support: Support<'_>,
+    log: &EvidenceLog,
+    truth: &Truth,
+) -> Vec<Sample> {
     let points: Vec<_> = support.iter().collect();
     let sample = |&(place, evidence): &(usize, SupportEvidence)| {
         let &((x, y), point) = points.get(place)?;
-        let error = (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
+        let error =
+            (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
         let known = support.with_nearby(place, evidence).0;
         let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
         Some(Sample { kind, evidence, errors: vec![error] })

@@ -7,12 +7,12 @@ use linestereo::diagnostics::{Model, Models, SupportKind, SupportModels};
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
 pub fn source_text(models: &Models, origin: &str) -> String {
-    let mut text = format!(
-        "//! Written by `linestereo-lab fit-confidence` from {origin}: do not edit.\n\n\
-         use super::{{Model, Models}};\n\n\
+    let mut text = written_by("fit-confidence", origin);
+    text.push_str(
+        "use super::{Model, Models};\n\n\
          /// The models that plans use unless they are given others.\n\
          #[rustfmt::skip]\n\
-         pub const FITTED: Models = Models {{\n"
+         pub const FITTED: Models = Models {\n",
     );
     model(&mut text, "near_vertical", &models.near_vertical);
     model(&mut text, "near_horizontal", &models.near_horizontal);
@@ -25,21 +25,39 @@ pub fn source_text(models: &Models, origin: &str) -> String {
 /// The text of the core's file of constants for support points.
 #[must_use]
 pub fn support_source_text(models: &SupportModels, origin: &str) -> String {
-    let mut text = format!(
-        "//! Written by `linestereo-lab fit-confidence` from {origin}: do not edit.\n\n\
-         use super::SupportModels;\n\
+    let mut text = written_by("fit-confidence", origin);
+    text.push_str(
+        "use super::SupportModels;\n\
          use crate::confidence::Model;\n\n\
          /// The models that plans use unless they are given others.\n\
          #[rustfmt::skip]\n\
-         pub const FITTED_SUPPORT: SupportModels = SupportModels {{\n"
+         pub const FITTED_SUPPORT: SupportModels = SupportModels {\n",
     );
-    for (name, model) in [("upright", &models.upright), ("ground", &models.ground)] {
+    for (name, model) in
+        [("upright", &models.upright), ("ground", &models.ground), ("fine", &models.fine)]
+    {
         let _ = writeln!(text, "    {name}: Model {{");
         fields(&mut text, "        ", model, &SupportKind::NAMES);
         text.push_str("    },\n");
     }
     text.push_str("};\n");
     text
+}
+
+/// The first lines of a file of constants, of at most 100 columns.
+pub(super) fn written_by(command: &str, origin: &str) -> String {
+    let said = format!("Written by `linestereo-lab {command}` from {origin}: do not edit.");
+    let mut lines = vec![String::from("//!")];
+    for word in said.split(' ') {
+        let line = lines.last_mut().expect("starts with one line");
+        if line.len() + 1 + word.len() <= 100 {
+            line.push(' ');
+            line.push_str(word);
+        } else {
+            lines.push(format!("//! {word}"));
+        }
+    }
+    lines.join("\n") + "\n\n"
 }
 
 fn model(text: &mut String, name: &str, model: &Model) {
@@ -49,13 +67,20 @@ fn model(text: &mut String, name: &str, model: &Model) {
 }
 
 /// The fields of a model, each line indented.
-pub(super) fn fields<const N: usize>(text: &mut String, indent: &str, model: &Model<N>, names: &[&str; N]) {
+pub(super) fn fields<const N: usize>(
+    text: &mut String,
+    indent: &str,
+    model: &Model<N>,
+    names: &[&str; N],
+) {
     let _ = writeln!(text, "{indent}bias_q12: {},\n{indent}coefficients_q12: [", model.bias_q12);
     for (coefficient, name) in model.coefficients_q12.iter().zip(names) {
         let _ = writeln!(text, "{indent}    {coefficient}, // {name}");
     }
     let _ = writeln!(text, "{indent}],");
-    for (name, table) in [("probability_q16", &model.probability_q16), ("sigma_q6", &model.sigma_q6)] {
+    for (name, table) in
+        [("probability_q16", &model.probability_q16), ("sigma_q6", &model.sigma_q6)]
+    {
         let _ = writeln!(text, "{indent}{name}: [");
         for row in table.chunks(11) {
             let row: Vec<String> = row.iter().map(u16::to_string).collect();

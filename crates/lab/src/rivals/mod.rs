@@ -14,7 +14,8 @@ pub use opencv::{OPENCV_METHODS, OpenCv, OpenCvError, OpenCvMap, PYTHON_VARIABLE
 pub use table::{cell_comparison, comparison_table, object_comparison};
 
 use crate::evaluate::{
-    FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases, score_objects,
+    FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases,
+    score_objects,
 };
 use anyhow::Result;
 use core::time::Duration;
@@ -104,7 +105,8 @@ pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec
     let Some(first) = frames.first() else { return Vec::new() };
     let of = |(i, first): (usize, &MethodScore)| {
         let scores: Vec<&MethodScore> = frames.iter().map(|frame| &frame[i]).collect();
-        let objects: Vec<ObjectScore> = scores.iter().flat_map(|score| score.objects.iter().cloned()).collect();
+        let objects: Vec<ObjectScore> =
+            scores.iter().flat_map(|score| score.objects.iter().cloned()).collect();
         let mut confidences = scores.iter().flat_map(|score| score.score.confidences.iter());
         let any = confidences.next();
         MethodSummary {
@@ -121,7 +123,8 @@ pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec
     first.iter().enumerate().map(of).collect()
 }
 
-/// Matches a scene by every contender and by OpenCV; takes no times. `core` makes the core's engine for a scene.
+/// Matches a scene by every contender and by OpenCV; takes no times. `core` makes the core's engine
+/// for a scene.
 pub fn compare_scene(
     scene: &Scene,
     contenders: &[Contender],
@@ -134,8 +137,9 @@ pub fn compare_scene(
         let score = FrameScore::new(&scene.name, &truth, &result);
         MethodScore { method: method.to_owned(), score, objects, result: Some(result) }
     };
-    let of_map =
-        |name: &str, map: &DisparityMap| score(name, FrameResult::of_points(map.points()), objects_of(map, &cases));
+    let of_map = |name: &str, map: &DisparityMap| {
+        score(name, FrameResult::of_points(map.points()), objects_of(map, &cases))
+    };
     let mut scores = Vec::new();
     for contender in contenders {
         scores.push(match contender {
@@ -213,7 +217,10 @@ fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
         let inside: Vec<f32> = case.region().map_or(Vec::new(), |region| {
             let mask = Mask::of(&region, map.dims());
             let values = mask.pixels().iter().zip(map.values());
-            values.filter(|(inside, value)| **inside && value.is_finite()).map(|(_, &value)| value).collect()
+            values
+                .filter(|(inside, value)| **inside && value.is_finite())
+                .map(|(_, &value)| value)
+                .collect()
         });
         case.score(&median_depth(inside))
     };

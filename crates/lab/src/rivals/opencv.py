@@ -21,7 +21,8 @@ def block(texture, uniqueness, count):
 
 
 def semi_global(uniqueness, count):
-    # Penalties as OpenCV's documentation recommends them; everything else as its sample stereo_match has it.
+    # Penalties as OpenCV's documentation recommends them; everything else as its sample
+    # stereo_match has it.
     side = 5
     return cv2.StereoSGBM_create(
         minDisparity=0, numDisparities=count, blockSize=side, P1=8 * side * side, P2=32 * side * side, disp12MaxDiff=1,

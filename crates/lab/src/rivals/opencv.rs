@@ -1,4 +1,5 @@
-//! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is not ours.
+//! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is
+//! not ours.
 
 use core::fmt;
 use linestereo_baselines::{DisparityMap, Search};
@@ -18,8 +19,10 @@ const STEPS: f32 = 16.0;
 /// Which Python runs it, where no option says so.
 pub const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
 
-/// OpenCV's methods, in the order of tables: SGBM with uniqueness 10 and 80, BM with 15 and with 90 and texture 3000.
-pub const OPENCV_METHODS: [&str; 4] = ["opencv-bm", "opencv-bm-strict", "opencv-sgbm", "opencv-sgbm-strict"];
+/// OpenCV's methods, in the order of tables: SGBM with uniqueness 10 and 80, BM with 15 and with 90
+/// and texture 3000.
+pub const OPENCV_METHODS: [&str; 4] =
+    ["opencv-bm", "opencv-bm-strict", "opencv-sgbm", "opencv-sgbm-strict"];
 
 /// Why OpenCV does not match.
 #[derive(Debug)]
@@ -47,9 +50,14 @@ impl fmt::Display for OpenCvError {
                 "{} has no OpenCV; pip install opencv-python-headless, or name another Python by --python or {PYTHON_VARIABLE}",
                 program.display()
             ),
-            Self::Failed(what) => write!(f, "OpenCV failed ({what}); try another version of opencv-python-headless"),
+            Self::Failed(what) => {
+                write!(f, "OpenCV failed ({what}); try another version of opencv-python-headless")
+            }
             Self::Files(error) => {
-                write!(f, "cannot exchange files with Python: {error}; free space in the temporary folder")
+                write!(
+                    f,
+                    "cannot exchange files with Python: {error}; free space in the temporary folder"
+                )
             }
         }
     }
@@ -87,7 +95,8 @@ pub struct OpenCvMap {
 }
 
 impl OpenCv {
-    /// Looks for OpenCV in this Python, else in that of the environment variable, else in `python3`.
+    /// Looks for OpenCV in this Python, else in that of the environment variable, else in
+    /// `python3`.
     pub fn find(python: Option<&Path>) -> Result<Self, OpenCvError> {
         let python = python
             .map(|path| path.as_os_str().to_owned())
@@ -129,13 +138,16 @@ impl OpenCv {
         fs::write(at("right.pgm"), pgm(right))?;
         let (count, runs) = (search.count.to_string(), runs.to_string());
         let arguments = ["opencv.py", "left.pgm", "right.pgm", &count, &runs, "."];
-        let output = Command::new(&self.python).args(arguments).current_dir(folder.path()).output()?;
+        let output =
+            Command::new(&self.python).args(arguments).current_dir(folder.path()).output()?;
         if !output.status.success() {
             let text = String::from_utf8_lossy(&output.stderr).into_owned();
-            return Err(OpenCvError::Failed(text.lines().last().unwrap_or("no message").to_owned()));
+            return Err(OpenCvError::Failed(
+                text.lines().last().unwrap_or("no message").to_owned(),
+            ));
         }
-        let answer: Answer =
-            serde_json::from_slice(&output.stdout).map_err(|error| OpenCvError::Failed(error.to_string()))?;
+        let answer: Answer = serde_json::from_slice(&output.stdout)
+            .map_err(|error| OpenCvError::Failed(error.to_string()))?;
         let read = |name: &'static str| {
             let bytes = untrusted::read(&at(&format!("{name}.i16")), RESULT_BYTES)?;
             let milliseconds = answer.milliseconds.get(name).copied().unwrap_or(f64::NAN);
@@ -154,5 +166,8 @@ fn pgm(image: &GrayImage) -> Vec<u8> {
 /// Negative values are gaps.
 fn map(left: &GrayImage, bytes: &[u8]) -> DisparityMap {
     let values = bytes.chunks_exact(2).map(|pair| i16::from_ne_bytes([pair[0], pair[1]]));
-    DisparityMap::of_values(left.dims, values.map(|value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS }))
+    DisparityMap::of_values(
+        left.dims,
+        values.map(|value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS }),
+    )
 }

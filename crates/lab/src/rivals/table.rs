@@ -26,10 +26,19 @@ pub fn comparison_table(methods: &[MethodSummary]) -> String {
         for row in &summary.curve {
             let enough = row.available_per_frame >= row.points_per_frame as f64;
             let shown = *has_confidence && enough;
-            let rates = if shown { pair(row.errors.all_gt_bad1, row.errors.all_gt_bad2) } else { "-".to_owned() };
+            let rates = if shown {
+                pair(row.errors.all_gt_bad1, row.errors.all_gt_bad2)
+            } else {
+                "-".to_owned()
+            };
             let _ = write!(text, "  {rates:>11}");
         }
-        let _ = writeln!(text, "  {:>9}  {:>7}", number(summary.median_error_px, 2), number(summary.milliseconds, 2));
+        let _ = writeln!(
+            text,
+            "  {:>9}  {:>7}",
+            number(summary.median_error_px, 2),
+            number(summary.milliseconds, 2)
+        );
     }
     text
 }
@@ -45,7 +54,9 @@ pub fn cell_comparison(methods: &[MethodSummary]) -> String {
 pub fn object_comparison(methods: &[MethodSummary]) -> String {
     let kinds: Vec<Outline> = Outline::ALL
         .into_iter()
-        .filter(|outline| methods.iter().any(|method| method.objects.iter().any(|o| o.outline == *outline)))
+        .filter(|outline| {
+            methods.iter().any(|method| method.objects.iter().any(|o| o.outline == *outline))
+        })
         .collect();
     if kinds.is_empty() {
         return String::new();
@@ -59,21 +70,26 @@ pub fn object_comparison(methods: &[MethodSummary]) -> String {
     for method in methods {
         let _ = write!(text, "{:width$}", method.method);
         for kind in &kinds {
-            let cell = method
-                .objects
-                .iter()
-                .find(|o| o.outline == *kind)
-                .map_or("-".to_owned(), |o| format!("{:.1} / {:.0}", o.wrong_percent(), o.covered_percent()));
+            let cell =
+                method.objects.iter().find(|o| o.outline == *kind).map_or("-".to_owned(), |o| {
+                    format!("{:.1} / {:.0}", o.wrong_percent(), o.covered_percent())
+                });
             let _ = write!(text, "  {cell:>15}");
         }
-        let error = method.objects.first().and_then(|o| o.median_relative_error).map(|error| 100.0 * error);
+        let error =
+            method.objects.first().and_then(|o| o.median_relative_error).map(|error| 100.0 * error);
         let _ = writeln!(text, "  {:>10} %", number(error, 2));
     }
     text
 }
 
 fn name_width(methods: &[MethodSummary]) -> usize {
-    methods.iter().map(|method| method.method.chars().count()).max().unwrap_or(0).max("method".len())
+    methods
+        .iter()
+        .map(|method| method.method.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max("method".len())
 }
 
 fn pair(first: Option<f64>, second: Option<f64>) -> String {

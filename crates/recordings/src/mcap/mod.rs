@@ -1,7 +1,9 @@
-//! MCAP files, the container of ROS 2 and Foxglove, by the crate `mcap`: messages read by their places, and written.
+//! MCAP files, the container of ROS 2 and Foxglove, by the crate `mcap`: messages read by their
+//! places, and written.
 //!
 //! ```text
-//! Reader   schemas, channels and messages in the order of the file, chunks unpacked; a message again by its place
+//! Reader   schemas, channels and messages in the order of the file, chunks unpacked; a message
+//!          again by its place
 //! Writer   chunks with indexes and a summary, so that players seek without a scan
 //! ```
 //!
@@ -19,6 +21,6 @@ pub use ::mcap::records::Record;
 pub use read::{McapFault, Place, Reader};
 pub use write::Writer;
 
-/// Most bytes of a chunk or message, stored and unpacked. Recorders close a chunk behind 1 to 4 MiB;
-/// a colour image of 8 million pixels fits.
+/// Most bytes of a chunk or message, stored and unpacked. Recorders close a chunk behind 1 to 4
+/// MiB; a colour image of 8 million pixels fits.
 pub const RECORD_BYTES: u64 = 32 << 20;

@@ -1,9 +1,9 @@
 //! Records of a file, from its first to the end of its data; indexes and what no message needs are
 //! passed over.
 //!
-//! The crate `mcap` takes a record apart. Where records are, and how a chunk is unpacked, is decided
-//! here: its `LinearReader` tells no places, reads whole attachments, and takes the size of a chunk
-//! from those who made it.
+//! The crate `mcap` takes a record apart. Where records are, and how a chunk is unpacked, is
+//! decided here: its `LinearReader` tells no places, reads whole attachments, and takes the size of
+//! a chunk from those who made it.
 
 use super::RECORD_BYTES;
 use ::mcap::records::{ChunkHeader, Record, op};
@@ -61,8 +61,8 @@ pub enum McapFault {
     Record(u64),
     /// A chunk is packed by something else than lz4 or zstd.
     #[error(
-        "the chunk at byte {0} is packed by \"{name}\"; lz4, zstd and none are read: `mcap \
-         compress` changes it",
+        "the chunk at byte {0} is compressed with \"{name}\", not with lz4 or zstd; convert the \
+         file with `mcap compress`",
         name = printable(.1)
     )]
     Compression(u64, String),
@@ -86,7 +86,11 @@ impl Reader {
         let length = file.get_ref().metadata()?.len();
         let mut magic = Vec::new();
         (&mut file).take(MAGIC.len() as u64).read_to_end(&mut magic)?;
-        if magic == MAGIC { Ok(Self { file, length, kept: VecDeque::new() }) } else { Err(McapFault::NoMcap) }
+        if magic == MAGIC {
+            Ok(Self { file, length, kept: VecDeque::new() })
+        } else {
+            Err(McapFault::NoMcap)
+        }
     }
 
     /// Every schema, channel and message, in the order of the file.
@@ -106,7 +110,8 @@ impl Reader {
                         let inside = (records.len() - left.len()) as u32; // at most `RECORD_BYTES`
                         let (kind, fields, rest) = split(left).ok_or(McapFault::Record(at))?;
                         if matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
-                            let record = parse_record(kind, fields).map_err(|_| McapFault::Record(at))?;
+                            let record =
+                                parse_record(kind, fields).map_err(|_| McapFault::Record(at))?;
                             visit(record, Place { record: at, inside })?;
                         }
                         left = rest;
@@ -170,7 +175,11 @@ impl Reader {
 
     /// The same, kept for the next message of them.
     fn kept(&mut self, at: u64) -> Result<Arc<[u8]>, McapFault> {
-        let found = self.kept.iter().position(|(of, _)| *of == at).and_then(|index| self.kept.remove(index));
+        let found = self
+            .kept
+            .iter()
+            .position(|(of, _)| *of == at)
+            .and_then(|index| self.kept.remove(index));
         let records = match found {
             Some((_, records)) => records,
             None => {
@@ -208,7 +217,7 @@ fn unpacked(header: &ChunkHeader, stored: &[u8], at: u64) -> Result<Vec<u8>, Mca
         }
         Some(Err(error)) => Err(broken(&error)),
         Some(Ok(())) if ![0, crc32fast::hash(&records)].contains(&header.uncompressed_crc) => {
-            Err(broken(&"its checksum is another"))
+            Err(broken(&"its checksum does not match"))
         }
         Some(Ok(())) => Ok(records),
     }
@@ -217,6 +226,7 @@ fn unpacked(header: &ChunkHeader, stored: &[u8], at: u64) -> Result<Vec<u8>, Mca
 /// Kind and fields of the first record, and the bytes behind it.
 fn split(records: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     let ([kind, length @ ..], rest) = records.split_first_chunk::<HEAD_BYTES>()?;
-    let (fields, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    let (fields, rest) =
+        rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
     Some((*kind, fields, rest))
 }

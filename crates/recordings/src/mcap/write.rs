@@ -13,7 +13,11 @@ pub struct Writer<W: Write>(::mcap::Writer<NoSeek<W>>);
 impl<W: Write> Writer<W> {
     /// A file for ROS 2, written by this program.
     pub fn new(out: W, library: &str) -> io::Result<Self> {
-        let options = WriteOptions::new().compression(None).profile("ros2").library(library).disable_seeking(true);
+        let options = WriteOptions::new()
+            .compression(None)
+            .profile("ros2")
+            .library(library)
+            .disable_seeking(true);
         done(options.create(NoSeek::new(out))).map(Self)
     }
 

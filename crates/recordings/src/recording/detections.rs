@@ -40,7 +40,10 @@ pub struct Detection {
 
 impl fmt::Debug for Detections {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Detections").field("root", &self.root).field("topic", &self.topic).finish_non_exhaustive()
+        f.debug_struct("Detections")
+            .field("root", &self.root)
+            .field("topic", &self.topic)
+            .finish_non_exhaustive()
     }
 }
 
@@ -58,10 +61,12 @@ impl Detections {
             let (mut schemas, mut channels) = (HashMap::new(), HashMap::new());
             reader.scan(|record, place| -> Result<(), RecordingFault> {
                 match record {
-                    Record::Schema { header, .. } => _ = schemas.insert(header.id, header.name == SCHEMA),
+                    Record::Schema { header, .. } => {
+                        _ = schemas.insert(header.id, header.name == SCHEMA)
+                    }
                     Record::Channel(channel) => {
-                        let is_ours =
-                            schemas.get(&channel.schema_id) == Some(&true) && channel.message_encoding == "cdr";
+                        let is_ours = schemas.get(&channel.schema_id) == Some(&true)
+                            && channel.message_encoding == "cdr";
                         if is_ours && channel.topic.len() <= MOST_NAME_BYTES {
                             found.entry(channel.topic.clone()).or_default();
                             channels.insert(channel.id, channel.topic);
@@ -75,7 +80,9 @@ impl Detections {
                         if count > MOST_IMAGES {
                             return Err(RecordingFault::TooMany("detections"));
                         }
-                        let Some(stamp) = cdr::read::<Header>(&data) else { return Err(early(topic)) };
+                        let Some(stamp) = cdr::read::<Header>(&data) else {
+                            return Err(early(topic));
+                        };
                         if let Some(list) = found.get_mut(topic) {
                             list.push((stamp.stamp_ns(), file, place));
                         }
@@ -85,20 +92,32 @@ impl Detections {
                 Ok(())
             })
         })?;
-        let fault = |what: String| FrameError::Source(root.to_path_buf(), Box::new(RecordingFault::Topics(what)));
+        let fault = |what: String| {
+            FrameError::Source(root.to_path_buf(), Box::new(RecordingFault::Topics(what)))
+        };
         let names = found.keys().cloned().collect::<Vec<_>>().join(", ");
         let (topic, mut list) = match topic {
             _ if names.is_empty() => {
-                return Err(fault(format!("it has no topic of {SCHEMA}; record what the detector sends")));
+                return Err(fault(format!(
+                    "it has no topic of {SCHEMA}; record what the detector sends"
+                )));
             }
-            Some(name) => {
-                found.remove_entry(name).ok_or_else(|| fault(format!("no {SCHEMA} is in {name}, but in {names}")))?
+            Some(name) => found
+                .remove_entry(name)
+                .ok_or_else(|| fault(format!("no {SCHEMA} is in {name}, but in {names}")))?,
+            None if found.len() > 1 => {
+                return Err(fault(format!("{SCHEMA} is in {names}; name one by --objects")));
             }
-            None if found.len() > 1 => return Err(fault(format!("{SCHEMA} is in {names}; name one by --objects"))),
             None => found.pop_first().ok_or_else(|| fault("it has no detections".to_owned()))?,
         };
         list.sort_by_key(|(stamp, ..)| *stamp);
-        Ok(Self { root: root.to_path_buf(), topic, files, list, window_ns: (window_ms * 1e6) as u64 })
+        Ok(Self {
+            root: root.to_path_buf(),
+            topic,
+            files,
+            list,
+            window_ns: (window_ms * 1e6) as u64,
+        })
     }
 
     /// Boxes in the image of this time, ns; `None` where no message is near it.
@@ -108,14 +127,18 @@ impl Detections {
     pub fn at(&self, time_ns: u64) -> Result<Option<Vec<Detection>>, FrameError> {
         let time = i64::try_from(time_ns).unwrap_or(i64::MAX);
         let next = self.list.partition_point(|(stamp, ..)| *stamp < time);
-        let around = self.list.get(next.saturating_sub(1)..(next + 1).min(self.list.len())).unwrap_or(&[]);
+        let around =
+            self.list.get(next.saturating_sub(1)..(next + 1).min(self.list.len())).unwrap_or(&[]);
         let nearest = around.iter().min_by_key(|(stamp, ..)| stamp.abs_diff(time));
-        let Some(&(_, file, place)) = nearest.filter(|(stamp, ..)| stamp.abs_diff(time) <= self.window_ns) else {
+        let Some(&(_, file, place)) =
+            nearest.filter(|(stamp, ..)| stamp.abs_diff(time) <= self.window_ns)
+        else {
             return Ok(None);
         };
         let fault = |fault| FrameError::Source(self.root.clone(), Box::new(fault));
         let message = self.files.message(file, place).map_err(|error| fault(error.into()))?;
-        let array: Detection2DArray = cdr::read(&message).ok_or_else(|| fault(early(&self.topic)))?;
+        let array: Detection2DArray =
+            cdr::read(&message).ok_or_else(|| fault(early(&self.topic)))?;
         Ok(Some(array.detections.iter().map(Detection::of).collect()))
     }
 }
@@ -176,9 +199,12 @@ mod tests {
         for topic in topics {
             let channel = writer.channel(topic, SCHEMA, "").unwrap();
             for (sec, x) in [(3, 30.0), (1, 10.0)] {
-                let header = Header { stamp: Time { sec, nanosec: 500 }, frame_id: "left".to_owned() };
-                let detections =
-                    vec![found(x, 0.0, &[("cup", 0.4), ("person", 0.9)]), found(x, core::f64::consts::FRAC_PI_2, &[])];
+                let header =
+                    Header { stamp: Time { sec, nanosec: 500 }, frame_id: "left".to_owned() };
+                let detections = vec![
+                    found(x, 0.0, &[("cup", 0.4), ("person", 0.9)]),
+                    found(x, core::f64::consts::FRAC_PI_2, &[]),
+                ];
                 let bytes = cdr::write(&Detection2DArray { header, detections }).unwrap();
                 writer.message(channel, 0, &bytes).unwrap();
             }
@@ -195,12 +221,23 @@ mod tests {
         let found = at(1_000_000_500).unwrap();
         assert_eq!(
             found[0],
-            Detection { borders: [0.0, 45.0, 20.0, 55.0], class: "person".to_owned(), score: 0.9, id: "7".to_owned() }
+            Detection {
+                borders: [0.0, 45.0, 20.0, 55.0],
+                class: "person".to_owned(),
+                score: 0.9,
+                id: "7".to_owned()
+            }
         );
-        assert!(found[1].borders.iter().zip([5.0, 40.0, 15.0, 60.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+        assert!(
+            found[1].borders.iter().zip([5.0, 40.0, 15.0, 60.0]).all(|(a, b)| (a - b).abs() < 1e-9),
+            "{found:?}"
+        );
         assert_eq!(at(3_001_000_500).unwrap()[0].borders[0], 20.0, "the last one, 1 ms later");
         assert!(
-            at(3_001_000_501).is_none() && at(0).is_none() && at(2_000_000_000).is_none() && at(u64::MAX).is_none()
+            at(3_001_000_501).is_none()
+                && at(0).is_none()
+                && at(2_000_000_000).is_none()
+                && at(u64::MAX).is_none()
         );
     }
 
@@ -212,6 +249,11 @@ mod tests {
         assert!(error(Some("/c")).contains("is in /c, but in /a, /b"), "{}", error(Some("/c")));
         assert!(Detections::open(&path, Some("/b"), 1.0).is_ok());
         let (_folder, path) = recording(&[]);
-        assert!(Detections::open(&path, None, 1.0).unwrap_err().to_string().contains("it has no topic of vision_msgs"));
+        assert!(
+            Detections::open(&path, None, 1.0)
+                .unwrap_err()
+                .to_string()
+                .contains("it has no topic of vision_msgs")
+        );
     }
 }

@@ -24,7 +24,9 @@ pub fn is_recording(path: &Path) -> bool {
     let Ok(names) = names(path) else { return false };
     let holds_bags = names.iter().any(|name| is_mcap(name) || is_other_bag(name));
     // Without what ROS says of it, a folder that holds nothing else.
-    holds_bags && (path.join(METADATA).is_file() || names.iter().all(|name| is_mcap(name) || is_other_bag(name)))
+    holds_bags
+        && (path.join(METADATA).is_file()
+            || names.iter().all(|name| is_mcap(name) || is_other_bag(name)))
 }
 
 /// The name of an MCAP file.
@@ -35,49 +37,66 @@ pub fn is_mcap(path: &Path) -> bool {
 
 /// The name of a bag in SQLite or of ROS 1, or of one that is packed as a whole.
 fn is_other_bag(path: &Path) -> bool {
-    let is = |path: &Path, wanted: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted));
+    let is = |path: &Path, wanted: &str| {
+        path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted))
+    };
     let packed = path.file_stem().map(Path::new).filter(|_| is(path, "zstd"));
-    is(path, "db3") || is(path, "bag") || packed.is_some_and(|inner| is_mcap(inner) || is(inner, "db3"))
+    is(path, "db3")
+        || is(path, "bag")
+        || packed.is_some_and(|inner| is_mcap(inner) || is(inner, "db3"))
 }
 
 fn names(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries = std::fs::read_dir(folder)?.take(MOST_FILES);
-    let names: Result<Vec<_>, _> = entries.map(|entry| entry.map(|entry| PathBuf::from(entry.file_name()))).collect();
+    let names: Result<Vec<_>, _> =
+        entries.map(|entry| entry.map(|entry| PathBuf::from(entry.file_name()))).collect();
     names
 }
 
 /// The MCAP files of a recording, in their order.
 fn paths(root: &Path) -> Result<Vec<PathBuf>, RecordingFault> {
-    let packed = |path: &Path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("zstd"));
+    let packed = |path: &Path| {
+        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("zstd"))
+    };
     if !root.is_dir() {
         if packed(root) {
-            return Err(RecordingFault::Folder("it is packed as a whole; unpack it with `zstd -d`".to_owned()));
+            return Err(RecordingFault::Folder(
+                "it is packed as a whole; unpack it with `zstd -d`".to_owned(),
+            ));
         }
         return Ok(vec![root.to_path_buf()]);
     }
     let all = names(root).map_err(|error| RecordingFault::File(McapFault::Read(error)))?;
-    let (mut found, others): (Vec<PathBuf>, Vec<PathBuf>) = all.into_iter().partition(|name| is_mcap(name));
+    let (mut found, others): (Vec<PathBuf>, Vec<PathBuf>) =
+        all.into_iter().partition(|name| is_mcap(name));
     found.sort_by_key(|name| (number(name), name.clone()));
     let listed = |names: &[PathBuf]| {
-        let shown: Vec<String> = names.iter().take(LISTED).map(|name| name.display().to_string()).collect();
+        let shown: Vec<String> =
+            names.iter().take(LISTED).map(|name| name.display().to_string()).collect();
         shown.join(", ") + if names.len() > LISTED { ", .." } else { "" }
     };
     if found.is_empty() {
         let bags: Vec<PathBuf> = others.into_iter().filter(|name| is_other_bag(name)).collect();
-        let remedy = if bags.iter().any(|name| packed(name)) { "unpack it with `zstd -d`" } else { CONVERT };
-        return Err(RecordingFault::Folder(format!("it holds {} and no .mcap; {remedy}", listed(&bags))));
+        let remedy =
+            if bags.iter().any(|name| packed(name)) { "unpack it with `zstd -d`" } else { CONVERT };
+        return Err(RecordingFault::Folder(format!(
+            "it holds {} and no .mcap; {remedy}",
+            listed(&bags)
+        )));
     }
     if !root.join(METADATA).is_file() {
         if found.len() > 1 {
             let which = listed(&found);
             return Err(RecordingFault::Folder(format!(
-                "it holds {which} without a {METADATA}; give one of them, or `ros2 bag reindex` the folder"
+                "it holds {which} without a {METADATA}; give one of them, or `ros2 bag reindex` \
+                 the folder"
             )));
         }
     } else if let Some(missing) = promised(root)?.into_iter().find(|name| !found.contains(name)) {
         let missing = missing.display();
         return Err(RecordingFault::Folder(format!(
-            "its {METADATA} names {missing}, which is not there; copy the whole folder, or give the .mcap files one by one"
+            "its {METADATA} names {missing}, which is not there; copy the whole folder, or give \
+             the .mcap files one by one"
         )));
     }
     Ok(found.iter().map(|name| root.join(name)).collect())
@@ -90,7 +109,8 @@ const CONVERT: &str = "convert it with `mcap convert`";
 fn promised(root: &Path) -> Result<Vec<PathBuf>, RecordingFault> {
     let text = untrusted::read_text(&root.join(METADATA), SETTINGS_BYTES);
     let text = text.map_err(|error| RecordingFault::File(McapFault::Read(error)))?;
-    let lines = text.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
+    let lines =
+        text.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
     let names = lines.map_while(|line| line.strip_prefix("- "));
     let names = names.map(|name| PathBuf::from(name.trim_matches(['"', '\''])));
     Ok(names.filter(|name| is_mcap(name)).take(MOST_FILES).collect())
@@ -157,16 +177,22 @@ mod tests {
 
     #[test]
     fn files_of_a_folder_come_in_the_order_of_their_numbers() {
-        let bag = folder(&["bag_10.mcap", "bag_9.mcap", "bag_0.MCAP", "metadata.yaml", "notes.txt"]);
+        let bag =
+            folder(&["bag_10.mcap", "bag_9.mcap", "bag_0.MCAP", "metadata.yaml", "notes.txt"]);
         assert!(is_recording(bag.path()));
-        let names: Vec<_> =
-            paths(bag.path()).unwrap().iter().map(|path| path.file_name().unwrap().to_owned()).collect();
+        let names: Vec<_> = paths(bag.path())
+            .unwrap()
+            .iter()
+            .map(|path| path.file_name().unwrap().to_owned())
+            .collect();
         assert_eq!(names, ["bag_0.MCAP", "bag_9.mcap", "bag_10.mcap"]);
         let alone = folder(&["one.mcap"]);
         assert!(is_recording(alone.path()) && paths(alone.path()).unwrap().len() == 1);
         // Images beside a recording are what was asked for.
         assert!(!is_recording(folder(&["one.mcap", "left.png", "right.png"]).path()));
-        assert!(!is_recording(folder(&[]).path()) && !is_recording(folder(&["metadata.yaml"]).path()));
+        assert!(
+            !is_recording(folder(&[]).path()) && !is_recording(folder(&["metadata.yaml"]).path())
+        );
     }
 
     #[test]
@@ -180,15 +206,24 @@ mod tests {
             let error = paths(bag.path()).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         };
-        says(&["bag_0.db3"], "x", "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`");
+        says(
+            &["bag_0.db3"],
+            "x",
+            "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`",
+        );
         says(&["bag_0.mcap.zstd"], "x", "unpack it with `zstd -d`");
-        says(&["a.mcap", "b.mcap"], "", "it holds a.mcap, b.mcap without a metadata.yaml; give one of them");
-        let listed =
-            "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
+        says(
+            &["a.mcap", "b.mcap"],
+            "",
+            "it holds a.mcap, b.mcap without a metadata.yaml; give one of them",
+        );
+        let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
         says(&["bag_0.mcap"], listed, "its metadata.yaml names bag_1.mcap, which is not there");
         assert!(paths(Path::new("x.mcap.zstd")).unwrap_err().to_string().contains("zstd -d"));
         assert!(
-            is_recording(Path::new("x.db3")) && is_recording(Path::new("x.BAG")) && !is_recording(Path::new("x.zstd"))
+            is_recording(Path::new("x.db3"))
+                && is_recording(Path::new("x.BAG"))
+                && !is_recording(Path::new("x.zstd"))
         );
     }
 }

@@ -45,7 +45,8 @@ fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
     };
     let (width, height, step) = (image.width as usize, image.height as usize, image.step as usize);
     let row = width * layout.bytes();
-    let is_short = step < row || step.checked_mul(height).is_none_or(|bytes| image.data.len() < bytes);
+    let is_short =
+        step < row || step.checked_mul(height).is_none_or(|bytes| image.data.len() < bytes);
     if width == 0 || height == 0 || is_short || (width * height) as u64 > PIXELS {
         return Err(format!(
             "{} bytes are no {width}x{height} px with rows of {step} bytes; record it again",
@@ -59,7 +60,8 @@ fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
 
 /// The encoding of a mosaic's values; of one that is not known its own name.
 fn bayer(encoding: &str) -> &str {
-    let (order, bits) = encoding.trim_start_matches("bayer_").split_at_checked(4).unwrap_or_default();
+    let (order, bits) =
+        encoding.trim_start_matches("bayer_").split_at_checked(4).unwrap_or_default();
     match (order, bits) {
         ("rggb" | "bggr" | "gbrg" | "grbg", "8") => "mono8",
         ("rggb" | "bggr" | "gbrg" | "grbg", "16") => "mono16",
@@ -73,26 +75,47 @@ mod tests {
     use crate::ros::messages::{Header, Image};
     use linestereo_frames::grey::Values;
 
-    fn read(encoding: &str, [width, height]: [u32; 2], data: &[u8], step: u32) -> Result<Values, String> {
+    fn read(
+        encoding: &str,
+        [width, height]: [u32; 2],
+        data: &[u8],
+        step: u32,
+    ) -> Result<Values, String> {
         let header = Header::default();
-        let image =
-            Image { header, height, width, encoding: encoding.to_owned(), is_bigendian: 0, step, data: data.into() };
+        let image = Image {
+            header,
+            height,
+            width,
+            encoding: encoding.to_owned(),
+            is_bigendian: 0,
+            step,
+            data: data.into(),
+        };
         let message = crate::ros::cdr::write(&image).unwrap();
-        grey(&message, Kind { content: Content::Image, is_foxglove: false }).map(|stored| stored.values)
+        grey(&message, Kind { content: Content::Image, is_foxglove: false })
+            .map(|stored| stored.values)
     }
 
     #[test]
     fn yuv_gives_its_luma() {
-        let eight = |values| if let Ok(Values::Eight(values)) = values { values } else { Vec::new() };
+        let eight =
+            |values| if let Ok(Values::Eight(values)) = values { values } else { Vec::new() };
         let bytes = [128, 10, 129, 20, 130, 30, 131, 40];
         for encoding in ["yuv422", "uyvy"] {
             assert_eq!(eight(read(encoding, [2, 2], &bytes, 4)), [10, 20, 30, 40], "{encoding}");
         }
         for encoding in ["yuv422_yuy2", "yuyv"] {
-            assert_eq!(eight(read(encoding, [2, 2], &bytes, 4)), [128, 129, 130, 131], "{encoding}");
+            assert_eq!(
+                eight(read(encoding, [2, 2], &bytes, 4)),
+                [128, 129, 130, 131],
+                "{encoding}"
+            );
         }
         assert_eq!(eight(read("nv21", [2, 2], &[1, 2, 3, 4, 99, 99], 2)), [1, 2, 3, 4]);
-        assert!(read("yuv422", [2, 2], &bytes[..7], 4).is_err() && read("yuv422_v210", [2, 2], &bytes, 4).is_err());
+        assert!(
+            read("yuv422", [2, 2], &bytes[..7], 4).is_err()
+                && read("yuv422_v210", [2, 2], &bytes, 4).is_err()
+        );
     }
 
     #[test]
@@ -107,12 +130,15 @@ mod tests {
         ] {
             let at = |i: usize| square[2 * (i / 6 % 2) + i % 6 % 2];
             let pixels: Vec<u8> = (0..30).map(at).collect();
-            let Ok(Values::Eight(found)) = read(&format!("bayer_{order}8"), [6, 5], &pixels, 6) else {
+            let Ok(Values::Eight(found)) = read(&format!("bayer_{order}8"), [6, 5], &pixels, 6)
+            else {
                 panic!("{order}")
             };
             assert!(found.iter().all(|&grey| u32::from(grey) == grey_of), "{order} {found:?}");
-            let wide: Vec<u8> = pixels.iter().flat_map(|&value| (4 * u16::from(value)).to_le_bytes()).collect();
-            let Ok(Values::Sixteen(found)) = read(&format!("bayer_{order}16"), [6, 5], &wide, 12) else {
+            let wide: Vec<u8> =
+                pixels.iter().flat_map(|&value| (4 * u16::from(value)).to_le_bytes()).collect();
+            let Ok(Values::Sixteen(found)) = read(&format!("bayer_{order}16"), [6, 5], &wide, 12)
+            else {
                 panic!("{order}")
             };
             assert!(found.iter().all(|&grey| u32::from(grey) == 4 * grey_of), "{order} {found:?}");

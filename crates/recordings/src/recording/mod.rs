@@ -5,15 +5,18 @@
 //! files     the MCAP files of a recording, in their order
 //! topics    every topic with images or a calibration -> the left and the right one
 //! pairing   times of both -> pairs; the rest is counted
-//! rig       CameraInfo of both -> focal length, baseline, principal points; of raw images the rig that rectifies them
+//! rig       CameraInfo of both -> focal length, baseline, principal points; of raw images the rig
+//!           that rectifies them
 //! images    a message -> grey values
 //! detections   what a detector found, by time
 //! ```
 //!
-//! A recording is scanned once for the places of its images; their bytes are read when the pair is loaded.
+//! A recording is scanned once for the places of its images; their bytes are read when the pair is
+//! loaded.
 //!
 //! # Bounds
-//! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is read at once.
+//! At most 524 288 images are known, some 300 bytes each, and 4096 topics. See `mcap` for what is
+//! read at once.
 
 mod detections;
 mod fault;
@@ -92,26 +95,38 @@ struct RecordedPair {
 
 impl fmt::Debug for Recording {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Recording").field("path", &self.path).field("pairs", &self.pairs.len()).finish_non_exhaustive()
+        f.debug_struct("Recording")
+            .field("path", &self.path)
+            .field("pairs", &self.pairs.len())
+            .finish_non_exhaustive()
     }
 }
 
 /// Pairs of a recording in the order of their times, and the number of images without a partner.
-pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
+pub(crate) fn pairs(
+    path: &Path,
+    choice: &Choice,
+) -> Result<(Vec<StoredPair>, usize, Arc<Recording>), FrameError> {
     let fault = |fault| FrameError::Source(path.to_path_buf(), Box::new(fault));
     let mut scan = Scan::default();
     let files = Files::open(path, |reader, file| scan.file(reader, file))?;
     let all = scan.topics().map_err(fault)?;
     let chosen = choice.topics(&all).map_err(fault)?;
     let counts = chosen.map(|topic| topic.images.len());
-    let (pairs, alone) = pairing::pairs(chosen.map(|topic| topic.images.clone()), choice.window_ns());
+    let (pairs, alone) =
+        pairing::pairs(chosen.map(|topic| topic.images.clone()), choice.window_ns());
     if pairs.is_empty() {
         return Err(fault(RecordingFault::NoPair(counts, choice.window_ms)));
     }
     let infos = choice.infos(&all, chosen);
-    let (rig, told) = match pairs.iter().take(MOST_UNREAD).find_map(|[left, _]| size(&files, left)) {
-        Some(images) => rig::of(path, chosen.map(|topic| topic.name.as_str()), infos, images).map_err(fault)?,
-        None => (StoredRig::Unknown, "no rig by the recording: its images cannot be read".to_owned()),
+    let (rig, told) = match pairs.iter().take(MOST_UNREAD).find_map(|[left, _]| size(&files, left))
+    {
+        Some(images) => {
+            rig::of(path, chosen.map(|topic| topic.name.as_str()), infos, images).map_err(fault)?
+        }
+        None => {
+            (StoredRig::Unknown, "no rig in the recording: its images cannot be read".to_owned())
+        }
     };
     let recording = Arc::new(Recording {
         path: path.to_path_buf(),
@@ -124,7 +139,8 @@ pub(crate) fn pairs(path: &Path, choice: &Choice) -> Result<(Vec<StoredPair>, us
     });
     let pairs = (0..recording.pairs.len()).map(|index| {
         let stamp = recording.pairs[index][0].stamp_ns;
-        let name = format!("{}.{:09}", stamp.div_euclid(1_000_000_000), stamp.rem_euclid(1_000_000_000));
+        let name =
+            format!("{}.{:09}", stamp.div_euclid(1_000_000_000), stamp.rem_euclid(1_000_000_000));
         let pair = RecordedPair { recording: Arc::clone(&recording), index };
         let mut stored = StoredPair::alone(name, PairFiles::Source(Arc::new(pair)));
         stored.rig = rig.clone();
@@ -156,11 +172,16 @@ impl Scan {
         reader.scan(|record, place| -> Result<(), RecordingFault> {
             match record {
                 Record::Schema { header, .. } => {
-                    _ = schemas.insert(header.id, header.name.chars().take(MOST_NAME_BYTES).collect::<String>());
+                    _ = schemas.insert(
+                        header.id,
+                        header.name.chars().take(MOST_NAME_BYTES).collect::<String>(),
+                    );
                 }
                 Record::Channel(channel) => {
-                    let (schema, encoding) =
-                        (schemas.get(&channel.schema_id).map_or("", String::as_str), channel.message_encoding);
+                    let (schema, encoding) = (
+                        schemas.get(&channel.schema_id).map_or("", String::as_str),
+                        channel.message_encoding,
+                    );
                     let Some(kind) = Kind::of(schema, &encoding) else {
                         if schema.ends_with("Image") && foreign.is_none() {
                             *foreign = Some(format!("{schema} in {encoding}"));
@@ -205,7 +226,8 @@ impl Scan {
         if self.topics.iter().any(Topic::has_images) {
             return Ok(self.topics);
         }
-        let found = self.foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
+        let found =
+            self.foreign.map_or("no images".to_owned(), |foreign| format!("images as {foreign}"));
         Err(RecordingFault::Topics(format!(
             "it holds {found}; sensor_msgs/msg/Image and CompressedImage in CDR are read, as ROS 2 records them, and foxglove.RawImage and CompressedImage in protobuf"
         )))
@@ -225,7 +247,7 @@ impl Topic {
     fn broken(&self) -> RecordingFault {
         RecordingFault::Image(
             self.name.clone(),
-            "the message ends early, or is none of its kind; record it again".to_owned(),
+            "the message ends early, or is of another type; record it again".to_owned(),
         )
     }
 
@@ -242,7 +264,8 @@ impl Topic {
         }
         // Nobody set it: the time of the recorder.
         let stamp_ns = header.stamp_ns();
-        let stamp_ns = if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
+        let stamp_ns =
+            if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
         self.images.push(Stored { file, place, stamp_ns, kind });
         Ok(())
     }
@@ -252,7 +275,9 @@ impl Topic {
         // A driver that is not ready sends zeros.
         let is_blank = |info: &CameraInfo| info.k[0] == 0.0 && info.p[0] == 0.0;
         match &self.info {
-            Some(first) if !is_blank(first) => self.info_changes |= *first != info && !is_blank(&info),
+            Some(first) if !is_blank(first) => {
+                self.info_changes |= *first != info && !is_blank(&info)
+            }
             _ => self.info = Some(info),
         }
         Ok(())
@@ -284,16 +309,19 @@ impl PairSource for RecordedPair {
 impl RecordedPair {
     /// When the images were captured, ns; `None` before 1970.
     fn stamps_ns(&self) -> Option<[u64; 2]> {
-        let [left, right] = self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
+        let [left, right] =
+            self.recording.pairs[self.index].map(|image| u64::try_from(image.stamp_ns).ok());
         Some([left?, right?])
     }
 
     fn image(&self, eye: usize) -> Result<StoredGray, FrameError> {
         let recording = &self.recording;
         let Stored { file, place, kind, .. } = recording.pairs[self.index][eye];
-        let fault = |fault| FrameError::Source(recording.files.path(file).to_path_buf(), Box::new(fault));
+        let fault =
+            |fault| FrameError::Source(recording.files.path(file).to_path_buf(), Box::new(fault));
         let message = recording.files.message(file, place).map_err(|error| fault(error.into()))?;
-        images::grey(&message, kind).map_err(|what| fault(RecordingFault::Image(recording.topics[eye].clone(), what)))
+        images::grey(&message, kind)
+            .map_err(|what| fault(RecordingFault::Image(recording.topics[eye].clone(), what)))
     }
 }
 

@@ -1,9 +1,13 @@
-//! Two lists of images -> pairs: each image is in one at most, with the one that is nearest to it in time.
+//! Two lists of images -> pairs: each image is in one at most, with the one that is nearest to it
+//! in time.
 
 use super::Stored;
 
 /// Pairs in the order of their times, and the number of images that are in none.
-pub(super) fn pairs([mut left, mut right]: [Vec<Stored>; 2], window_ns: u64) -> (Vec<[Stored; 2]>, usize) {
+pub(super) fn pairs(
+    [mut left, mut right]: [Vec<Stored>; 2],
+    window_ns: u64,
+) -> (Vec<[Stored; 2]>, usize) {
     // Of equal times the one that was recorded first.
     left.sort_by_key(|image| image.stamp_ns);
     right.sort_by_key(|image| image.stamp_ns);
@@ -38,7 +42,10 @@ mod tests {
     const IMAGE: Kind = Kind { content: Content::Image, is_foxglove: false };
 
     fn at(times: &[i64]) -> Vec<Stored> {
-        times.iter().map(|&stamp_ns| Stored { file: 0, place: Place::default(), stamp_ns, kind: IMAGE }).collect()
+        times
+            .iter()
+            .map(|&stamp_ns| Stored { file: 0, place: Place::default(), stamp_ns, kind: IMAGE })
+            .collect()
     }
 
     fn paired(left: &[i64], right: &[i64], window: u64) -> (Vec<[i64; 2]>, usize) {

@@ -21,14 +21,17 @@ pub(super) fn of(
     infos: Infos<'_>,
     images: Dims,
 ) -> Result<(StoredRig, String), RecordingFault> {
-    let unknown = |what: &str| Ok((StoredRig::Unknown, format!("no rig by the recording: {what}")));
+    let unknown = |what: &str| Ok((StoredRig::Unknown, format!("no rig in the recording: {what}")));
     let fault = |unfit: Unfit| RecordingFault::Calibration(unfit.to_string());
-    let [Some((left_topic, left, left_changes)), Some((right_topic, right, right_changes))] = infos else {
-        return unknown("it has no CameraInfo of both");
+    let [Some((left_topic, left, left_changes)), Some((right_topic, right, right_changes))] = infos
+    else {
+        return unknown("it has no CameraInfo for both cameras");
     };
     let full = [left, right];
-    let [left, right] = [as_sent(left, images).map_err(fault)?, as_sent(right, images).map_err(fault)?];
-    let changes = if left_changes || right_changes { ", the first of several that differ" } else { "" };
+    let [left, right] =
+        [as_sent(left, images).map_err(fault)?, as_sent(right, images).map_err(fault)?];
+    let changes =
+        if left_changes || right_changes { ", the first of several that differ" } else { "" };
     let named = topics.map(is_rectified);
     if named[0] != named[1] {
         return Err(RecordingFault::Calibration(
@@ -36,11 +39,17 @@ pub(super) fn of(
         ));
     }
     let is_rectified = named == [true; 2] || [&left, &right].into_iter().all(is_ideal);
-    if [&left, &right].into_iter().any(|info| if is_rectified { info.p[0] == 0.0 } else { info.k[0] == 0.0 }) {
+    if [&left, &right]
+        .into_iter()
+        .any(|info| if is_rectified { info.p[0] == 0.0 } else { info.k[0] == 0.0 })
+    {
         return unknown("its CameraInfo is of cameras that are not calibrated");
     }
     if !is_rectified {
-        let rig = StoredRig::Raw(vec![raw(path, left_topic, full[0], images), raw(path, right_topic, full[1], images)]);
+        let rig = StoredRig::Raw(vec![
+            raw(path, left_topic, full[0], images),
+            raw(path, right_topic, full[1], images),
+        ]);
         return Ok((rig, format!("raw, rectified by their CameraInfo{changes}")));
     }
     let rig = match RectifiedRig::of_projections([&left.p, &right.p], None) {
@@ -49,7 +58,10 @@ pub(super) fn of(
     };
     rig.check_images(images).map_err(fault)?;
     let RigUpdate { focal_px, baseline_m, .. } = rig.numbers;
-    let told = format!("rectified, focal length {focal_px:.3} px, baseline {baseline_m:.5} m by CameraInfo{changes}");
+    let told = format!(
+        "rectified, focal length {focal_px:.3} px, baseline {baseline_m:.5} m by \
+         CameraInfo{changes}"
+    );
     Ok((StoredRig::Rectified(path.to_path_buf(), rig), told))
 }
 
@@ -74,8 +86,11 @@ fn as_sent(info: &CameraInfo, images: Dims) -> Result<CameraInfo, Unfit> {
     if info.p[0] > 0.0 || info.k[0] > 0.0 {
         check_centre_of(centre, Dims { width: full_width, height: full_height })?;
     }
-    let window =
-        SentWindow { full, binning: [info.binning_x, info.binning_y], roi: [x_offset, y_offset, width, height] };
+    let window = SentWindow {
+        full,
+        binning: [info.binning_x, info.binning_y],
+        roi: [x_offset, y_offset, width, height],
+    };
     window.check_images(images)?;
     let mut sent = info.clone();
     window.apply(&mut sent.k, 3);
@@ -90,17 +105,23 @@ fn is_ideal(info: &CameraInfo) -> bool {
     let p = &info.p;
     let projected = [p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]];
     let pairs = |a: &[f64; 9], b: &[f64; 9]| a.iter().zip(b).all(|(a, b)| same(*a, *b));
-    info.d.iter().all(|&value| value == 0.0) && pairs(&info.r, &straight) && pairs(&info.k, &projected)
+    info.d.iter().all(|&value| value == 0.0)
+        && pairs(&info.r, &straight)
+        && pairs(&info.k, &projected)
 }
 
 /// As a file that `camera_info_manager` writes, which the rectification takes.
 fn raw(path: &Path, topic: &str, info: &CameraInfo, images: Dims) -> RigText {
-    let model: String = info.distortion_model.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
+    let model: String =
+        info.distortion_model.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
     let [width, height] = full_size(info, images);
     let mut text = format!("width: {width}\nheight: {height}\ndistortion_model: \"{model}\"\n");
     let RegionOfInterest { x_offset, y_offset, width, height, .. } = info.roi;
     let _ = writeln!(text, "binning_x: {}\nbinning_y: {}", info.binning_x, info.binning_y);
-    let _ = writeln!(text, "roi: {{x_offset: {x_offset}, y_offset: {y_offset}, width: {width}, height: {height}}}");
+    let _ = writeln!(
+        text,
+        "roi: {{x_offset: {x_offset}, y_offset: {y_offset}, width: {width}, height: {height}}}"
+    );
     for (name, values) in [("d", &info.d[..]), ("k", &info.k), ("r", &info.r), ("p", &info.p)] {
         let _ = writeln!(text, "{name}: {values:?}");
     }

@@ -19,7 +19,8 @@ const NUMBERED: [[&str; 2]; 3] = [["camera_0", "camera_1"], ["cam_0", "cam_1"], 
 /// images.
 const RECTIFIED: [&str; 4] = ["rect", "rectified", "rectify", "recti"];
 const NOT: [&str; 6] = ["not", "no", "non", "un", "before", "pre"];
-const RAW: [&str; 6] = ["raw", "unrect", "unrectified", "notrectified", "nonrectified", "distorted"];
+const RAW: [&str; 6] =
+    ["raw", "unrect", "unrectified", "notrectified", "nonrectified", "distorted"];
 /// Topics that a message lists.
 const LISTED: usize = 8;
 
@@ -49,7 +50,8 @@ impl Choice {
     /// The topics of both images.
     pub(super) fn topics<'a>(&self, all: &'a [Topic]) -> Result<[&'a Topic; 2], RecordingFault> {
         let listed = || {
-            let names: Vec<&str> = all.iter().filter(|topic| topic.has_images()).map(|topic| &*topic.name).collect();
+            let names: Vec<&str> =
+                all.iter().filter(|topic| topic.has_images()).map(|topic| &*topic.name).collect();
             let more = if names.len() > LISTED { ", ..." } else { "" };
             names[..names.len().min(LISTED)].join(", ") + more
         };
@@ -57,19 +59,24 @@ impl Choice {
         if let [Some(left), Some(right)] = &self.topics {
             let named = |name: &String| {
                 let found = all.iter().find(|topic| topic.has_images() && topic.name == *name);
-                found.ok_or_else(|| RecordingFault::Topics(format!("no images are in {name}, but in {}", listed())))
+                found.ok_or_else(|| {
+                    RecordingFault::Topics(format!("no images are in {name}, but in {}", listed()))
+                })
             };
             return Ok([named(left)?, named(right)?]);
         }
         let mut found = by_sides(all);
         found.sort_by_key(|pair| rank(pair[0]));
         match &found[..] {
-            [] => {
-                Err(RecordingFault::Topics(format!("no topics of a left and a right camera among {}; {ask}", listed())))
-            }
+            [] => Err(RecordingFault::Topics(format!(
+                "no topics of a left and a right camera among {}; {ask}",
+                listed()
+            ))),
             [first, second, ..] if rank(first[0]) == rank(second[0]) => {
                 let [a, b] = [&first[0].name, &second[0].name];
-                Err(RecordingFault::Topics(format!("both {a} and {b} may be the left images; {ask}")))
+                Err(RecordingFault::Topics(format!(
+                    "both {a} and {b} may be the left images; {ask}"
+                )))
             }
             [first, ..] => Ok(*first),
         }
@@ -79,13 +86,15 @@ impl Choice {
     pub(super) fn infos<'a>(&self, all: &'a [Topic], chosen: [&Topic; 2]) -> Infos<'a> {
         let named = |images: &Topic| {
             let base = images.name.strip_suffix("/compressed").unwrap_or(&images.name);
-            let name = format!("{}/camera_info", base.rsplit_once('/').map_or("", |(space, _)| space));
+            let name =
+                format!("{}/camera_info", base.rsplit_once('/').map_or("", |(space, _)| space));
             all.iter().find(|topic| !topic.has_images() && topic.name == name)
         };
         let by_side = |eye: usize| {
             let of_side = |topic: &&Topic| {
                 let mut sides = sides();
-                !topic.has_images() && sides.any(|side| without_side(&topic.name, side[eye]).is_some())
+                !topic.has_images()
+                    && sides.any(|side| without_side(&topic.name, side[eye]).is_some())
             };
             let mut found = all.iter().filter(of_side);
             found.next().filter(|_| found.next().is_none())
@@ -109,7 +118,8 @@ fn by_sides(all: &[Topic]) -> Vec<[&Topic; 2]> {
     for [left_side, right_side] in sides() {
         for left in with_images() {
             let Some(rest) = without_side(&left.name, left_side) else { continue };
-            let partner = |right: &&Topic| without_side(&right.name, right_side).as_ref() == Some(&rest);
+            let partner =
+                |right: &&Topic| without_side(&right.name, right_side).as_ref() == Some(&rest);
             let is_new = found.iter().all(|pair| pair.iter().all(|known| known.name != left.name));
             if let Some(right) = with_images().find(partner).filter(|_| is_new) {
                 found.push([left, right]);
@@ -146,7 +156,11 @@ fn says_rectified(part: &str) -> Option<bool> {
 
 /// The best are lowest.
 fn rank(topic: &Topic) -> [bool; 3] {
-    [!is_rectified(&topic.name), topic.name.contains("color"), topic.content == Content::CompressedImage]
+    [
+        !is_rectified(&topic.name),
+        topic.name.contains("color"),
+        topic.content == Content::CompressedImage,
+    ]
 }
 
 #[cfg(test)]
@@ -187,9 +201,15 @@ mod tests {
             ("/camera/infra1/image_rect_raw", "/camera/infra2/image_rect_raw"),
             ("/cam0/image_raw", "/cam1/image_raw"),
             ("/camera/0/image", "/camera/1/image"),
-            ("/zed/zed_node/left/image_rect/compressed", "/zed/zed_node/right/image_rect/compressed"),
+            (
+                "/zed/zed_node/left/image_rect/compressed",
+                "/zed/zed_node/right/image_rect/compressed",
+            ),
         ] {
-            assert_eq!(chosen(&[right, left, "/rgb/image"]), Ok([left.to_owned(), right.to_owned()]));
+            assert_eq!(
+                chosen(&[right, left, "/rgb/image"]),
+                Ok([left.to_owned(), right.to_owned()])
+            );
         }
         let sides = |rest: &str| [format!("/left/{rest}"), format!("/right/{rest}")];
         let rests = ["image_raw", "image_rect_color", "image_rect/compressed", "image_rect"];
@@ -230,8 +250,13 @@ mod tests {
 
     #[test]
     fn nothing_is_guessed() {
-        let two = ["/front/left/image", "/front/right/image", "/back/left/image", "/back/right/image"];
+        let two =
+            ["/front/left/image", "/front/right/image", "/back/left/image", "/back/right/image"];
         assert!(chosen(&two).unwrap_err().contains("both /front/left/image and /back/left/image"));
-        assert!(chosen(&["/a/image", "/b/image"]).unwrap_err().contains("among /a/image, /b/image; give --left-topic"));
+        assert!(
+            chosen(&["/a/image", "/b/image"])
+                .unwrap_err()
+                .contains("among /a/image, /b/image; give --left-topic")
+        );
     }
 }

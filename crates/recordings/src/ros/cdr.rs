@@ -1,5 +1,5 @@
-//! Common Data Representation: four bytes that tell the byte order, then each value at a multiple of
-//! its size. Read in both byte orders, written little endian.
+//! Common Data Representation: four bytes that tell the byte order, then each value at a multiple
+//! of its size. Read in both byte orders, written little endian.
 //!
 //! # Source
 //! OMG CDR 1.1 (`PLAIN_CDR`), as ROS 2 writes it, by the crate `cdr-encoding`.

@@ -1,5 +1,5 @@
-//! Images and calibrations of Foxglove's own schemas, in protobuf, as the messages of ROS 2 that say
-//! the same. Only fields that are used are declared; others are passed over.
+//! Images and calibrations of Foxglove's own schemas, in protobuf, as the messages of ROS 2 that
+//! say the same. Only fields that are used are declared; others are passed over.
 //!
 //! # Source
 //! The schemas of <https://github.com/foxglove/foxglove-sdk>.
@@ -74,7 +74,8 @@ fn header(timestamp: Option<Timestamp>, frame_id: String) -> Option<Header> {
 
 /// An image, pixel by pixel.
 pub(super) fn image(message: &[u8]) -> Option<Image<'static>> {
-    let RawImage { timestamp, width, height, encoding, step, data, frame_id } = RawImage::decode(message).ok()?;
+    let RawImage { timestamp, width, height, encoding, step, data, frame_id } =
+        RawImage::decode(message).ok()?;
     let header = header(timestamp, frame_id)?;
     Some(Image { header, height, width, encoding, is_bigendian: 0, step, data: data.into() })
 }
@@ -88,7 +89,8 @@ pub(super) fn compressed(message: &[u8]) -> Option<CompressedImage<'static>> {
 
 /// Calibration of a camera; `None` where a matrix is missing.
 pub(super) fn calibration(message: &[u8]) -> Option<CameraInfo> {
-    let CameraCalibration { width, height, distortion_model, d, k, r, p } = CameraCalibration::decode(message).ok()?;
+    let CameraCalibration { width, height, distortion_model, d, k, r, p } =
+        CameraCalibration::decode(message).ok()?;
     let (k, r, p) = (k.try_into().ok()?, r.try_into().ok()?, p.try_into().ok()?);
     Some(CameraInfo { height, width, distortion_model, d, k, r, p, ..CameraInfo::default() })
 }
@@ -100,18 +102,26 @@ mod tests {
     #[test]
     fn fields_are_read_in_any_order_and_broken_ones_refused() {
         // width, an unknown varint, frame_id, time, data.
-        let message = [0x15, 64, 1, 0, 0, 0x78, 0x96, 1, 0x3a, 1, b'a', 0x0a, 4, 8, 2, 16, 5, 0x32, 2, 7, 9];
+        let message =
+            [0x15, 64, 1, 0, 0, 0x78, 0x96, 1, 0x3a, 1, b'a', 0x0a, 4, 8, 2, 16, 5, 0x32, 2, 7, 9];
         let found = image(&message).unwrap();
-        assert_eq!((found.width, &*found.header.frame_id, found.header.stamp_ns()), (320, "a", 2_000_000_005));
+        assert_eq!(
+            (found.width, &*found.header.frame_id, found.header.stamp_ns()),
+            (320, "a", 2_000_000_005)
+        );
         assert_eq!((&*found.data, found.height), (&[7, 9][..], 0));
         for end in [1, 4, 6, 7, 9, 12, 16, 20] {
             assert!(image(&message[..end]).is_none(), "{end}");
         }
         assert!(image(&[0x10, 1]).is_none(), "a width as varint");
-        assert!(image(&[0x32, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1]).is_none(), "2^64 - 1 bytes");
+        assert!(
+            image(&[0x32, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1]).is_none(),
+            "2^64 - 1 bytes"
+        );
         assert!(image(&[0xff; 11]).is_none(), "no end");
         assert_eq!(calibration(&[]), None, "matrices are missing");
-        let doubles = |tag: u8, count: usize| [&[tag, 8 * count as u8][..], &vec![0; 8 * count]].concat();
+        let doubles =
+            |tag: u8, count: usize| [&[tag, 8 * count as u8][..], &vec![0; 8 * count]].concat();
         let matrices = [doubles(0x32, 9), doubles(0x3a, 9), doubles(0x42, 12)].concat();
         assert_eq!(calibration(&matrices).unwrap().p, [0.0; 12]);
     }

@@ -67,8 +67,10 @@ impl Kind {
     /// A calibration, whenever it was sent.
     #[must_use]
     pub fn calibration(self, message: &[u8]) -> Option<CameraInfo> {
-        let info = if self.is_foxglove { foxglove::calibration(message) } else { cdr::read(message) };
-        let info: CameraInfo = info.filter(|info: &CameraInfo| info.d.len() <= MOST_COEFFICIENTS)?;
+        let info =
+            if self.is_foxglove { foxglove::calibration(message) } else { cdr::read(message) };
+        let info: CameraInfo =
+            info.filter(|info: &CameraInfo| info.d.len() <= MOST_COEFFICIENTS)?;
         Some(CameraInfo { header: Header::default(), ..info })
     }
 }

@@ -1,13 +1,16 @@
-//! Definitions of the messages that are sent, each with those that it refers to, as `ros2 bag` writes them.
+//! Definitions of the messages that are sent, each with those that it refers to, as `ros2 bag`
+//! writes them.
 //!
 //! # Source
-//! `definitions.txt`: the `.msg` files of ROS 2 Humble without their comments. They are the same in Jazzy.
+//! `definitions.txt`: the `.msg` files of ROS 2 Humble without their comments. They are the same in
+//! Jazzy.
 
 use core::fmt::Write;
 
 const DEFINITIONS: &str = include_str!("definitions.txt");
 /// Between two definitions in one text.
-const LINE: &str = "================================================================================";
+const LINE: &str =
+    "================================================================================";
 
 /// The definition of `package/Message`, and below it every other one that it needs, once.
 #[must_use]
@@ -35,8 +38,11 @@ pub fn definition(name: &str) -> String {
 /// The lines of one; none of what is not defined.
 fn of(name: &str) -> &'static str {
     let all = DEFINITIONS.split("MSG: ");
-    let found = all.filter_map(|definition| definition.split_once('\n')).find(|(of, _)| *of == name);
-    found.map_or("", |(_, body)| body.strip_suffix("\n\n").map_or(body, |short| &body[..=short.len()]))
+    let found =
+        all.filter_map(|definition| definition.split_once('\n')).find(|(of, _)| *of == name);
+    found.map_or("", |(_, body)| {
+        body.strip_suffix("\n\n").map_or(body, |short| &body[..=short.len()])
+    })
 }
 
 #[cfg(test)]

@@ -2,8 +2,9 @@
 //! y down, z forward (REP 103).
 
 use super::messages::{
-    CameraInfo, Detection3D, Detection3DArray, DiagnosticArray, DiagnosticStatus, Header, Image, Marker, MarkerArray,
-    ObjectHypothesisWithPose, PointCloud2, PointField, Pose, PoseWithCovariance, Time,
+    CameraInfo, Detection3D, Detection3DArray, DiagnosticArray, DiagnosticStatus, Header, Image,
+    Marker, MarkerArray, ObjectHypothesisWithPose, PointCloud2, PointField, Pose,
+    PoseWithCovariance, Time,
 };
 
 /// When and where a pair was seen.
@@ -97,7 +98,10 @@ impl From<Stamp<'_>> for Header {
     /// Seconds of 31 bits: beyond the year 2038 it stays there.
     fn from(Stamp { ns, frame_id }: Stamp<'_>) -> Self {
         let sec = i32::try_from(ns / 1_000_000_000).unwrap_or(i32::MAX);
-        Self { stamp: Time { sec, nanosec: (ns % 1_000_000_000) as u32 }, frame_id: frame_id.to_owned() }
+        Self {
+            stamp: Time { sec, nanosec: (ns % 1_000_000_000) as u32 },
+            frame_id: frame_id.to_owned(),
+        }
     }
 }
 
@@ -117,7 +121,12 @@ pub fn image<'a>(stamp: Stamp<'_>, [width, height]: [u16; 2], pixels: &'a [u8]) 
 
 /// Calibration of the left or the right rectified image.
 #[must_use]
-pub fn camera_info(stamp: Stamp<'_>, [width, height]: [u16; 2], rig: &Projection, is_right: bool) -> CameraInfo {
+pub fn camera_info(
+    stamp: Stamp<'_>,
+    [width, height]: [u16; 2],
+    rig: &Projection,
+    is_right: bool,
+) -> CameraInfo {
     let (f, [x, y]) = (rig.focal_px, rig.centres[usize::from(is_right)]);
     let along = if is_right { -f * rig.baseline_m } else { 0.0 };
     CameraInfo {
@@ -142,7 +151,9 @@ pub fn point_cloud(stamp: Stamp<'_>, points: &[CloudPoint]) -> PointCloud2 {
         header: stamp.into(),
         height: 1,
         width: count,
-        fields: names.map(|(name, offset)| PointField { name, offset, datatype: FLOAT32, count: 1 }).collect(),
+        fields: names
+            .map(|(name, offset)| PointField { name, offset, datatype: FLOAT32, count: 1 })
+            .collect(),
         is_bigendian: false,
         point_step: size,
         row_step: size * count,
@@ -166,12 +177,21 @@ pub fn lines(stamp: Stamp<'_>, lines: &[Line]) -> Marker {
 /// A ball and a text for each, in place of those before.
 #[must_use]
 pub fn labels(stamp: Stamp<'_>, labels: &[Label]) -> MarkerArray {
-    let mut markers = vec![Marker { action: DELETE_ALL, scale: [BALL; 3], ..marker(stamp, 0, SPHERE) }];
+    let mut markers =
+        vec![Marker { action: DELETE_ALL, scale: [BALL; 3], ..marker(stamp, 0, SPHERE) }];
     for (label, id) in labels.iter().zip((0..).step_by(2)) {
         let [x, y, z] = label.position;
-        let mut ball = Marker { color: colour(label.confidence), scale: [BALL; 3], ..marker(stamp, id, SPHERE) };
+        let mut ball = Marker {
+            color: colour(label.confidence),
+            scale: [BALL; 3],
+            ..marker(stamp, id, SPHERE)
+        };
         ball.pose.position = label.position;
-        let mut text = Marker { text: label.text.clone(), scale: [0.0, 0.0, LETTERS], ..marker(stamp, id + 1, TEXT) };
+        let mut text = Marker {
+            text: label.text.clone(),
+            scale: [0.0, 0.0, LETTERS],
+            ..marker(stamp, id + 1, TEXT)
+        };
         text.pose.position = [x, y - LETTERS, z];
         markers.extend([ball, text]);
     }
@@ -190,7 +210,11 @@ pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
         let [width, height] = label.size;
         Detection3D {
             header: stamp.into(),
-            results: vec![ObjectHypothesisWithPose { class_id: label.class.clone(), score: label.score, pose }],
+            results: vec![ObjectHypothesisWithPose {
+                class_id: label.class.clone(),
+                score: label.score,
+                pose,
+            }],
             center,
             size: [width, height, 0.0],
             id: label.id.clone(),
@@ -202,7 +226,15 @@ pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
 /// A white marker that is not turned and stays until the next one.
 fn marker(stamp: Stamp<'_>, id: i32, r#type: i32) -> Marker {
     let pose = Pose { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
-    Marker { header: stamp.into(), ns: "objects", id, r#type, pose, color: [1.0; 4], ..Marker::default() }
+    Marker {
+        header: stamp.into(),
+        ns: "objects",
+        id,
+        r#type,
+        pose,
+        color: [1.0; 4],
+        ..Marker::default()
+    }
 }
 
 /// Green, from faint to full.
@@ -212,8 +244,19 @@ fn colour(confidence: f32) -> [f32; 4] {
 
 /// One state.
 #[must_use]
-pub fn diagnostics(stamp: Stamp<'_>, level: Level, message: String, values: Vec<(String, String)>) -> DiagnosticArray {
+pub fn diagnostics(
+    stamp: Stamp<'_>,
+    level: Level,
+    message: String,
+    values: Vec<(String, String)>,
+) -> DiagnosticArray {
     let hardware_id = stamp.frame_id.to_owned();
-    let status = DiagnosticStatus { level: level as u8, name: "linestereo: pair", message, hardware_id, values };
+    let status = DiagnosticStatus {
+        level: level as u8,
+        name: "linestereo: pair",
+        message,
+        hardware_id,
+        values,
+    };
     DiagnosticArray { header: stamp.into(), status: vec![status] }
 }

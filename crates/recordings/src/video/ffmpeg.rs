@@ -1,16 +1,19 @@
 //! The system's ffmpeg as a child process, for videos that are coded and for cameras.
 //!
 //! ```text
-//! packets   a file is read through once without being decoded: times of its frames, and so their number
+//! packets   a file is read through once without being decoded: times of its frames, and so their
+//!           number
 //! decode    grey of 8 bits as Y4M over a pipe, every frame once
 //! ```
 //!
-//! The child opens plain files alone, no addresses, and containers of a list, none of which names other files. It has no terminal, its time for each
-//! frame is limited, of what it says the end is kept, and it is ended and waited for with its [`Decoder`]. Each pipe is read by a thread, so
+//! The child opens plain files alone, no addresses, and containers of a list, none of which names
+//! other files. It has no terminal, its time for each frame is limited, of what it says the end is
+//! kept, and it is ended and waited for with its [`Decoder`]. Each pipe is read by a thread, so
 //! that a silent one can be left.
 //!
-//! Frames are numbered anew (`setpts=N`) and written at the rate of these numbers: the way of every version to have each of them once. The option
-//! for it was `-vsync` before version 5.1 and is `-fps_mode` since; version 9 knows the former no more.
+//! Frames are numbered anew (`setpts=N`) and written at the rate of these numbers: the way of every
+//! version to have each of them once. The option for it was `-vsync` before version 5.1 and is
+//! `-fps_mode` since; version 9 knows the former no more.
 
 use super::y4m::Header;
 use super::{Luma, MOST_FRAMES, VideoFault};
@@ -40,8 +43,14 @@ const RAW: [&str; 2] = ["mjpeg", "mjpg"];
 /// Most bytes of a line about a packet.
 const PACKET_BYTES: u64 = 1024;
 /// Decoders get no frames of more pixels, containers are these, files are files.
-const READ: [&str; 6] =
-    ["-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi,mjpeg", "-max_pixels", PIXELS_TEXT];
+const READ: [&str; 6] = [
+    "-protocol_whitelist",
+    "file",
+    "-format_whitelist",
+    "mov,matroska,webm,avi,mjpeg",
+    "-max_pixels",
+    PIXELS_TEXT,
+];
 const PIXELS_TEXT: &str = "33554432";
 const _: () = assert!(PIXELS == 33_554_432);
 
@@ -83,7 +92,9 @@ impl Program {
         let listener = thread::spawn(move || {
             let mut buffer = [0; 1024];
             let mut errors = errors;
-            while let Some(count @ 1..) = errors.as_mut().and_then(|errors| errors.read(&mut buffer).ok()) {
+            while let Some(count @ 1..) =
+                errors.as_mut().and_then(|errors| errors.read(&mut buffer).ok())
+            {
                 let mut kept = heard.lock().unwrap_or_else(PoisonError::into_inner);
                 kept.extend(&buffer[..count]);
                 let beyond = kept.len().saturating_sub(SAID_BYTES);
@@ -114,12 +125,15 @@ impl Program {
 
     /// The last line that it said so far.
     fn said(&self) -> String {
-        let bytes: Vec<u8> = self.said.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
+        let bytes: Vec<u8> =
+            self.said.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         let text = String::from_utf8_lossy(&bytes);
         let line = text.lines().rev().map(str::trim).find(|line| !line.is_empty()).unwrap_or("");
         // `[matroska,webm @ 0x55d4f3d94b40]`: the place in its memory tells nobody anything.
         let line = match line.split_once(" @ 0x") {
-            Some((before, behind)) => format!("{before}{}", behind.trim_start_matches(|c: char| c.is_ascii_hexdigit())),
+            Some((before, behind)) => {
+                format!("{before}{}", behind.trim_start_matches(|c: char| c.is_ascii_hexdigit()))
+            }
             None => line.to_owned(),
         };
         line.chars().take(TOLD).collect()
@@ -160,9 +174,22 @@ fn words<'a>(words: impl IntoIterator<Item = &'a str>) -> Vec<OsString> {
     words.into_iter().map(OsString::from).collect()
 }
 
-/// Times of the frames of a file behind the first one, ns, where all are known; their number; what ffmpeg said.
-fn packets(mut args: Vec<OsString>, stop: Stop) -> Result<(Option<Vec<u64>>, usize, String), VideoFault> {
-    args.extend(words(["-c", "copy", "-copyinkf", "-flush_packets", "1", "-f", "framecrc", "pipe:1"]));
+/// Times of the frames of a file behind the first one, ns, where all are known; their number; what
+/// ffmpeg said.
+fn packets(
+    mut args: Vec<OsString>,
+    stop: Stop,
+) -> Result<(Option<Vec<u64>>, usize, String), VideoFault> {
+    args.extend(words([
+        "-c",
+        "copy",
+        "-copyinkf",
+        "-flush_packets",
+        "1",
+        "-f",
+        "framecrc",
+        "pipe:1",
+    ]));
     let (mut program, out) = Program::start(args)?;
     let (to, from) = sync_channel(1024);
     thread::spawn(move || {
@@ -215,8 +242,10 @@ fn tick_of(about: &str) -> Option<[u32; 2]> {
 fn in_order(mut times: Vec<i64>, [ticks, second]: [u32; 2]) -> Option<Vec<u64>> {
     times.sort_unstable();
     let first = *times.first()?;
-    let ns =
-        |time: i64| (i128::from(time) - i128::from(first)) * i128::from(ticks) * 1_000_000_000 / i128::from(second);
+    let ns = |time: i64| {
+        (i128::from(time) - i128::from(first)) * i128::from(ticks) * 1_000_000_000
+            / i128::from(second)
+    };
     times.iter().map(|&time| u64::try_from(ns(time)).ok()).collect()
 }
 
@@ -302,7 +331,17 @@ impl Decoder {
         args.extend(words(["-vf", "settb=1/25,setpts=N", "-r", "25"]));
         args.extend(words(["-sws_flags", "bicubic+accurate_rnd+bitexact", "-pix_fmt", "gray"]));
         args.extend(words(["-flush_packets", "1", "-f", "yuv4mpegpipe", "pipe:1"]));
-        let mut decoder = Self { args, count, times, stop, running: None, next: 0, last: None, ended: None, said };
+        let mut decoder = Self {
+            args,
+            count,
+            times,
+            stop,
+            running: None,
+            next: 0,
+            last: None,
+            ended: None,
+            said,
+        };
         decoder.start()?;
         decoder.frame(0)?;
         Ok(decoder)
@@ -381,7 +420,11 @@ impl Decoder {
             None => {
                 self.said = program.end();
                 let (frames, said) = (self.next, self.said.clone());
-                Err(if frames == 0 { VideoFault::Ffmpeg(said) } else { VideoFault::EndsEarly(frames, said) })
+                Err(if frames == 0 {
+                    VideoFault::Ffmpeg(said)
+                } else {
+                    VideoFault::EndsEarly(frames, said)
+                })
             }
         }
     }
@@ -419,7 +462,10 @@ mod tests {
 
     #[test]
     fn times_are_in_the_order_in_which_frames_are_shown() {
-        assert_eq!(in_order(vec![0, 2048, 1024, 512], [1, 15_360]), Some(vec![0, 33_333_333, 66_666_666, 133_333_333]));
+        assert_eq!(
+            in_order(vec![0, 2048, 1024, 512], [1, 15_360]),
+            Some(vec![0, 33_333_333, 66_666_666, 133_333_333])
+        );
         assert_eq!(in_order(vec![i64::MIN, i64::MAX], [u32::MAX, 1]), None);
         assert_eq!(
             (tick_of("tb 0: 1/1000"), tick_of("tb 0: 1/0"), tick_of("tb 1: 1/9")),

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! pairs    one video with both views side by side, or two
-//! y4m      raw frames with a header, the luma plane of each; of a file by their places, of a pipe one after the other
+//! y4m      raw frames with a header, the luma plane of each; of a file by their places, of a pipe
+//!          one after the other
 //! ffmpeg   all others, and cameras: the system's program decodes to Y4M, which is read from a pipe
 //! ```
 //!
@@ -80,7 +81,8 @@ impl Source {
         }
     }
 
-    /// Time of a frame behind the first one, ns; of a camera that of the clock when the frame arrived, of the last one alone.
+    /// Time of a frame behind the first one, ns; of a camera that of the clock when the frame
+    /// arrived, of the last one alone.
     fn time_ns(&self, index: usize) -> Option<u64> {
         match self {
             Self::Y4m(stored) => stored.time_ns(index),
@@ -161,10 +163,10 @@ pub enum VideoFault {
     #[error("ffmpeg cannot read it{}; look at it with ffprobe", in_brackets(.0))]
     Ffmpeg(String),
     /// ffmpeg wrote something else than it was asked for.
-    #[error("ffmpeg does not write what it was asked for ({0}); install another one")]
+    #[error("the output of ffmpeg is not as requested ({0}); install another version")]
     Output(&'static str),
     /// ffmpeg wrote nothing for so long, s.
-    #[error("ffmpeg gave nothing for {0} s and was ended; see if it reads it alone")]
+    #[error("ffmpeg wrote nothing for {0} s and was stopped; check that ffmpeg alone can read it")]
     Silent(u64),
     /// Somebody wants the program to end.
     #[error("interrupted")]
@@ -174,7 +176,7 @@ pub enum VideoFault {
     Camera(String),
 }
 
-/// What ffmpeg said, if it said something.
+/// Message of ffmpeg, if there is one.
 fn in_brackets(said: &str) -> String {
     if said.is_empty() { String::new() } else { format!(" ({})", printable(said)) }
 }

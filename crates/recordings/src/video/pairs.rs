@@ -1,5 +1,5 @@
-//! A video with both views side by side, left | right, or two that are paired by the numbers of their
-//! frames, up to the end of the shorter one; or a camera.
+//! A video with both views side by side, left | right, or two that are paired by the numbers of
+//! their frames, up to the end of the shorter one; or a camera.
 
 use super::{Camera, Luma, Source, Stop, VideoFault};
 use core::fmt;
@@ -25,13 +25,18 @@ struct VideoPair {
 }
 
 /// Pairs of a video, or of a left and a right one; the number of frames that are in none.
-pub(crate) fn pairs(paths: &[&Path], stop: Stop) -> Result<(Vec<StoredPair>, usize, Arc<Video>), FrameError> {
-    let opened = paths.iter().map(|path| Source::open(path, stop).map_err(|fault| fault_of(path, fault)));
+pub(crate) fn pairs(
+    paths: &[&Path],
+    stop: Stop,
+) -> Result<(Vec<StoredPair>, usize, Arc<Video>), FrameError> {
+    let opened =
+        paths.iter().map(|path| Source::open(path, stop).map_err(|fault| fault_of(path, fault)));
     let sources: Vec<Source> = opened.collect::<Result<_, _>>()?;
     let counts: Vec<usize> = sources.iter().filter_map(Source::frames).collect();
     let count = counts.iter().copied().min().unwrap_or(0);
     let alone = counts.iter().map(|frames| frames - count).sum();
-    let video = opened_as(paths.iter().map(|path| path.to_path_buf()).collect(), sources, Some(count))?;
+    let video =
+        opened_as(paths.iter().map(|path| path.to_path_buf()).collect(), sources, Some(count))?;
     Ok(((0..count).map(|index| pair(&video, index)).collect(), alone, video))
 }
 
@@ -46,7 +51,11 @@ fn fault_of(path: &Path, fault: VideoFault) -> FrameError {
 }
 
 /// The same, unless the first frame has no middle; one that is broken ends its own pair.
-fn opened_as(paths: Vec<PathBuf>, sources: Vec<Source>, pairs: Option<usize>) -> Result<Arc<Video>, FrameError> {
+fn opened_as(
+    paths: Vec<PathBuf>,
+    sources: Vec<Source>,
+    pairs: Option<usize>,
+) -> Result<Arc<Video>, FrameError> {
     let video = Arc::new(Video { paths, sources: Mutex::new(sources), pairs });
     let first = VideoPair { video: Arc::clone(&video), index: 0 };
     match first.grey() {
@@ -65,7 +74,10 @@ pub(crate) fn pair(video: &Arc<Video>, index: usize) -> StoredPair {
 
 impl fmt::Debug for Video {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Video").field("paths", &self.paths).field("pairs", &self.pairs).finish_non_exhaustive()
+        f.debug_struct("Video")
+            .field("paths", &self.paths)
+            .field("pairs", &self.pairs)
+            .finish_non_exhaustive()
     }
 }
 
@@ -80,7 +92,8 @@ impl Video {
         self.pairs.is_none()
     }
 
-    /// It ended before its last pair, or will give none any more: the number of pairs that there were.
+    /// It ended before its last pair, or will give none any more: the number of pairs that there
+    /// were.
     #[must_use]
     pub fn ended(&self) -> Option<usize> {
         let ended = self.with(|sources| sources.iter().filter_map(|source| source.ended()).min());
@@ -139,16 +152,21 @@ impl PairSource for VideoPair {
 impl VideoPair {
     fn frame(&self, eye: usize) -> Result<StoredGray, FrameError> {
         let path = &self.video.paths[eye];
-        let luma = self.video.with(|sources| sources[eye].frame(self.index)).map_err(|fault| fault_of(path, fault))?;
+        let luma = self
+            .video
+            .with(|sources| sources[eye].frame(self.index))
+            .map_err(|fault| fault_of(path, fault))?;
         grey(&luma).map_err(|what| FrameError::VideoFrame(path.clone(), self.index, what))
     }
 }
 
 fn grey(luma: &Luma) -> Result<StoredGray, String> {
-    let layout = if luma.bits > 8 { PixelBytes::Grey16(u16::from_le_bytes) } else { PixelBytes::Grey };
+    let layout =
+        if luma.bits > 8 { PixelBytes::Grey16(u16::from_le_bytes) } else { PixelBytes::Grey };
     let rows = luma.bytes.chunks_exact(luma.sides[0] as usize * layout.bytes());
     let stored = StoredGray::of_rows(luma.sides, layout, rows)?;
-    // 16 bits may hold the values of a sensor with fewer, as in image files; others say how many there are.
+    // 16 bits may hold the values of a sensor with fewer, as in image files; others say how many
+    // there are.
     if !(9..16).contains(&luma.bits) {
         return Ok(stored);
     }

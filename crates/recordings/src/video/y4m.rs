@@ -1,7 +1,9 @@
-//! Y4M: a line with size, rate and samples, then each frame behind a line of its own: luma, and chroma, which is passed over.
+//! Y4M: a line with size, rate and samples, then each frame behind a line of its own: luma, and
+//! chroma, which is passed over.
 //!
 //! # Source
-//! `yuv4mpeg(5)` of MJPEG Tools; names of samples beyond 8 bits as ffmpeg writes them (`C420p10`, `Cmono12`).
+//! `yuv4mpeg(5)` of MJPEG Tools; names of samples beyond 8 bits as ffmpeg writes them (`C420p10`,
+//! `Cmono12`).
 
 use super::{Luma, MOST_FRAMES, VideoFault};
 use linestereo_frames::untrusted::{self, PIXELS};
@@ -28,7 +30,8 @@ pub(super) struct Header {
     other_bytes: u64,
 }
 
-/// A line with its end; empty at the end of the data, cut off where it is longer than a line may be.
+/// A line with its end; empty at the end of the data, cut off where it is longer than a line may
+/// be.
 fn line(from: &mut impl BufRead) -> io::Result<Vec<u8>> {
     let mut line = Vec::new();
     from.take(LINE_BYTES).read_until(b'\n', &mut line)?;
@@ -62,7 +65,11 @@ impl Header {
             match letter {
                 "W" => width = value.parse::<u64>().ok(),
                 "H" => height = value.parse::<u64>().ok(),
-                "F" => rate = value.split_once(':').and_then(|(n, d)| Some([n.parse().ok()?, d.parse().ok()?])),
+                "F" => {
+                    rate = value
+                        .split_once(':')
+                        .and_then(|(n, d)| Some([n.parse().ok()?, d.parse().ok()?]))
+                }
                 "C" => samples = value,
                 _ => {} // interlacing, shape of a pixel, remarks
             }
@@ -74,8 +81,8 @@ impl Header {
         if !is_side(width) || !is_side(height) || width * height > PIXELS {
             return Err(VideoFault::Size([width, height]));
         }
-        let (bits, chroma) =
-            sampled(samples, [width, height]).ok_or_else(|| VideoFault::Samples(samples.chars().take(24).collect()))?;
+        let (bits, chroma) = sampled(samples, [width, height])
+            .ok_or_else(|| VideoFault::Samples(samples.chars().take(24).collect()))?;
         let bytes = if bits > 8 { 2 } else { 1 };
         Ok(Self {
             sides: [width as u32, height as u32],
@@ -87,7 +94,11 @@ impl Header {
     }
 
     /// The next frame: nothing at the end of the data, an error where that is inside the frame.
-    pub(super) fn frame(&self, from: &mut impl BufRead, index: usize) -> Result<Option<Luma>, VideoFault> {
+    pub(super) fn frame(
+        &self,
+        from: &mut impl BufRead,
+        index: usize,
+    ) -> Result<Option<Luma>, VideoFault> {
         match line(from)? {
             line if line.is_empty() => return Ok(None),
             line if !is_frame(&line) => return Err(VideoFault::Frame(index)),
@@ -113,7 +124,10 @@ fn sampled(name: &str, [width, height]: [u64; 2]) -> Option<(u32, u64)> {
     let half = |side: u64| side.div_ceil(2);
     let (name, bits) = match name.strip_prefix("mono") {
         Some(bits) => ("mono", bits),
-        None => name.split_once('p').filter(|(_, bits)| bits.parse::<u32>().is_ok()).unwrap_or((name, "8")),
+        None => name
+            .split_once('p')
+            .filter(|(_, bits)| bits.parse::<u32>().is_ok())
+            .unwrap_or((name, "8")),
     };
     let chroma = match name {
         "mono" => 0,
@@ -151,7 +165,8 @@ impl Stored {
                 break;
             }
             // The file ends in this line, or in the frame behind it.
-            is_cut = at == length && !line.ends_with(b"\n") || is_frame(&line) && length.saturating_sub(at) < bytes;
+            is_cut = at == length && !line.ends_with(b"\n")
+                || is_frame(&line) && length.saturating_sub(at) < bytes;
             if is_cut {
                 break;
             }
@@ -164,7 +179,11 @@ impl Stored {
             places.push(at);
             file.seek_relative(bytes as i64)?;
         }
-        if places.is_empty() { Err(VideoFault::Empty) } else { Ok(Self { file, header, places, is_cut }) }
+        if places.is_empty() {
+            Err(VideoFault::Empty)
+        } else {
+            Ok(Self { file, header, places, is_cut })
+        }
     }
 
     pub(super) fn frames(&self) -> usize {
@@ -177,13 +196,17 @@ impl Stored {
     }
 
     pub(super) fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
-        let at = *self.places.get(index).ok_or_else(|| VideoFault::EndsEarly(self.places.len(), String::new()))?;
+        let at = *self
+            .places
+            .get(index)
+            .ok_or_else(|| VideoFault::EndsEarly(self.places.len(), String::new()))?;
         self.file.seek(SeekFrom::Start(at))?;
         self.header.luma(&mut self.file)
     }
 
     pub(super) fn note(&self) -> Option<String> {
-        self.is_cut.then(|| format!("cut off inside frame {}, which is left out", self.places.len()))
+        self.is_cut
+            .then(|| format!("cut off inside frame {}, which is left out", self.places.len()))
     }
 }
 
@@ -194,9 +217,21 @@ mod tests {
     #[test]
     fn samples_have_these_sizes() {
         let of = |name| sampled(name, [5, 3]);
-        assert_eq!([of("mono"), of("mono10"), of("mono16")], [Some((8, 0)), Some((10, 0)), Some((16, 0))]);
-        assert_eq!([of("420jpeg"), of("420paldv"), of("420p10")], [Some((8, 12)), Some((8, 12)), Some((10, 12))]);
-        assert_eq!([of("411"), of("422"), of("444"), of("444alpha")].map(|of| of.unwrap().1), [12, 18, 30, 45]);
-        assert_eq!([of("420p17"), of("mono7"), of("p10"), of(""), of("rgb"), of("420p")], [None; 6]);
+        assert_eq!(
+            [of("mono"), of("mono10"), of("mono16")],
+            [Some((8, 0)), Some((10, 0)), Some((16, 0))]
+        );
+        assert_eq!(
+            [of("420jpeg"), of("420paldv"), of("420p10")],
+            [Some((8, 12)), Some((8, 12)), Some((10, 12))]
+        );
+        assert_eq!(
+            [of("411"), of("422"), of("444"), of("444alpha")].map(|of| of.unwrap().1),
+            [12, 18, 30, 45]
+        );
+        assert_eq!(
+            [of("420p17"), of("mono7"), of("p10"), of(""), of("rgb"), of("420p")],
+            [None; 6]
+        );
     }
 }

@@ -3,7 +3,8 @@
 use linestereo::diagnostics::Techniques;
 use linestereo::health::{CameraHealth, Rows, Skewed, Still, Tear};
 use linestereo::{
-    Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Margin, Match, Owner, Parts, Point, Position, Source,
+    Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Margin, Match, Owner, Parts,
+    Point, Position, Source,
 };
 use linestereo_rig::RigImage;
 use linestereo_wire::*;
@@ -31,15 +32,21 @@ impl Random {
 /// A match of arbitrary bits.
 pub(crate) fn any_match(random: &mut Random) -> Match {
     let mut disparity = || Disparity::from_bits(random.next() as i16);
-    let (disparities, sigma, window, census) = ([disparity(), disparity()], disparity(), disparity(), disparity());
-    let feature = random.next().is_multiple_of(2).then(|| Disparity::from_bits(random.next() as i16));
+    let (disparities, sigma, window, census) =
+        ([disparity(), disparity()], disparity(), disparity(), disparity());
+    let feature =
+        random.next().is_multiple_of(2).then(|| Disparity::from_bits(random.next() as i16));
     let mut depths = || {
-        let depth = |bits: u64| if bits.is_multiple_of(5) { INFINITE_DEPTH } else { Depth::from_bits(bits as i32) };
+        let depth = |bits: u64| {
+            if bits.is_multiple_of(5) { INFINITE_DEPTH } else { Depth::from_bits(bits as i32) }
+        };
         random.next().is_multiple_of(2).then(|| [depth(random.next()), depth(random.next())])
     };
     let (depth, depth_sigma) = (depths(), depths());
-    let mut point =
-        || ImagePosition { x: Position::from_bits(random.next() as u16), y: Position::from_bits(random.next() as u16) };
+    let mut point = || ImagePosition {
+        x: Position::from_bits(random.next() as u16),
+        y: Position::from_bits(random.next() as u16),
+    };
     Match {
         ends: [point(), point()],
         disparity: disparities,
@@ -62,7 +69,11 @@ pub(crate) fn longest_match() -> Match {
         owner: Owner::Both,
         depth: Some([Depth::MIN; 2]),
         depth_sigma: Some([Depth::MIN; 2]),
-        techniques: Techniques { feature: Some(Disparity::MIN), window: Disparity::MIN, census: Disparity::MIN },
+        techniques: Techniques {
+            feature: Some(Disparity::MIN),
+            window: Disparity::MIN,
+            census: Disparity::MIN,
+        },
     }
 }
 
@@ -140,7 +151,12 @@ pub(crate) fn messages() -> Vec<Message> {
     let longest_name: Name = "x".repeat(32).as_str().try_into().unwrap();
     let refusals = [
         Refusal::OutOfRange { name: name.clone(), value: 7, low: 10, high: 99 },
-        Refusal::OutOfRange { name: longest_name.clone(), value: i64::MIN, low: i64::MIN, high: i64::MAX },
+        Refusal::OutOfRange {
+            name: longest_name.clone(),
+            value: i64::MIN,
+            low: i64::MIN,
+            high: i64::MAX,
+        },
         Refusal::MarginNeedsRig,
         Refusal::MemoryTooSmall { name: longest_name.clone(), needed: u32::MAX, given: 0 },
         Refusal::Focal(f64::MIN),
@@ -157,7 +173,8 @@ pub(crate) fn messages() -> Vec<Message> {
         Refusal::NoPair,
     ];
     let rig = RigInUse { raw: [u16::MAX; 2], rectified: [u16::MAX; 2], slot: Some(1) };
-    let longest_rig = RigReport { in_use: Some(rig), slots: [Ok(u32::MAX), Err(RigFault::TooLarge)] };
+    let longest_rig =
+        RigReport { in_use: Some(rig), slots: [Ok(u32::MAX), Err(RigFault::TooLarge)] };
     let mut list = vec![
         Message::Hello(Hello {
             board: "".try_into().unwrap(),
@@ -196,7 +213,11 @@ pub(crate) fn messages() -> Vec<Message> {
         }),
         Message::Answer(Answer { command: 0, outcome: Outcome::Accepted }),
     ];
-    list.extend(refusals.map(|why| Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })));
+    list.extend(
+        refusals.map(|why| {
+            Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })
+        }),
+    );
     let longest_point = Point {
         x: u16::MAX,
         y: u16::MAX,
@@ -225,14 +246,25 @@ pub(crate) fn messages() -> Vec<Message> {
     let refused = ObjectRecord { disparity_q6: Err(3), depth_q16: None, ..longest_object };
     list.extend([
         Message::Objects(Objects { sequence: 1, list: [refused].into_iter().collect() }),
-        Message::Objects(Objects { sequence: u32::MAX, list: [longest_object; OBJECTS_PER_PACKET].into() }),
+        Message::Objects(Objects {
+            sequence: u32::MAX,
+            list: [longest_object; OBJECTS_PER_PACKET].into(),
+        }),
     ]);
-    let photo =
-        PairHead { width: u16::MAX, height: 1, capture_time_us: u64::MAX, right_capture_time_us: Some(u64::MAX) };
+    let photo = PairHead {
+        width: u16::MAX,
+        height: 1,
+        capture_time_us: u64::MAX,
+        right_capture_time_us: Some(u64::MAX),
+    };
     list.extend([
         Message::Photo(photo),
         Message::Pixels(Pixels { is_right: false, first: 0, list: heapless::Vec::new() }),
-        Message::Pixels(Pixels { is_right: true, first: u32::MAX, list: [255; PIXELS_PER_PACKET].into() }),
+        Message::Pixels(Pixels {
+            is_right: true,
+            first: u32::MAX,
+            list: [255; PIXELS_PER_PACKET].into(),
+        }),
         Message::Capture(CaptureReport::default()),
         Message::Capture(CaptureReport {
             faults: [[u32::MAX; CaptureReport::KINDS.len()]; 2],
@@ -277,7 +309,10 @@ pub(crate) fn messages() -> Vec<Message> {
     list.extend([
         Message::Setting(SettingValue { number: u8::MAX, value: f32::MIN }),
         Message::Clock(u64::MAX),
-        Message::Kept(KeptReport { is_kept: true, slots: [Ok(u32::MAX), Err(RigFault::OutOfRange)] }),
+        Message::Kept(KeptReport {
+            is_kept: true,
+            slots: [Ok(u32::MAX), Err(RigFault::OutOfRange)],
+        }),
     ]);
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| any_match(&mut random));
@@ -288,23 +323,42 @@ pub(crate) fn messages() -> Vec<Message> {
 
 /// Every kind of command.
 pub(crate) fn commands() -> Vec<Command> {
-    let pixels = ParamUpdate { margin: Some(Margin::Pixels(-Disparity::ONE)), ..ParamUpdate::default() };
+    let pixels =
+        ParamUpdate { margin: Some(Margin::Pixels(-Disparity::ONE)), ..ParamUpdate::default() };
     let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
-    let pair =
-        PairHead { width: u16::MAX, height: 240, capture_time_us: u64::MAX, right_capture_time_us: Some(u64::MAX) };
-    let raw_pair = PairHead { width: 752, height: 480, capture_time_us: 0, right_capture_time_us: None };
+    let pair = PairHead {
+        width: u16::MAX,
+        height: 240,
+        capture_time_us: u64::MAX,
+        right_capture_time_us: Some(u64::MAX),
+    };
+    let raw_pair =
+        PairHead { width: 752, height: 480, capture_time_us: 0, right_capture_time_us: None };
     let mut random = Random(21);
     let mut bytes = |length: usize| (0..length).map(|_| random.next() as u8).collect();
     let rigs = [Request::SetRig(bytes(0)), Request::SetRig(bytes(RigImage::BYTES))];
     let pairs = [Request::Pair(pair), Request::RawPair(raw_pair)];
-    let longest = RegionBox { label: u16::MAX, left: u16::MAX, top: u16::MAX, right: u16::MAX, bottom: u16::MAX };
+    let longest = RegionBox {
+        label: u16::MAX,
+        left: u16::MAX,
+        top: u16::MAX,
+        right: u16::MAX,
+        bottom: u16::MAX,
+    };
     let all = Regions { boxes: [longest; MAX_REGIONS].into(), only: true };
     let regions = [Regions::default(), all].map(Request::SetRegions);
-    let requests = [Request::Describe, Request::Start, Request::Stop, Request::Photograph, Request::RunCase(u16::MAX)]
-        .into_iter()
-        .chain(updates)
-        .chain(pairs);
-    let sets = [(0, -0.5), (u8::MAX, f32::MAX)].map(|(number, value)| Request::Set(SettingValue { number, value }));
+    let requests = [
+        Request::Describe,
+        Request::Start,
+        Request::Stop,
+        Request::Photograph,
+        Request::RunCase(u16::MAX),
+    ]
+    .into_iter()
+    .chain(updates)
+    .chain(pairs);
+    let sets = [(0, -0.5), (u8::MAX, f32::MAX)]
+        .map(|(number, value)| Request::Set(SettingValue { number, value }));
     let clocks = [Request::ReadClock, Request::SetClock(u64::MAX), Request::Bootloader];
     let settings = [Request::Settings, Request::KeepSettings, Request::ResetSettings];
     requests
@@ -313,7 +367,11 @@ pub(crate) fn commands() -> Vec<Command> {
         .chain(sets)
         .chain(settings)
         .chain(clocks)
-        .zip([0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX].into_iter().cycle())
+        .zip(
+            [0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX]
+                .into_iter()
+                .cycle(),
+        )
         .map(|(request, id)| Command { id, request })
         .collect()
 }

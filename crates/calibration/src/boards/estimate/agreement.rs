@@ -11,7 +11,8 @@ use linestereo::Dims;
 use linestereo_rig::CameraSide;
 use nalgebra::Vector3;
 
-/// Views that may differ in what they say of the cameras' pose before it is refined, in widths of the image.
+/// Views that may differ in what they say of the cameras' pose before it is refined, in widths of
+/// the image.
 const AGREE: f64 = 0.03;
 
 /// The cameras' pose that most views agree with; the others are dropped.
@@ -28,7 +29,9 @@ pub(super) fn agreed_rig(
     }
     let limit = AGREE * f64::from(dims.width);
     let camera = right.bundle.cameras[0];
-    let poses = |single: &Single| -> Vec<Pose> { used.iter().map(|&view| single.bundle.views[view].pose).collect() };
+    let poses = |single: &Single| -> Vec<Pose> {
+        used.iter().map(|&view| single.bundle.views[view].pose).collect()
+    };
     let from = poses(left);
     let seen: Vec<&Sightings> = used.iter().map(|&view| &sightings[1][view]).collect();
     let (rig, off) = nearest_rig(&camera, &from, &poses(right), &seen);
@@ -44,21 +47,34 @@ pub(super) fn agreed_rig(
     // Markers in mirrored photos are not read: what was numbered by them is not mirrored.
     let sides: &[bool] = if board.pattern() == Pattern::Chessboard { &[false, true] } else { &[] };
     let mirrored = sides.iter().find_map(|&rows| {
-        let seen: Vec<Sightings> = seen.iter().map(|seen| unmirrored(board, dims, seen, rows)).collect();
-        let to = seen.iter().map(|seen| initial::pose(&camera, dims, seen)).collect::<Option<Vec<_>>>()?;
+        let seen: Vec<Sightings> =
+            seen.iter().map(|seen| unmirrored(board, dims, seen, rows)).collect();
+        let to = seen
+            .iter()
+            .map(|seen| initial::pose(&camera, dims, seen))
+            .collect::<Option<Vec<_>>>()?;
         let (rig, off) = nearest_rig(&camera, &from, &to, &seen.iter().collect::<Vec<_>>());
         (2 * off.iter().filter(|&&off| off <= 2.0 * limit).count() > off.len()).then_some(rig)
     });
     Err(match mirrored {
-        // With both mirrored the right camera appears on the wrong side: then it was the left one that was.
-        Some(rig) if rig.inverse().translation().x < 0.0 => EstimateError::Mirrored(CameraSide::Left),
+        // With both mirrored the right camera appears on the wrong side: then it was the left one
+        // that was.
+        Some(rig) if rig.inverse().translation().x < 0.0 => {
+            EstimateError::Mirrored(CameraSide::Left)
+        }
         Some(_) => EstimateError::Mirrored(CameraSide::Right),
         None => EstimateError::NoRig(agree, used.len()),
     })
 }
 
-/// Of the poses between the cameras that the views suggest, the one that is off least in the median, and how far it is off in each view, px.
-fn nearest_rig(camera: &Intrinsics, from: &[Pose], to: &[Pose], seen: &[&Sightings]) -> (Pose, Vec<f64>) {
+/// Of the poses between the cameras that the views suggest, the one that is off least in the
+/// median, and how far it is off in each view, px.
+fn nearest_rig(
+    camera: &Intrinsics,
+    from: &[Pose],
+    to: &[Pose],
+    seen: &[&Sightings],
+) -> (Pose, Vec<f64>) {
     let off = |rig: &Pose| -> Vec<f64> {
         let one = |(pose, seen): (&Pose, &&Sightings)| {
             let right = pose.then(rig);
@@ -77,7 +93,8 @@ fn nearest_rig(camera: &Intrinsics, from: &[Pose], to: &[Pose], seen: &[&Sightin
     best.unwrap_or((Pose([0.0; 6]), Vec::new()))
 }
 
-/// As the photo would be without its mirroring. The numbering of a mirrored board runs backwards along one side: the rows, or the columns.
+/// As the photo would be without its mirroring. The numbering of a mirrored board runs backwards
+/// along one side: the rows, or the columns.
 fn unmirrored(board: &Board, dims: Dims, seen: &Sightings, rows: bool) -> Sightings {
     let (cols, count) = (board.cols(), board.corners());
     let other = |index: usize| {

@@ -4,8 +4,9 @@ use super::super::bundle::{Belief, RIG, camera_numbers};
 use super::super::model::{FX, FY, Intrinsics, K1, LensModel, SKEW};
 use linestereo::Dims;
 
-/// Prior standard deviation of k1, k2, k3 (k1 to k4 of a fisheye) and p1, p2, as the share of the radius by which they move a corner of the image, and
-/// the error of a corner that this is weighed against, px.
+/// Prior standard deviation of k1, k2, k3 (k1 to k4 of a fisheye) and p1, p2, as the share of the
+/// radius by which they move a corner of the image, and the error of a corner that this is weighed
+/// against, px.
 const BELIEFS: ([f64; 4], f64) = ([1.0, 0.5, 0.2, 0.2], 0.02);
 const BELIEF_ERROR: f64 = 0.15;
 
@@ -32,7 +33,8 @@ pub(super) fn shared_numbers(options: &Options, both: bool) -> Vec<usize> {
     };
     let camera: Vec<usize> = (0..names.len()).filter(|&number| !held(number)).collect();
     let eyes = if both { 0..2 } else { 0..1 };
-    let cameras = eyes.flat_map(|eye| camera.iter().map(move |number| camera_numbers(eye) + number));
+    let cameras =
+        eyes.flat_map(|eye| camera.iter().map(move |number| camera_numbers(eye) + number));
     cameras.chain(if both { RIG..RIG + 6 } else { 0..0 }).collect()
 }
 
@@ -43,7 +45,8 @@ pub(super) fn beliefs(cameras: &[Intrinsics; 2], dims: Dims) -> Vec<Belief> {
     let of = |eye: usize| {
         let camera = cameras[eye];
         let reach = corner / camera.numbers[FX];
-        // Of a fisheye, the radius in the image is nearly the angle, which is what its terms are powers of.
+        // Of a fisheye, the radius in the image is nearly the angle, which is what its terms are
+        // powers of.
         let names = camera.model.names();
         (K1..names.len()).map(move |number| {
             let share = match names[number] {

@@ -1,4 +1,5 @@
-//! Both cameras and their pose at once; corners and views that do not fit are dropped, until none is.
+//! Both cameras and their pose at once; corners and views that do not fit are dropped, until none
+//! is.
 
 use super::super::bundle::Bundle;
 use super::outcome::{Dropped, EstimateError, LEAST_VIEWS};
@@ -7,7 +8,8 @@ use super::residuals::{BAD_VIEW, ROUNDS, median, view_errors};
 /// A corner further off than this many standard deviations, and than this in px, is dropped.
 const BAD_CORNER: (f64, f64) = (8.0, 0.5);
 
-/// Estimates all at once, drops what does not fit, and again. Out: the bundle, and which views it holds.
+/// Estimates all at once, drops what does not fit, and again. Out: the bundle, and which views it
+/// holds.
 pub(super) fn robust(
     mut bundle: Bundle,
     dropped: &mut [Option<Dropped>],

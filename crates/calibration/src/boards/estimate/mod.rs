@@ -1,21 +1,28 @@
-//! Corners of a board in pairs of photos -> two cameras and the pose between them, with what they are worth.
+//! Corners of a board in pairs of photos -> two cameras and the pose between them, with what they
+//! are worth.
 //!
-//! In: [`BoardPair`]s, found by [`finder`](super::finder) or made up by a test. Out: an [`Estimate`]: a [`Calibration`](linestereo_rig::Calibration), every number
-//! with its standard deviation, what was dropped and why, all errors.
+//! In: [`BoardPair`]s, found by [`finder`](super::finder) or made up by a test. Out: an
+//! [`Estimate`]: a [`Calibration`](linestereo_rig::Calibration), every number with its standard
+//! deviation, what was dropped and why, all errors.
 //!
 //! ```text
-//! each camera alone (single): focal length by search -> focal length and k1 -> everything; views that do not fit are dropped
-//! the pose between the cameras as each view sees it (agreement) -> the one most others agree with; views that disagree are dropped
-//! all at once, by bundle adjustment (joint); corners and views that do not fit are dropped; again, until none is
+//! each camera alone (single): focal length by search -> focal length and k1 -> everything; views
+//!                             that do not fit are dropped
+//! the pose between the cameras as each view sees it (agreement) -> the one most others agree
+//!     with; views that disagree are dropped
+//! all at once, by bundle adjustment (joint); corners and views that do not fit are dropped;
+//!     again, until none is
 //! ```
 //!
-//! Free parameters: focal lengths (both, as the pixels of cheap sensors after scaling are not always square), centre, all of the lens. Skew is
-//! 0 unless asked for: no sensor of today has any. The lens terms carry a weak belief (`BELIEFS`): photos that reach the corners of the
-//! image outweigh it a hundredfold; where they do not, it keeps k2 and k3 from cancelling each other out with large values that fit
-//! these boards and no others.
+//! Free parameters: focal lengths (both, as the pixels of cheap sensors after scaling are not
+//! always square), centre, all of the lens. Skew is 0 unless asked for: no sensor of today has any.
+//! The lens terms carry a weak belief (`BELIEFS`): photos that reach the corners of the image
+//! outweigh it a hundredfold; where they do not, it keeps k2 and k3 from cancelling each other out
+//! with large values that fit these boards and no others.
 //!
 //! # Source
-//! Zhang, 2000, for the plan; Triggs and others, 2000, for bundle adjustment, dropping what does not fit, and the covariance.
+//! Zhang, 2000, for the plan; Triggs and others, 2000, for bundle adjustment, dropping what does
+//! not fit, and the covariance.
 
 mod agreement;
 mod free;
@@ -27,7 +34,8 @@ mod single;
 
 pub use free::Options;
 pub use outcome::{
-    BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS, Parameter, ViewReport,
+    BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS,
+    Parameter, ViewReport,
 };
 
 use super::board::Board;
@@ -43,7 +51,12 @@ use single::single;
 use std::thread;
 
 /// Estimates both cameras and their pose from boards that both saw.
-pub fn estimate(board: &Board, dims: Dims, pairs: &[BoardPair], options: &Options) -> Result<Estimate, EstimateError> {
+pub fn estimate(
+    board: &Board,
+    dims: Dims,
+    pairs: &[BoardPair],
+    options: &Options,
+) -> Result<Estimate, EstimateError> {
     if pairs.len() < LEAST_VIEWS {
         return Err(EstimateError::TooFew(pairs.len(), pairs.len()));
     }
@@ -69,7 +82,13 @@ pub fn estimate(board: &Board, dims: Dims, pairs: &[BoardPair], options: &Option
     let mut joint = Bundle {
         cameras: [left.bundle.cameras[0], right.bundle.cameras[0]],
         rig,
-        views: left.bundle.views.iter().zip(&sightings[1]).map(|(view, right)| with_right(view, right)).collect(),
+        views: left
+            .bundle
+            .views
+            .iter()
+            .zip(&sightings[1])
+            .map(|(view, right)| with_right(view, right))
+            .collect(),
         free: shared_numbers(options, true),
         square_pixels: options.square_pixels,
         beliefs: Vec::new(),

@@ -26,14 +26,19 @@ impl BoardPair {
     #[must_use]
     pub fn new(name: String, left: BoardCorners, right: BoardCorners) -> Self {
         let right = right.turned_like(&left);
-        let ((left_numbers, left), (right_numbers, right)) = (left.into_inner(), right.into_inner());
+        let ((left_numbers, left), (right_numbers, right)) =
+            (left.into_inner(), right.into_inner());
         Self { name, numbers: [left_numbers, right_numbers], corners: [left, right] }
     }
 
     /// All corners, row by row.
     #[must_use]
     pub fn whole(name: String, corners: [Vec<[f64; 2]>; 2]) -> Self {
-        Self { name, numbers: corners.each_ref().map(|corners| (0..corners.len()).collect()), corners }
+        Self {
+            name,
+            numbers: corners.each_ref().map(|corners| (0..corners.len()).collect()),
+            corners,
+        }
     }
 }
 
@@ -55,7 +60,10 @@ pub enum Dropped {
     #[error("error {0:.2} px, far above the others: blurred, or the board is bent?")]
     Error(f64),
     /// It says something else about the cameras' pose than the others: off by so many px.
-    #[error("off by {0:.0} px from what the others say of the cameras: not taken at the same time?")]
+    #[error(
+        "pose of the cameras off by {0:.0} px from the other views: were both photos taken at the \
+         same time?"
+    )]
     Pose(f64),
 }
 
@@ -119,8 +127,8 @@ pub enum EstimateError {
     TooFew(usize, usize),
     /// No camera explains what is seen.
     #[error(
-        "no lens explains the corners of the {0} camera; is the board flat, the focus fixed, \
-         --lens right?"
+        "no lens model fits the corners of the {0} camera; check that the board is flat, the focus \
+         is fixed and --lens is right"
     )]
     NoFit(CameraSide),
     /// The best fit is no camera.
@@ -139,7 +147,10 @@ pub enum EstimateError {
     )]
     NoRig(usize, usize),
     /// The photos do not fix the numbers.
-    #[error("the photos do not fix the cameras; tilt the board in different directions and take more")]
+    #[error(
+        "the photos do not determine the cameras; take more, with the board tilted in different \
+         directions"
+    )]
     Undetermined,
 }
 

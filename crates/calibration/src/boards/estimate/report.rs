@@ -1,8 +1,11 @@
-//! From the bundle to what is reported: cameras, numbers with their spread, errors of views and corners.
+//! From the bundle to what is reported: cameras, numbers with their spread, errors of views and
+//! corners.
 
 use super::super::bundle::{Bundle, RIG, camera_numbers};
 use super::super::model::{FX, FY};
-use super::outcome::{BoardPair, CornerError, Dropped, Estimate, EstimateError, Parameter, ViewReport};
+use super::outcome::{
+    BoardPair, CornerError, Dropped, Estimate, EstimateError, Parameter, ViewReport,
+};
 use super::residuals::root_mean_square;
 use crate::rig_file::quaternion;
 use linestereo::Dims;
@@ -22,13 +25,18 @@ pub(super) fn report(
         bundle.cameras[eye].camera(dims).map_err(|error| EstimateError::Camera(name, error))
     };
     let [rx, ry, rz, shift @ ..] = bundle.rig.0;
-    let calibration =
-        Calibration::new(camera(0, CameraSide::Left)?, camera(1, CameraSide::Right)?, quaternion([rx, ry, rz]), shift)
-            .map_err(EstimateError::Pair)?;
+    let calibration = Calibration::new(
+        camera(0, CameraSide::Left)?,
+        camera(1, CameraSide::Right)?,
+        quaternion([rx, ry, rz]),
+        shift,
+    )
+    .map_err(EstimateError::Pair)?;
     let spread = bundle.spread().ok_or(EstimateError::Undetermined)?;
 
     let (views, errors) = view_reports(places, pairs, bundle, used, dropped);
-    let distances = |eye: usize| errors[eye].iter().flat_map(|corner| corner.error).collect::<Vec<f64>>();
+    let distances =
+        |eye: usize| errors[eye].iter().flat_map(|corner| corner.error).collect::<Vec<f64>>();
     let all: Vec<f64> = distances(0).into_iter().chain(distances(1)).collect();
     let sigma_of = |number: usize| {
         let position = bundle.free.iter().position(|&free| free == number);
@@ -73,12 +81,18 @@ fn view_reports(
             views[index].rms[eye] = root_mean_square(own);
             for ((place, at), error) in view.seen[eye].iter().zip(own.chunks_exact(2)) {
                 let corner = places.iter().position(|other| other == place).unwrap_or(0);
-                errors[eye].push(CornerError { view: index, corner, at: *at, error: [error[0], error[1]] });
+                errors[eye].push(CornerError {
+                    view: index,
+                    corner,
+                    at: *at,
+                    error: [error[0], error[1]],
+                });
             }
         }
         let given = pairs[index].corners.iter().map(Vec::len).sum::<usize>();
         views[index].bad_corners = given - view.seen[0].len() - view.seen[1].len();
-        views[index].tilt = (view.pose.rotation() * Vector3::z()).z.clamp(-1.0, 1.0).acos().to_degrees();
+        views[index].tilt =
+            (view.pose.rotation() * Vector3::z()).z.clamp(-1.0, 1.0).acos().to_degrees();
     }
     (views, errors)
 }

@@ -1,4 +1,5 @@
-//! One camera from its own photos: a focal length by search, then everything; views that do not fit are dropped.
+//! One camera from its own photos: a focal length by search, then everything; views that do not fit
+//! are dropped.
 
 use super::super::bundle::{BoardView, Bundle};
 use super::super::initial::{self, Sightings};
@@ -20,7 +21,8 @@ pub(super) struct Single {
 pub(super) fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> Option<Single> {
     let searched = initial::focals(options.lens, dims, sightings);
     let width = f64::from(dims.width);
-    let starts = searched.first().copied().into_iter().chain([0.6, 1.0, 1.8].map(|widths| widths * width));
+    let starts =
+        searched.first().copied().into_iter().chain([0.6, 1.0, 1.8].map(|widths| widths * width));
     let mut best: Option<(f64, Bundle)> = None;
     for start in starts {
         let Some(bundle) = refined(dims, sightings, options, start) else { continue };
@@ -34,7 +36,8 @@ pub(super) fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> 
     }
     let (_, mut bundle) = best?;
     let mut dropped = vec![None; sightings.len()];
-    // Views that do not fit pull the others off: estimate without them, then pose them again for the report.
+    // Views that do not fit pull the others off: estimate without them, then pose them again for
+    // the report.
     for _ in 0..ROUNDS {
         let kept: Vec<usize> = (0..dropped.len()).filter(|&view| dropped[view].is_none()).collect();
         let errors = view_errors(&bundle);
@@ -47,14 +50,20 @@ pub(super) fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> 
             dropped[view] = Some(Dropped::Error(errors[view]));
         }
         let views = bundle.views.clone();
-        bundle.views =
-            (0..views.len()).filter(|&view| dropped[view].is_none()).map(|view| views[view].clone()).collect();
+        bundle.views = (0..views.len())
+            .filter(|&view| dropped[view].is_none())
+            .map(|view| views[view].clone())
+            .collect();
         bundle.solve();
         let mut solved = core::mem::take(&mut bundle.views).into_iter();
         bundle.views = views
             .into_iter()
             .zip(&dropped)
-            .map(|(view, dropped)| if dropped.is_none() { solved.next().unwrap_or(view) } else { view })
+            .map(
+                |(view, dropped)| {
+                    if dropped.is_none() { solved.next().unwrap_or(view) } else { view }
+                },
+            )
             .collect();
     }
     Some(Single { bundle, dropped })
@@ -63,9 +72,11 @@ pub(super) fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> 
 /// Refined from one focal length.
 fn refined(dims: Dims, sightings: &[Sightings], options: &Options, focal: f64) -> Option<Bundle> {
     let camera = Intrinsics::plain(options.lens, dims, focal);
-    // A view whose first pose fails must not cost the others: the solver finds it from a board face to face, or it is dropped.
+    // A view whose first pose fails must not cost the others: the solver finds it from a board face
+    // to face, or it is dropped.
     let view = |seen: &Sightings| {
-        let pose = initial::pose(&camera, dims, seen).unwrap_or_else(|| initial::facing(&camera, seen));
+        let pose =
+            initial::pose(&camera, dims, seen).unwrap_or_else(|| initial::facing(&camera, seen));
         BoardView { seen: [seen.clone(), Vec::new()], pose }
     };
     let views = sightings.iter().map(view).collect();

@@ -1,4 +1,5 @@
-//! Block matching on the pairs of a file. Arguments: the file of pairs, and the one for the table, which ends with the stack's depth.
+//! Block matching on the pairs of a file. Arguments: the file of pairs, and the one for the table,
+//! which ends with the stack's depth.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,6 +1,8 @@
-//! Block matching beside the core on an emulated Cortex-M7: instructions and memory, on the same pairs.
+//! Block matching beside the core on an emulated Cortex-M7: instructions and memory, on the same
+//! pairs.
 //!
-//! Every disparity of the board is compared with the PC's, also on small pairs of odd sizes with each number of disparities.
+//! Every disparity of the board is compared with the PC's, also on small pairs of odd sizes with
+//! each number of disparities.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use clap::Parser;
@@ -67,14 +69,18 @@ fn main() -> Result<()> {
     METHODS.iter().for_each(|(method, ..)| print!(" {method:>16}"));
     let line = |name: &str, core: u64, outcomes: &[Outcome]| {
         print!("\n{name:20} {:>8}", core / 1000);
-        outcomes.iter().for_each(|Outcome { cost, found }| print!(" {:>8} ({found:>5})", cost / 1000));
+        outcomes
+            .iter()
+            .for_each(|Outcome { cost, found }| print!(" {:>8} ({found:>5})", cost / 1000));
     };
     for (((name, _), &core), outcomes) in pairs.iter().zip(&core).zip(&outcomes) {
         line(name, core, outcomes);
     }
     let core = median(core);
     let of_method = |place: usize| {
-        let of = |number: fn(&Outcome) -> u64| median(outcomes.iter().map(|of_pair| number(&of_pair[place])).collect());
+        let of = |number: fn(&Outcome) -> u64| {
+            median(outcomes.iter().map(|of_pair| number(&of_pair[place])).collect())
+        };
         Outcome { cost: of(|outcome| outcome.cost), found: of(|outcome| outcome.found) }
     };
     let medians = [0, 1, 2, 3].map(of_method);
@@ -100,7 +106,8 @@ fn bench() -> Result<(BTreeMap<String, u64>, u64)> {
     for line in run(&Images::of_firmware(&["bench"], Logs::None), &["table"], None)?.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
             ["pair", name, _, ref costs @ ..] => {
-                let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
+                let costs: Vec<u64> =
+                    costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 pairs.insert(name.to_owned(), costs.iter().sum());
             }
             ["stack", depth] => stack = Some(depth.parse()?),
@@ -113,19 +120,22 @@ fn bench() -> Result<(BTreeMap<String, u64>, u64)> {
 /// Instructions of the core for each of these pairs.
 fn replay(pairs: &[Named]) -> Result<Vec<u64>> {
     let images: Vec<_> = pairs.iter().map(|(_, (left, right))| (left, right)).collect();
-    let replayed = Machine::new(BOARD)?.run_pairs(&board::update(&Params::DEFAULT, None), &images)?;
+    let replayed =
+        Machine::new(BOARD)?.run_pairs(&board::update(&Params::DEFAULT, None), &images)?;
     let costs = |pair: Result<BoardResult, Refusal>| pair.map(|pair| pair.costs.iter().sum());
     replayed.pairs.into_iter().map(|pair| costs(pair).map_err(|why| anyhow!("{why}"))).collect()
 }
 
 /// Runs a board program with these arguments, beside a file of pairs, and returns the file `table`.
 fn run(images: &Images<'_>, arguments: &[&str], pairs: Option<&[u8]>) -> Result<String> {
-    let elf = images.build(&Toolchain::for_board(&BOARD)?, &BOARD)?.pop().context("nothing was built")?;
+    let elf =
+        images.build(&Toolchain::for_board(&BOARD)?, &BOARD)?.pop().context("nothing was built")?;
     let folder = tempfile::tempdir()?;
     if let Some(pairs) = pairs {
         std::fs::write(folder.path().join("pairs"), pairs)?;
     }
-    qemu::run(&BOARD, &elf, arguments, folder.path(), LIMIT)?.success(images.programs[0], &BOARD)?;
+    qemu::run(&BOARD, &elf, arguments, folder.path(), LIMIT)?
+        .success(images.programs[0], &BOARD)?;
     Ok(std::fs::read_to_string(folder.path().join("table"))?)
 }
 
@@ -141,8 +151,8 @@ fn painted(dims: Dims) -> Vec<Named> {
     Scene::ALL.map(of).into()
 }
 
-/// Runs the board program on these pairs, compares it with this machine, and returns for each pair what each method gave, and the
-/// depth of the stack.
+/// Runs the board program on these pairs, compares it with this machine, and returns for each pair
+/// what each method gave, and the depth of the stack.
 fn blocks(pairs: &[Named]) -> Result<(Vec<[Outcome; METHODS.len()]>, u64)> {
     let mut file = Vec::new();
     pairs.iter().for_each(|(_, pair)| push(&mut file, pair, DISPARITIES));
@@ -153,7 +163,8 @@ fn blocks(pairs: &[Named]) -> Result<(Vec<[Outcome; METHODS.len()]>, u64)> {
     let mut matchers = Box::new(Matchers::new());
     matchers.run(&NoClock, &mut Bytes(&file), &mut here)?;
 
-    let images = Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
+    let images =
+        Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
     let there = run(&images, &["pairs", "table"], Some(&file))?;
 
     let (mut outcomes, mut stack) = (Vec::new(), None);
