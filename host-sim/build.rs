@@ -1,4 +1,5 @@
-//! `LINESTEREO_VERSION`: the version with the commit, by git or as `cargo package` noted it; and `cfg(captured)` where captured frames are.
+//! `LINESTEREO_VERSION`: the version with the commit, by git or as `cargo package` noted it; and
+//! `cfg(captured)` where captured frames are.
 //!
 //! Without either the version stands alone: no build fails for it.
 
@@ -14,7 +15,9 @@ const DIGITS: usize = 12;
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let version = env!("CARGO_PKG_VERSION");
-    let commit = packaged_commit().or_else(git_commit).map(|commit| format!(" ({:.DIGITS$})", commit.trim()));
+    let commit = packaged_commit()
+        .or_else(git_commit)
+        .map(|commit| format!(" ({:.DIGITS$})", commit.trim()));
     println!("cargo::rustc-env=LINESTEREO_VERSION={version}{}", commit.unwrap_or_default());
     captured();
 }
@@ -34,7 +37,11 @@ fn git_commit() -> Option<String> {
         return None;
     }
     let git = |args: &[&str]| {
-        let output = Command::new("git").args(args).output().ok().filter(|output| output.status.success())?;
+        let output = Command::new("git")
+            .args(args)
+            .output()
+            .ok()
+            .filter(|output| output.status.success())?;
         String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned())
     };
     // Grows with each commit, and with each change of the branch.

@@ -1,6 +1,7 @@
 //! Ctrl-C, and being asked to end: what is finished is kept.
 //!
-//! The first one is for the command to notice between two pairs; the second one ends the program at once.
+//! The first one is for the command to notice between two pairs; the second one ends the program at
+//! once.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::fs;

@@ -5,13 +5,18 @@
 //! ```text
 //! interruption, output, programs   Ctrl-C; files written whole; other programs of this machine
 //! registry, scene, engine          pairs that registries carry; scenes rendered; the core run
-//! results, monitor, explain        what a pair gave; what a board reports of it; why a pixel has a depth, or none
+//! results, monitor, explain        what a pair gave; what a board reports of it; why a pixel has a
+//!                                  depth, or none
 //! board, quality, planning         boards driven; depths of a wall; rig planning
-//! draw, report, serve              pictures; pages; a page for browsers of this computer, with events
+//! draw, report, serve              pictures; pages; a page for browsers of this computer, with
+//!                                  events
 //! commands                         the command line
 //! ```
 
-#![allow(missing_docs, reason = "modules of a program, not an interface: a name that says it all stands alone")]
+#![allow(
+    missing_docs,
+    reason = "modules of a program, not an interface: a name that says it all stands alone"
+)]
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
 pub mod board;
@@ -30,3 +35,8 @@ pub mod report;
 pub mod results;
 pub mod scene;
 pub mod serve;
+
+/// The example of the package's page.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

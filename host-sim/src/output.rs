@@ -1,14 +1,17 @@
-//! Output files: all of a command's files appear, whole, or none does; "-" is stdout, for every one of them.
+//! Output files: all of a command's files appear, whole, or none does; "-" is stdout, for every one
+//! of them.
 //!
 //! ```text
-//! OutputPath    a file that is named on the command line to be written: `commands::arguments` knows them by this type
+//! OutputPath    a file that is named on the command line to be written: `commands::arguments`
+//!               knows them by this type
 //! spare         none of them is among the files that a command found for itself
 //! OutputFiles   written beside their destinations, then renamed together
 //! LineFile      one that grows line by line
 //! print, say, detail   results and notes on stdout; more, for who asks, on stderr
 //! ```
 //!
-//! Links are followed: a link to a photo is the photo, and what is written to another link is written to what it points to.
+//! Links are followed: a link to a photo is the photo, and what is written to another link is
+//! written to what it points to.
 
 use crate::interruption;
 use anyhow::{Result, anyhow, bail};
@@ -69,7 +72,8 @@ fn is_stdout(path: &Path) -> bool {
 #[error("stdout was closed")]
 pub struct ClosedPipe;
 
-/// Sets what is printed: `quiet` leaves out texts of [`say`] and progress bars, `verbose` adds those of [`detail`].
+/// Sets what is printed: `quiet` leaves out texts of [`say`] and progress bars, `verbose` adds
+/// those of [`detail`].
 pub fn set_verbosity(quiet: bool, verbose: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
     VERBOSE.store(verbose, Ordering::Relaxed);
@@ -80,7 +84,8 @@ pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Writes results to stdout, without what a terminal obeys in names of others; [`ClosedPipe`] where nobody reads it any more (`| head`).
+/// Writes results to stdout, without what a terminal obeys in names of others; [`ClosedPipe`] where
+/// nobody reads it any more (`| head`).
 pub fn print(text: &str) -> Result<()> {
     print_bytes(printable(text).as_bytes())
 }
@@ -101,7 +106,10 @@ pub fn is_terminal() -> bool {
 fn check_for_terminal(is_terminal: bool, contents: &[u8]) -> Result<()> {
     let is_text = core::str::from_utf8(contents).is_ok() && !contents.contains(&0);
     if is_terminal && (contents.len() > MOST_ON_TERMINAL || !is_text) {
-        bail!("{} bytes for stdout, which is a terminal; give a file in place of \"-\", or a pipe", contents.len());
+        bail!(
+            "{} bytes for stdout, which is a terminal; give a file in place of \"-\", or a pipe",
+            contents.len()
+        );
     }
     Ok(())
 }
@@ -158,7 +166,9 @@ pub fn spare<'a>(
     let inputs: HashSet<&Path> = inputs.into_iter().collect();
     let inputs: HashSet<PathBuf> = inputs.into_iter().map(place).collect();
     match outputs.find(|path| inputs.contains(&place(path))) {
-        Some(path) => bail!("{} is one of the files that are read; write to another one", path.display()),
+        Some(path) => {
+            bail!("{} is one of the files that are read; write to another one", path.display())
+        }
         None => Ok(()),
     }
 }
@@ -177,7 +187,8 @@ impl OutputFiles {
         Self::default()
     }
 
-    /// Writes one file's contents to a temporary file in the destination's folder, or keeps them for stdout.
+    /// Writes one file's contents to a temporary file in the destination's folder, or keeps them
+    /// for stdout.
     pub fn add(&mut self, path: &Path, contents: &[u8]) -> Result<()> {
         if is_stdout(path) {
             check_for_terminal(is_terminal(), contents)?;
@@ -253,7 +264,9 @@ impl LineFile {
         let open = || match fs::metadata(&path) {
             Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
             Ok(there) if !there.is_file() => Ok((File::options().write(true).open(&path)?, None)),
-            _ => temporary_beside(&path).map(|file| file.into_parts()).map(|(file, name)| (file, Some(name))),
+            _ => temporary_beside(&path)
+                .map(|file| file.into_parts())
+                .map(|(file, name)| (file, Some(name))),
         };
         let (file, temporary) = open().map_err(|error| cannot_write(&path, &error))?;
         temporary.iter().for_each(|name| interruption::remove_at_once(name));
@@ -264,7 +277,8 @@ impl LineFile {
     pub fn commit(self) -> Result<()> {
         let Self { mut file, temporary, path } = self;
         file.flush().map_err(|error| cannot_write(&path, &error))?;
-        let persist = |name: TempPath| name.persist(&path).map_err(|error| cannot_write(&path, &error.error));
+        let persist =
+            |name: TempPath| name.persist(&path).map_err(|error| cannot_write(&path, &error.error));
         temporary.map_or(Ok(()), persist)
     }
 }
@@ -280,7 +294,11 @@ impl Write for LineFile {
 }
 
 /// Samples as the bytes of a PNG file; those of 16 bits are in the machine's byte order.
-pub(crate) fn png_file(samples: &[u8], [width, height]: [u32; 2], colour: ExtendedColorType) -> ImageResult<Vec<u8>> {
+pub(crate) fn png_file(
+    samples: &[u8],
+    [width, height]: [u32; 2],
+    colour: ExtendedColorType,
+) -> ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(samples, width, height, colour)?;
     Ok(bytes)
@@ -300,7 +318,10 @@ pub(crate) fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
         io::ErrorKind::NotFound => "its folder does not exist".to_owned(),
         kind => kind.to_string(),
     };
-    anyhow!("cannot write {}: {why}; choose a file in a folder that exists and is writable", path.display())
+    anyhow!(
+        "cannot write {}: {why}; choose a file in a folder that exists and is writable",
+        path.display()
+    )
 }
 
 /// Temporary files are private by default; results are for everybody the umask allows.

@@ -1,22 +1,26 @@
 //! Depth quality on a flat wall, by the definitions of Intel's RealSense Depth Quality Tool.
 //!
-//! In: answers of one or more pairs, a region of the left image, the rig and the wall's distance where they are known. Out:
+//! In: answers of one or more pairs, a region of the left image, the rig and the wall's distance
+//! where they are known. Out:
 //!
 //! ```text
 //! fill rate        share of the region's cells of the support grid that hold an answer                  (RealSense: share of its pixels)
 //! plane            the plane d = a x + b y + c, robustly: a plane in space is one in disparity
 //! sub-pixel RMS    of d_i - d_plane, px
 //! plane-fit RMS    of Z_i - Z_plane, m and share of the distance
-//! Z accuracy       median of Z_i - Z_true, signed; the true plane is the fitted one, moved in parallel to the known distance
+//! Z accuracy       median of Z_i - Z_true, signed; the true plane is the fitted one, moved in
+//!                  parallel to the known distance
 //! temporal noise   standard deviation of a pixel's answer over the pairs, median over the pixels
 //! ```
-//! Figures of several pairs are the medians of the pairs. One answer a cell counts, its most probable one: segments give many along an edge.
-//! Z_plane is taken along the ray of the pixel, so no focal length is needed. Answers more than [`OFF_PLANE`] off are counted by
-//! themselves and left out of the rest; RealSense leaves out the nearest and farthest 0.5 %.
+//! Figures of several pairs are the medians of the pairs. One answer a cell counts, its most
+//! probable one: segments give many along an edge. Z_plane is taken along the ray of the pixel, so
+//! no focal length is needed. Answers more than [`OFF_PLANE`] off are counted by themselves and
+//! left out of the rest; RealSense leaves out the nearest and farthest 0.5 %.
 //!
 //! # Source
-//! Intel, "RealSense Camera Depth Testing Methodology", revision 1.0, 2018; librealsense, tools/depth-quality/rs-depth-quality.cpp (its texts
-//! on Z accuracy, plane fit RMS error, subpixel RMS error and fill rate).
+//! Intel, "RealSense Camera Depth Testing Methodology", revision 1.0, 2018; librealsense,
+//! tools/depth-quality/rs-depth-quality.cpp (its texts on Z accuracy, plane fit RMS error, subpixel
+//! RMS error and fill rate).
 
 use linestereo::diagnostics::SUPPORT_PITCH;
 use linestereo::{Area, Point, Rig};
@@ -100,8 +104,9 @@ impl Wall<'_> {
             answers = self.answers(points);
             each.push(self.of_pair(&mut answers));
         }
-        let middle =
-            |of: fn(&Quality) -> Option<f64>| quantile(each.iter().filter_map(of).collect(), 0.5, f64::total_cmp);
+        let middle = |of: fn(&Quality) -> Option<f64>| {
+            quantile(each.iter().filter_map(of).collect(), 0.5, f64::total_cmp)
+        };
         let Area { left, top, right, bottom } = self.region;
         let mut all = Quality {
             pairs: pairs.len(),
@@ -177,7 +182,9 @@ impl Wall<'_> {
         let fill_rate = answers.len() as f64 / self.cells().max(1) as f64;
         let mut quality = Quality { fill_rate, ..Quality::default() };
         let Some(plane) = fitted(answers) else { return quality };
-        answers.iter_mut().for_each(|answer| answer.off = Some(answer.disparity - plane.at(answer.at)));
+        answers
+            .iter_mut()
+            .for_each(|answer| answer.off = Some(answer.disparity - plane.at(answer.at)));
         let on: Vec<&WallAnswer> = answers.iter().filter(|answer| is_on(answer)).collect();
         quality.off_plane = Some(1.0 - on.len() as f64 / answers.len() as f64);
         quality.sub_pixel_rms_px = rms(on.iter().filter_map(|answer| answer.off));
@@ -194,7 +201,8 @@ impl Wall<'_> {
         quality.plane_fit_rms = quality.plane_fit_rms_m.map(|rms| rms / distance);
         if let Some(known) = self.distance_m {
             // Planes in parallel have depths, along every ray, in the same proportion.
-            let errors = on.iter().map(|a| depth(a.disparity) - depth(plane.at(a.at)) * known / distance);
+            let errors =
+                on.iter().map(|a| depth(a.disparity) - depth(plane.at(a.at)) * known / distance);
             let error = quantile(errors.collect(), 0.5, f64::total_cmp);
             quality.z_accuracy_m = error;
             quality.z_accuracy = error.map(|error| error / known);
@@ -205,17 +213,25 @@ impl Wall<'_> {
 
     fn add_noise(&self, pairs: &[Vec<Point>], quality: &mut Quality) {
         let mut by_pixel: HashMap<(u16, u16), Vec<f64>> = HashMap::new();
-        for point in pairs.iter().flatten().filter(|point| self.region.contains(point.x.into(), point.y.into())) {
+        for point in pairs
+            .iter()
+            .flatten()
+            .filter(|point| self.region.contains(point.x.into(), point.y.into()))
+        {
             by_pixel.entry((point.x, point.y)).or_default().push(point.disparity.to_num());
         }
         let least = pairs.len().div_ceil(2).max(2);
-        let repeated: Vec<&Vec<f64>> = by_pixel.values().filter(|values| values.len() >= least).collect();
+        let repeated: Vec<&Vec<f64>> =
+            by_pixel.values().filter(|values| values.len() >= least).collect();
         quality.repeated_pixels = Some(repeated.len());
         let median = |values: Vec<f64>| quantile(values, 0.5, f64::total_cmp);
-        quality.temporal_noise_px = median(repeated.iter().map(|values| deviation(values)).collect());
+        quality.temporal_noise_px =
+            median(repeated.iter().map(|values| deviation(values)).collect());
         if let Some((fb, offset)) = self.stereo() {
-            let depths = |values: &&Vec<f64>| values.iter().map(|d| fb / (d + offset)).collect::<Vec<f64>>();
-            quality.temporal_noise_m = median(repeated.iter().map(|values| deviation(&depths(values))).collect());
+            let depths =
+                |values: &&Vec<f64>| values.iter().map(|d| fb / (d + offset)).collect::<Vec<f64>>();
+            quality.temporal_noise_m =
+                median(repeated.iter().map(|values| deviation(&depths(values))).collect());
         }
     }
 }
@@ -231,7 +247,8 @@ fn is_on(answer: &WallAnswer) -> bool {
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let (count, sum) = values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value * value));
+    let (count, sum) =
+        values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value * value));
     (count > 0).then(|| (sum / f64::from(count)).sqrt())
 }
 
@@ -249,7 +266,8 @@ fn tilt_deg(plane: &Plane, rig: &Rig, offset: f64) -> Option<f64> {
     Some((a * focal).hypot(b * focal).atan2(plane.at(centre) + offset).to_degrees())
 }
 
-/// The plane with the least median distance of those through three answers, then by least squares over what lies on it.
+/// The plane with the least median distance of those through three answers, then by least squares
+/// over what lies on it.
 fn fitted(answers: &[WallAnswer]) -> Option<Plane> {
     let count = answers.len() as u64;
     if answers.len() < LEAST_ANSWERS {
@@ -257,7 +275,8 @@ fn fitted(answers: &[WallAnswer]) -> Option<Plane> {
     }
     let mut state = 1_u64;
     let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         answers[((state >> 33) % count) as usize]
     };
     let median_off = |plane: &Plane| {
@@ -267,7 +286,9 @@ fn fitted(answers: &[WallAnswer]) -> Option<Plane> {
     let trials = (0..TRIALS).filter_map(|_| through([next(), next(), next()].iter()));
     let mut plane = trials.min_by(|a, b| median_off(a).total_cmp(&median_off(b)))?;
     for _ in 0..3 {
-        let on = answers.iter().filter(|answer| (answer.disparity - plane.at(answer.at)).abs() <= OFF_PLANE);
+        let on = answers
+            .iter()
+            .filter(|answer| (answer.disparity - plane.at(answer.at)).abs() <= OFF_PLANE);
         plane = through(on)?;
     }
     Some(plane)

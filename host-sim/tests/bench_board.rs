@@ -1,5 +1,5 @@
-//! `linestereo bench-board` as a user types it: the board's own program behind a connection, with clocks that count looks at them, and the
-//! same program in QEMU.
+//! `linestereo bench-board` as a user types it: the board's own program behind a connection, with
+//! clocks that count looks at them, and the same program in QEMU.
 
 use crate::support::{linestereo, refused, succeed};
 use core::cell::Cell;
@@ -99,7 +99,9 @@ const SILICON: Silicon = Silicon {
 };
 
 /// The address of a board that serves one host, and its thread.
-fn board(change: impl FnMut(Message) -> Option<Message> + Send + 'static) -> (String, JoinHandle<()>) {
+fn board(
+    change: impl FnMut(Message) -> Option<Message> + Send + 'static,
+) -> (String, JoinHandle<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
     let thread = thread::spawn(move || {
@@ -114,7 +116,8 @@ fn board(change: impl FnMut(Message) -> Option<Message> + Send + 'static) -> (St
             reset: Some(Reset::of(ResetCause::Pin)),
             silicon: Some(SILICON),
         };
-        let (mut server, _) = CaseServer::start(Board::STM32H743, digests::of(&Board::STM32H743), parts);
+        let (mut server, _) =
+            CaseServer::start(Board::STM32H743, digests::of(&Board::STM32H743), parts);
         while is_open.get() {
             server.turn(&mut *memory);
         }
@@ -130,11 +133,16 @@ fn a_board_is_measured_and_its_file_holds_everything() {
     thread.join().unwrap();
     assert!(said.starts_with("stm32h743 (Cortex-M7), firmware "), "{said}");
     assert!(
-        said.contains("\nprocessor 0x411fc271, chip 0x20036450, 400.0 MHz (measured 400.0), flash wait 2, "),
+        said.contains(
+            "\nprocessor 0x411fc271, chip 0x20036450, 400.0 MHz (measured 400.0), flash wait 2, "
+        ),
         "{said}"
     );
     assert!(said.contains("; assumed 0.7 to 1.1 (instructions of mps2-an500)\n"), "{said}");
-    assert!(said.ends_with("\nstm32h743.toml written\nequal: all 22 pairs have the PC's digests\n"), "{said}");
+    assert!(
+        said.ends_with("\nstm32h743.toml written\nequal: all 22 pairs have the PC's digests\n"),
+        "{said}"
+    );
     assert!(!said.contains("doubtful"), "{said}");
 
     let text = std::fs::read_to_string(folder.path().join("stm32h743.toml")).unwrap();
@@ -152,7 +160,11 @@ fn a_board_is_measured_and_its_file_holds_everything() {
         assert_eq!((&pair.digests, &pair.differs_in), (&digests, &None), "{case}");
         assert_eq!(pair.by_stage.values().sum::<u64>(), pair.total);
         assert_eq!(pair.by_stage.len(), Stage::ALL.len());
-        assert!(pair.by_stage.values().all(|cost| cost % LOOK == 0) && pair.total > 0 && pair.time_us > 0);
+        assert!(
+            pair.by_stage.values().all(|cost| cost % LOOK == 0)
+                && pair.total > 0
+                && pair.time_us > 0
+        );
         assert!(pair.cycles_per_instruction.unwrap() > 0.0, "{case}");
     }
     let PerInstruction { median, range: [low, high], .. } = numbers.cycles_per_instruction.unwrap();
@@ -176,15 +188,23 @@ fn with_wrong_pair(message: Message, expected: u32) -> Option<Message> {
 
 #[test]
 fn wrong_digests_are_named_and_the_file_is_there() {
-    for (version, says) in [(0, "computes something else than a PC: send the file"), (1, "is of another version")] {
+    for (version, says) in
+        [(0, "results differ from a PC's: send the file"), (1, "is of another version")]
+    {
         let folder = TempDir::new().unwrap();
         let (address, _) = board(move |message| with_wrong_pair(message, version));
-        let output = linestereo(folder.path(), &["bench-board", "--tcp", &address, "--out", "mine.toml"]);
+        let output =
+            linestereo(folder.path(), &["bench-board", "--tcp", &address, "--out", "mine.toml"]);
         let error = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
-        assert!(error.starts_with("linestereo: 1 of 22 pairs are wrong; ") && error.contains(says), "{error}");
+        assert!(
+            error.starts_with("linestereo: 1 of 22 pairs are wrong; ") && error.contains(says),
+            "{error}"
+        );
         assert!(error.ends_with(": bricks_320x240 from matching on\n"), "{error}");
-        let numbers = BoardNumbers::parse(&std::fs::read_to_string(folder.path().join("mine.toml")).unwrap()).unwrap();
+        let numbers =
+            BoardNumbers::parse(&std::fs::read_to_string(folder.path().join("mine.toml")).unwrap())
+                .unwrap();
         assert!(!numbers.equal);
         assert_eq!(numbers.wrong().collect::<Vec<_>>(), [("bricks_320x240", "matching")]);
     }
@@ -196,7 +216,11 @@ fn a_wrong_clock_and_a_cache_that_is_off_are_doubtful() {
     let (address, _) = board(|message| {
         Some(match message {
             Message::Machine(machine) => {
-                let silicon = machine.silicon.map(|it| Silicon { core_hz: 200_000_000, data_cache: false, ..it });
+                let silicon = machine.silicon.map(|it| Silicon {
+                    core_hz: 200_000_000,
+                    data_cache: false,
+                    ..it
+                });
                 Message::Machine(MachineReport { silicon, ..machine })
             }
             other => other,
@@ -204,7 +228,9 @@ fn a_wrong_clock_and_a_cache_that_is_off_are_doubtful() {
     });
     let said = succeed(folder.path(), &["bench-board", "--tcp", &address]);
     assert!(
-        said.contains("\ndoubtful: the core was set to 200.0 MHz and runs at 400.0 MHz by the board's clock\n"),
+        said.contains(
+            "\ndoubtful: the core was set to 200.0 MHz and runs at 400.0 MHz by the board's clock\n"
+        ),
         "{said}"
     );
     assert!(said.contains("\ndoubtful: a cache is off\n"), "{said}");
@@ -214,16 +240,24 @@ fn a_wrong_clock_and_a_cache_that_is_off_are_doubtful() {
 fn what_fails_says_what_to_do_and_writes_nothing() {
     let folder = TempDir::new().unwrap();
     let run = |address: &str| refused(folder.path(), &["bench-board", "--tcp", address]);
-    let (address, _) = board(|message| Some(message).filter(|message| !matches!(message, Message::Machine(_))));
+    let (address, _) =
+        board(|message| Some(message).filter(|message| !matches!(message, Message::Machine(_))));
     let error = run(&address);
     assert!(
-        error.contains("stm32h743 runs another program, such as live; flash selftest: cargo xtask build"),
+        error.contains(
+            "stm32h743 runs another program, such as live; flash selftest: cargo xtask build"
+        ),
         "{error}"
     );
-    let (address, _) = board(|message| Some(message).filter(|message| !matches!(message, Message::Answer(_))));
+    let (address, _) =
+        board(|message| Some(message).filter(|message| !matches!(message, Message::Answer(_))));
     let error = run(&address);
-    assert!(error.contains("flash its program selftest") && error.contains("no answer in 5 s"), "{error}");
-    let (address, _) = board(|message| Some(message).filter(|message| !matches!(message, Message::Case(_))));
+    assert!(
+        error.contains("flash its program selftest") && error.contains("no answer in 5 s"),
+        "{error}"
+    );
+    let (address, _) =
+        board(|message| Some(message).filter(|message| !matches!(message, Message::Case(_))));
     assert!(run(&address).contains("pair 1 of 22: its numbers were lost on the way"));
     let (address, _) = board(|message| {
         Some(match message {
@@ -231,7 +265,9 @@ fn what_fails_says_what_to_do_and_writes_nothing() {
             other => other,
         })
     });
-    assert!(run(&address).contains("pair 23 of 23: the board refused: case is 22, allowed are 0 to 21"));
+    assert!(
+        run(&address).contains("pair 23 of 23: the board refused: case is 22 but must be 0 to 21")
+    );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     let nowhere = refused(folder.path(), &["bench-board"]);
     assert!(nowhere.contains("--tcp") && nowhere.contains("--serial"), "{nowhere}");
@@ -252,7 +288,10 @@ fn an_emulated_board_has_the_digests_of_the_pc() {
     let mut qemu = command.args(["-serial", "pty"]).stdout(Stdio::piped()).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(qemu.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-    let port = line.split_whitespace().find(|word| word.starts_with("/dev/")).unwrap_or_else(|| panic!("{line}"));
+    let port = line
+        .split_whitespace()
+        .find(|word| word.starts_with("/dev/"))
+        .unwrap_or_else(|| panic!("{line}"));
     let output = linestereo(folder.path(), &["bench-board", "--serial", port]);
     qemu.kill().unwrap();
     qemu.wait().unwrap();
@@ -261,6 +300,12 @@ fn an_emulated_board_has_the_digests_of_the_pc() {
     assert!(said.ends_with("equal: all 22 pairs have the PC's digests\n"), "{said}");
     let text = std::fs::read_to_string(folder.path().join(format!("{}.toml", board.name))).unwrap();
     let numbers = BoardNumbers::parse(&text).unwrap();
-    assert_eq!((&*numbers.unit, &numbers.silicon, &numbers.cycles_per_instruction), ("instructions", &None, &None));
-    assert!(numbers.pairs.values().all(|pair| pair.total > 500_000 && pair.time_us > 30_000), "{text}");
+    assert_eq!(
+        (&*numbers.unit, &numbers.silicon, &numbers.cycles_per_instruction),
+        ("instructions", &None, &None)
+    );
+    assert!(
+        numbers.pairs.values().all(|pair| pair.total > 500_000 && pair.time_us > 30_000),
+        "{text}"
+    );
 }

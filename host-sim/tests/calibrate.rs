@@ -16,14 +16,21 @@ fn refused(prepare: impl Fn(&Path), words: &[&str]) {
     let photos = folder.path().join("photos");
     fs::create_dir(&photos).unwrap();
     prepare(&photos);
-    refused_with(folder.path(), &[&["calibrate", "photos", "--out", "rig.toml"], &BOARD[..]].concat(), words);
+    refused_with(
+        folder.path(),
+        &[&["calibrate", "photos", "--out", "rig.toml"], &BOARD[..]].concat(),
+        words,
+    );
     assert!(!folder.path().join("rig.toml").exists());
 }
 
 #[test]
 fn folders_without_usable_pairs() {
     refused(|_| {}, &["holds no photos", "left01.png"]);
-    refused(|photos| empty_photo(&photos.join("left1.png"), 64, 48), &["left photos but no right ones"]);
+    refused(
+        |photos| empty_photo(&photos.join("left1.png"), 64, 48),
+        &["left photos but no right ones"],
+    );
     let pairs = |photos: &Path, left: u32, right: u32| {
         (0..left).for_each(|i| empty_photo(&photos.join(format!("left{i:02}.png")), 64, 48));
         (0..right).for_each(|i| empty_photo(&photos.join(format!("right{i:02}.png")), 64, 48));
@@ -56,9 +63,12 @@ fn folders_without_usable_pairs() {
 /// A JPEG with this EXIF orientation.
 fn with_exif(path: &Path, orientation: u8) {
     let jpeg = fs::read(path).unwrap();
-    let tiff =
-        [b"II*\0", &8_u32.to_le_bytes()[..], &[1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0]]
-            .concat();
+    let tiff = [
+        b"II*\0",
+        &8_u32.to_le_bytes()[..],
+        &[1, 0, 0x12, 1, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0, 0, 0, 0, 0],
+    ]
+    .concat();
     let exif = [b"Exif\0\0", &tiff[..]].concat();
     let length = (exif.len() as u16 + 2).to_be_bytes();
     fs::write(path, [&jpeg[..2], &[0xff, 0xe1], &length, &exif, &jpeg[2..]].concat()).unwrap();
@@ -75,9 +85,13 @@ fn exif_in_some_of_the_photos_is_named() {
             }
         }
     };
-    let words = ["EXIF turns", "left03.jpg by 180 degrees", "2 of 12 photos", "exiftool", "-auto-orient"];
+    let words =
+        ["EXIF turns", "left03.jpg by 180 degrees", "2 of 12 photos", "exiftool", "-auto-orient"];
     refused(|at| photos(at, &["left03.jpg", "right05.jpg"], 3), &words);
-    refused(|at| photos(at, &["right02.jpg"], 6), &["EXIF turns", "right02.jpg by 90 degrees", "1 of 12"]);
+    refused(
+        |at| photos(at, &["right02.jpg"], 6),
+        &["EXIF turns", "right02.jpg by 90 degrees", "1 of 12"],
+    );
     refused(|at| photos(at, &["left01.jpg"], 2), &["left01.jpg into its mirror image"]);
     // In all of them: whatever fails may be by that.
     for orientation in [3, 6] {
@@ -134,18 +148,35 @@ fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
 fn photos_become_a_rig() {
     let Some(photos) = captured::folder("calibration_boards/sourishg_2") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let args =
-        ["--board", "9x6", "--square-mm", "24.23", "--out", "rig.toml", "--json", "rig.json", "--report", "rig.png"];
-    let text = succeed(folder.path(), &[&["calibrate", photos.to_str().unwrap()], &args[..]].concat());
-    let rms = text.lines().find_map(|line| line.strip_prefix("stereo RMS ")?.strip_suffix(" px")).unwrap();
+    let args = [
+        "--board",
+        "9x6",
+        "--square-mm",
+        "24.23",
+        "--out",
+        "rig.toml",
+        "--json",
+        "rig.json",
+        "--report",
+        "rig.png",
+    ];
+    let text =
+        succeed(folder.path(), &[&["calibrate", photos.to_str().unwrap()], &args[..]].concat());
+    let rms = text
+        .lines()
+        .find_map(|line| line.strip_prefix("stereo RMS ")?.strip_suffix(" px"))
+        .unwrap();
     assert!(rms.parse::<f64>().unwrap() <= 0.22 && rms.len() == 5, "{rms}");
-    for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "] {
+    for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "]
+    {
         assert!(text.contains(word), "\"{word}\" is missing in: {text}");
     }
-    let rig = linestereo_calibration::rig_file::RigFile::load(&folder.path().join("rig.toml")).unwrap();
+    let rig =
+        linestereo_calibration::rig_file::RigFile::load(&folder.path().join("rig.toml")).unwrap();
     assert!((rig.calibration.baseline() - 0.0939).abs() < 5e-4);
     assert!(rig.quality.unwrap().views >= 27);
-    let json: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("rig.json")).unwrap()).unwrap();
+    let json: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.path().join("rig.json")).unwrap()).unwrap();
     assert!(json["parameters"]["left.fx"]["sigma"].as_f64().unwrap() > 0.0);
     assert!(image::open(folder.path().join("rig.png")).unwrap().width() > 600);
 }
@@ -154,20 +185,34 @@ fn photos_become_a_rig() {
 fn photos_in_folders_swapped_and_of_another_board() {
     let Some(photos) = captured::folder("calibration_boards/opencv_chessboard") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let side = |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
-    let number = |name: &str| name.trim_start_matches("left").trim_start_matches("right").to_owned();
-    copied(&photos, &folder.path().join("folders"), |name| Some(format!("{}/{}", side(name).0, number(name))));
-    copied(&photos, &folder.path().join("swapped"), |name| Some(format!("{}{}", side(name).1, number(name))));
+    let side =
+        |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
+    let number =
+        |name: &str| name.trim_start_matches("left").trim_start_matches("right").to_owned();
+    copied(&photos, &folder.path().join("folders"), |name| {
+        Some(format!("{}/{}", side(name).0, number(name)))
+    });
+    copied(&photos, &folder.path().join("swapped"), |name| {
+        Some(format!("{}{}", side(name).1, number(name)))
+    });
     let run = |name, board| ["calibrate", name, "--board", board, "--square-mm", "25"];
     let said = succeed(folder.path(), &run("folders", "9x6"));
     assert!(said.contains("13 of 13 pairs"), "{said}");
-    for (name, range) in [("stereo RMS ", 0.0..=0.23), ("baseline ", 82.9..=83.5), ("vertical residual ", 0.0..=0.15)] {
-        let value = said.lines().find_map(|line| line.strip_prefix(name)?.split(' ').next()?.parse::<f64>().ok());
+    for (name, range) in [
+        ("stereo RMS ", 0.0..=0.23),
+        ("baseline ", 82.9..=83.5),
+        ("vertical residual ", 0.0..=0.15),
+    ] {
+        let value = said
+            .lines()
+            .find_map(|line| line.strip_prefix(name)?.split(' ').next()?.parse::<f64>().ok());
         assert!(range.contains(&value.unwrap()), "{name}{value:?}");
     }
     let fails = |name, board, words: &[&str]| refused_with(folder.path(), &run(name, board), words);
     fails("swapped", "9x6", &["the cameras are swapped"]);
-    copied(&photos, &folder.path().join("few"), |name| (number(name).as_str() < "05.jpg").then(|| name.to_owned()));
+    copied(&photos, &folder.path().join("few"), |name| {
+        (number(name).as_str() < "05.jpg").then(|| name.to_owned())
+    });
     fails("few", "10x7", &["the board is not 10x7", "give --board 9x6"]);
     fails("few", "9x6", &["4 pairs only", "5 are needed"]);
 }

@@ -1,9 +1,10 @@
-//! Calibration from boards: rigs that are known, rigs that were photographed, and photos that cannot be used.
+//! Calibration from boards: rigs that are known, rigs that were photographed, and photos that
+//! cannot be used.
 
 use linestereo::Dims;
 use linestereo_calibration::boards::{
-    Board, BoardFinder, BoardPair, Estimate, EstimateError, JunctionFinder, LensModel, NotFound, Options, Pattern,
-    Verdict, assess, estimate,
+    Board, BoardFinder, BoardPair, Estimate, EstimateError, JunctionFinder, LensModel, NotFound,
+    Options, Pattern, Verdict, assess, estimate,
 };
 use linestereo_calibration::rig_file::quaternion;
 use linestereo_frames::GrayImage;
@@ -33,8 +34,14 @@ fn rigs() -> Vec<(&'static str, Calibration, LensModel)> {
         rig(left, right, [0.004, -0.006, 0.003])
     };
     let wide = |focal: f64, cx: f64| {
-        Camera::new(VGA, [focal, focal + 1.0], [cx, 241.0], 0.0, Lens::Fisheye { k: [-0.02, 0.006, -0.004, 0.001] })
-            .unwrap()
+        Camera::new(
+            VGA,
+            [focal, focal + 1.0],
+            [cx, 241.0],
+            0.0,
+            Lens::Fisheye { k: [-0.02, 0.006, -0.004, 0.001] },
+        )
+        .unwrap()
     };
     let barrel = [-0.31, 0.12, -0.02];
     let turned = {
@@ -46,7 +53,11 @@ fn rigs() -> Vec<(&'static str, Calibration, LensModel)> {
         ("barrel", lens(barrel, [4e-4, -3e-4]), LensModel::BrownConrady),
         ("pincushion", lens([0.18, 0.05, 0.0], [-5e-4, 2e-4]), LensModel::BrownConrady),
         ("mustache", lens([-0.25, 0.30, -0.06], [3e-4, 1e-4]), LensModel::BrownConrady),
-        ("fisheye", rig(wide(285.0, 320.0), wide(287.0, 316.0), [0.004, -0.006, 0.003]), LensModel::Fisheye),
+        (
+            "fisheye",
+            rig(wide(285.0, 320.0), wide(287.0, 316.0), [0.004, -0.006, 0.003]),
+            LensModel::Fisheye,
+        ),
         ("2 degrees", turned, LensModel::BrownConrady),
     ]
 }
@@ -97,7 +108,13 @@ pub(crate) fn in_right(rig: &Calibration, point: [f64; 3]) -> [f64; 3] {
 }
 
 /// Boards that both cameras see whole, their corners displaced by noise.
-fn boards(rig: &Calibration, board: &Board, count: usize, noise: f64, random: &mut Random) -> Vec<BoardPair> {
+fn boards(
+    rig: &Calibration,
+    board: &Board,
+    count: usize,
+    noise: f64,
+    random: &mut Random,
+) -> Vec<BoardPair> {
     let mut pairs = Vec::new();
     while pairs.len() < count {
         let placed = Placed::anywhere(rig, board, random);
@@ -154,16 +171,22 @@ fn known_rigs_are_recovered_within_three_stated_deviations() {
     for (seed, (name, rig, lens)) in rigs().into_iter().enumerate() {
         let pairs = boards(&rig, &board(), 20, 0.1, &mut Random(seed as u64));
         let options = Options { lens, ..Options::default() };
-        let found = estimate(&board(), VGA, &pairs, &options).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let found = estimate(&board(), VGA, &pairs, &options)
+            .unwrap_or_else(|error| panic!("{name}: {error}"));
         // The distance of two coordinates with a deviation of 0.1 px each.
         assert!((found.rms / 0.1414 - 1.0).abs() < 0.05, "{name}: {}", found.rms);
         assert!(found.views.iter().all(|view| view.dropped.is_none()), "{name}");
         let scores = scores(&rig, &found);
         assert_eq!(scores.len(), if lens == LensModel::Fisheye { 22 } else { 24 }, "{name}");
         compared += scores.len();
-        beyond.extend(scores.into_iter().filter(|(_, score)| score.abs() > 3.0).map(|found| (name, found)));
+        beyond.extend(
+            scores.into_iter().filter(|(_, score)| score.abs() > 3.0).map(|found| (name, found)),
+        );
         let baseline = (found.calibration.baseline() - rig.baseline()).abs();
-        assert!(baseline < 3.0 * found.baseline_sigma && found.baseline_sigma < 2e-4, "{name}: {baseline}");
+        assert!(
+            baseline < 3.0 * found.baseline_sigma && found.baseline_sigma < 2e-4,
+            "{name}: {baseline}"
+        );
     }
     assert_eq!(beyond, [], "of {compared}");
 }
@@ -207,7 +230,11 @@ fn a_bad_view_and_bad_corners_are_left_out() {
     let dropped: Vec<usize> = (0..12).filter(|&view| found.views[view].dropped.is_some()).collect();
     assert_eq!(dropped, [3]);
     let bad: Vec<usize> = found.views.iter().map(|view| view.bad_corners).collect();
-    assert!(bad[5] == 1 && bad.iter().enumerate().all(|(view, &bad)| view == 3 || view == 5 || bad == 0), "{bad:?}");
+    assert!(
+        bad[5] == 1
+            && bad.iter().enumerate().all(|(view, &bad)| view == 3 || view == 5 || bad == 0),
+        "{bad:?}"
+    );
     assert!((found.rms / 0.1414 - 1.0).abs() < 0.05, "{}", found.rms);
 }
 
@@ -226,7 +253,8 @@ fn photos_that_cannot_be_used_are_named() {
     let swapped = with(|pairs| pairs.iter_mut().for_each(|pair| pair.corners.reverse()));
     assert!(swapped.contains("cameras are swapped"), "{swapped}");
     // As if the board had been turned round between the two photos.
-    let flipped = with(|pairs| pairs.iter_mut().step_by(2).for_each(|pair| pair.corners[1].reverse()));
+    let flipped =
+        with(|pairs| pairs.iter_mut().step_by(2).for_each(|pair| pair.corners[1].reverse()));
     assert!(flipped.contains("flipped"), "{flipped}");
     let shuffled = with(|pairs| {
         let last = pairs[9].corners[1].clone();
@@ -249,12 +277,13 @@ fn few_parallel_boards_are_not_called_good() {
             let place = Placed { rotation: flat, shift: [-0.1 + 0.01 * f64::from(i), -0.06, 0.45] };
             let points = board().points();
             let left = points.iter().map(|&at| camera.project(place.in_left(at)).unwrap());
-            let right = points
-                .iter()
-                .map(|&at| rig.camera(CameraSide::Right).project(in_right(&rig, place.in_left(at))).unwrap());
+            let right = points.iter().map(|&at| {
+                rig.camera(CameraSide::Right).project(in_right(&rig, place.in_left(at))).unwrap()
+            });
             let [left, right] = [left.collect::<Vec<_>>(), right.collect()];
-            let mut noisy =
-                |corners: Vec<[f64; 2]>| corners.into_iter().map(|at| at.map(|v| v + 0.1 * random.normal())).collect();
+            let mut noisy = |corners: Vec<[f64; 2]>| {
+                corners.into_iter().map(|at| at.map(|v| v + 0.1 * random.normal())).collect()
+            };
             BoardPair::whole(i.to_string(), [noisy(left), noisy(right)])
         })
         .collect();
@@ -270,13 +299,17 @@ fn few_parallel_boards_are_not_called_good() {
             );
         }
         Err(error) => assert!(
-            matches!(error, EstimateError::Undetermined | EstimateError::NoFit(_) | EstimateError::Camera(..)),
+            matches!(
+                error,
+                EstimateError::Undetermined | EstimateError::NoFit(_) | EstimateError::Camera(..)
+            ),
             "{error}"
         ),
     }
 }
 
-/// A photo of a board: each pixel is the mean of 3x3 rays, dark 40, light 210, grey beyond the board.
+/// A photo of a board: each pixel is the mean of 3x3 rays, dark 40, light 210, grey beyond the
+/// board.
 pub(crate) struct Photographer {
     dims: Dims,
     rays: Vec<[f64; 3]>,
@@ -291,14 +324,16 @@ impl Photographer {
         let (width, height) = (usize::from(dims.width), usize::from(dims.height));
         let place = |i: usize| (i as f64 + 0.5) / RAYS as f64 - 0.5;
         let ray = |i: usize| {
-            let [x, y] =
-                camera.unproject([place(i % (width * RAYS)), place(i / (width * RAYS))]).unwrap_or([100.0, 0.0]);
+            let [x, y] = camera
+                .unproject([place(i % (width * RAYS)), place(i / (width * RAYS))])
+                .unwrap_or([100.0, 0.0]);
             [x, y, 1.0]
         };
         Self { dims, rays: (0..width * height * RAYS * RAYS).map(ray).collect() }
     }
 
-    /// The plane of the board is given by the first corner and the directions of rows and columns, in this camera's coordinates.
+    /// The plane of the board is given by the first corner and the directions of rows and columns,
+    /// in this camera's coordinates.
     fn take(&self, board: &Board, plane: [[f64; 3]; 3]) -> GrayImage {
         if board.pattern() != Pattern::Chessboard {
             return self.take_plane(plane, painted(board));
@@ -314,7 +349,11 @@ impl Photographer {
     }
 
     /// A plane of which the grey is known by metres along its two directions.
-    pub(crate) fn take_plane(&self, [first, right, down]: [[f64; 3]; 3], paint: impl Fn([f64; 2]) -> f64) -> GrayImage {
+    pub(crate) fn take_plane(
+        &self,
+        [first, right, down]: [[f64; 3]; 3],
+        paint: impl Fn([f64; 2]) -> f64,
+    ) -> GrayImage {
         let cross = |a: [f64; 3], b: [f64; 3]| {
             [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
         };
@@ -328,38 +367,50 @@ impl Photographer {
         let width = usize::from(self.dims.width);
         let pixel = |i: usize| {
             let (x, y) = (i % width * RAYS, i / width * RAYS);
-            let rays = (0..RAYS * RAYS).map(|k| &self.rays[(y + k / RAYS) * width * RAYS + x + k % RAYS]);
+            let rays =
+                (0..RAYS * RAYS).map(|k| &self.rays[(y + k / RAYS) * width * RAYS + x + k % RAYS]);
             (rays.map(grey).sum::<f64>() / (RAYS * RAYS) as f64).round() as u8
         };
-        GrayImage { dims: self.dims, pixels: (0..width * usize::from(self.dims.height)).map(pixel).collect() }
+        GrayImage {
+            dims: self.dims,
+            pixels: (0..width * usize::from(self.dims.height)).map(pixel).collect(),
+        }
     }
 }
 
-/// Greys of a board with markers, by metres from its first corner; buckets of 2 cm hold what is black there.
+/// Greys of a board with markers, by metres from its first corner; buckets of 2 cm hold what is
+/// black there.
 fn painted(board: &Board) -> impl Fn([f64; 2]) -> f64 {
     const BUCKET: f64 = 0.02;
     let bucket = |at: f64| (at / BUCKET).floor() as i32;
     let mut buckets: HashMap<[i32; 2], Vec<[f64; 4]>> = HashMap::new();
     for black in board.black() {
         let [x, y, width, height] = black;
-        let cells = (bucket(y)..=bucket(y + height)).flat_map(|j| (bucket(x)..=bucket(x + width)).map(move |i| [i, j]));
+        let cells = (bucket(y)..=bucket(y + height))
+            .flat_map(|j| (bucket(x)..=bucket(x + width)).map(move |i| [i, j]));
         cells.for_each(|cell| buckets.entry(cell).or_default().push(black));
     }
     let [left, top, width, height] = board.extent();
     let rim = 0.01;
     move |[x, y]| {
-        let inside = |at: f64, first: f64, length: f64| (first - rim..first + length + rim).contains(&at);
+        let inside =
+            |at: f64, first: f64, length: f64| (first - rim..first + length + rim).contains(&at);
         if !inside(x, left, width) || !inside(y, top, height) {
             return 180.0;
         }
         let covers = |[l, t, w, h]: &[f64; 4]| (*l..l + w).contains(&x) && (*t..t + h).contains(&y);
-        if buckets.get(&[bucket(x), bucket(y)]).is_some_and(|black| black.iter().any(covers)) { 40.0 } else { 210.0 }
+        if buckets.get(&[bucket(x), bucket(y)]).is_some_and(|black| black.iter().any(covers)) {
+            40.0
+        } else {
+            210.0
+        }
     }
 }
 
 fn mirrored(image: &GrayImage) -> GrayImage {
     let width = usize::from(image.dims.width);
-    let pixels = image.pixels.chunks_exact(width).flat_map(|row| row.iter().rev().copied()).collect();
+    let pixels =
+        image.pixels.chunks_exact(width).flat_map(|row| row.iter().rev().copied()).collect();
     GrayImage { dims: image.dims, pixels }
 }
 
@@ -372,10 +423,12 @@ pub(crate) fn drawn_rig(scale: u16) -> Calibration {
         Camera::new(dims, [focal * f64::from(scale); 2], centre.map(scaled), 0.0, lens).unwrap()
     };
     let cameras = [camera(260.0, [161.0, 118.0]), camera(258.0, [158.0, 122.0])];
-    Calibration::new(cameras[0], cameras[1], quaternion([0.01, 0.02, -0.01]), [-0.06, 0.0, 0.0]).unwrap()
+    Calibration::new(cameras[0], cameras[1], quaternion([0.01, 0.02, -0.01]), [-0.06, 0.0, 0.0])
+        .unwrap()
 }
 
-/// A board in view of a drawn rig: in each camera's coordinates its first corner and the directions of its rows and columns.
+/// A board in view of a drawn rig: in each camera's coordinates its first corner and the directions
+/// of its rows and columns.
 pub(crate) type Planes = [[[f64; 3]; 3]; 2];
 
 /// Photos of one rig at 320x240.
@@ -405,7 +458,10 @@ pub(crate) fn photos_of(
         let depth = random.uniform(0.28, 0.45);
         let middle = turned(rotation, [last[0] / 2.0, last[1] / 2.0, 0.0]);
         let place = [random.uniform(-0.35, 0.45) * depth, random.uniform(-0.3, 0.3) * depth];
-        let placed = Placed { rotation, shift: [place[0] - middle[0], place[1] - middle[1], depth - middle[2]] };
+        let placed = Placed {
+            rotation,
+            shift: [place[0] - middle[0], place[1] - middle[1], depth - middle[2]],
+        };
         let seen = |at: [f64; 2]| {
             let point = placed.in_left(at);
             CameraSide::BOTH.into_iter().all(|eye| {
@@ -415,14 +471,18 @@ pub(crate) fn photos_of(
         };
         let far = [-step, last[0] + step].map(|x| [-step, last[1] + step].map(|y| [x, y]));
         let inside = points.iter().filter(|&&at| seen(at)).count() as f64 / points.len() as f64;
-        let whole = if share < 1.0 { inside >= share } else { far.iter().flatten().all(|&at| seen(at)) };
+        let whole =
+            if share < 1.0 { inside >= share } else { far.iter().flatten().all(|&at| seen(at)) };
         if !whole {
             continue;
         }
         let corner = placed.in_left([0.0, 0.0]);
         let column = |i: usize| [0, 1, 2].map(|row: usize| placed.rotation[row][i]);
         let spin = |v: [f64; 3]| turned(rows_of(rig.rotation()), v);
-        let planes = [[corner, column(0), column(1)], [in_right(rig, corner), spin(column(0)), spin(column(1))]];
+        let planes = [
+            [corner, column(0), column(1)],
+            [in_right(rig, corner), spin(column(0)), spin(column(1))],
+        ];
         let photo = |eye: usize| photographers[eye].take(board, planes[eye]);
         photos.push((planes, [photo(0), photo(1)]));
     }
@@ -451,7 +511,8 @@ fn boards_are_found_in_drawn_photos() {
         assert!(estimate.rms < 0.1, "{board}: {}", estimate.rms);
         assert!((estimate.calibration.baseline() / rig.baseline() - 1.0).abs() < 0.005, "{board}");
         for eye in CameraSide::BOTH {
-            let (found, put) = (estimate.calibration.camera(eye).focal()[0], rig.camera(eye).focal()[0]);
+            let (found, put) =
+                (estimate.calibration.camera(eye).focal()[0], rig.camera(eye).focal()[0]);
             assert!((found / put - 1.0).abs() < 0.005, "{board}: {found} for {put}");
         }
         // Rows with independent errors differ by 0.8 times the RMS in the mean.
@@ -469,11 +530,18 @@ fn mirrored_photos_and_wrong_sizes_are_named() {
         turned.iter_mut().for_each(|pair| pair[side] = mirrored(&pair[side]));
         let pairs = found(&board(), &turned);
         assert_eq!(pairs.len(), 8);
-        assert_eq!(estimate(&board(), photos[0][0].dims, &pairs, &options), Err(EstimateError::Mirrored(eye)));
+        assert_eq!(
+            estimate(&board(), photos[0][0].dims, &pairs, &options),
+            Err(EstimateError::Mirrored(eye))
+        );
     }
     for (cols, rows) in [(10, 7), (8, 5), (7, 6)] {
         let wrong = Board::new(cols, rows, 0.025).unwrap();
-        assert_eq!(JunctionFinder.find(&photos[0][0], &wrong), Err(NotFound::OtherSize(9, 6)), "{cols}x{rows}");
+        assert_eq!(
+            JunctionFinder.find(&photos[0][0], &wrong),
+            Err(NotFound::OtherSize(9, 6)),
+            "{cols}x{rows}"
+        );
     }
     let empty = GrayImage { dims: VGA, pixels: vec![99; 640 * 480] };
     assert_eq!(JunctionFinder.find(&empty, &board()), Err(NotFound::Nothing));

@@ -3,7 +3,8 @@
 
 use crate::formats::{Outcome, debug, known};
 use crate::interchange::{
-    EUROC, KALIBR, ROS, USUAL, assert_is_the_example, bad, good, opencv, opencv_cameras, opencv_pose, read,
+    EUROC, KALIBR, ROS, USUAL, assert_is_the_example, bad, good, opencv, opencv_cameras,
+    opencv_pose, read,
 };
 use linestereo::Dims;
 use linestereo_calibration::interchange::{Format, Options, Problem, export};
@@ -19,14 +20,22 @@ use std::fs;
 pub(crate) fn recorded(infos: &[[CameraInfo; 2]], topics: [&str; 2], size: [u16; 2]) -> Outcome {
     let folder = tempfile::tempdir().unwrap();
     let mut file = Writer::new(Vec::new(), "test").unwrap();
-    let pixels: Vec<u8> = (0..u32::from(size[0]) * u32::from(size[1])).map(|at| (at % 251) as u8).collect();
+    let pixels: Vec<u8> =
+        (0..u32::from(size[0]) * u32::from(size[1])).map(|at| (at % 251) as u8).collect();
     for (eye, topic) in topics.into_iter().enumerate() {
         let images = file.channel(topic, "sensor_msgs/msg/Image", "").unwrap();
         let space = topic.rsplit_once('/').unwrap().0;
-        let channel = file.channel(&format!("{space}/camera_info"), "sensor_msgs/msg/CameraInfo", "").unwrap();
+        let channel = file
+            .channel(&format!("{space}/camera_info"), "sensor_msgs/msg/CameraInfo", "")
+            .unwrap();
         for (ns, info) in (1..).zip(infos) {
             let stamp = Stamp { ns: ns * 1_000_000_000, frame_id: "left" };
-            file.message(images, stamp.ns, &cdr::write(&sent::image(stamp, size, &pixels)).unwrap()).unwrap();
+            file.message(
+                images,
+                stamp.ns,
+                &cdr::write(&sent::image(stamp, size, &pixels)).unwrap(),
+            )
+            .unwrap();
             file.message(channel, stamp.ns, &cdr::write(&info[eye]).unwrap()).unwrap();
         }
     }
@@ -47,7 +56,8 @@ pub(crate) const RECTIFIED: [&str; 2] = ["/stereo/left/image_rect", "/stereo/rig
 pub(crate) fn infos(size: [u16; 2], focal_px: f64) -> [CameraInfo; 2] {
     let centre = size.map(|side| (f64::from(side) - 1.0) / 2.0);
     let rig = Projection { focal_px, baseline_m: 0.06, centres: [centre; 2] };
-    [false, true].map(|is_right| sent::camera_info(Stamp { ns: 1, frame_id: "left" }, size, &rig, is_right))
+    [false, true]
+        .map(|is_right| sent::camera_info(Stamp { ns: 1, frame_id: "left" }, size, &rig, is_right))
 }
 
 /// A recording with these `CameraInfo` is refused with these words.
@@ -78,20 +88,30 @@ fn camera_info_is_of_the_images_that_are_sent() {
         half,
         &["focal_px: 50.0", "baseline_m: 0.06", "[31.5, 23.5]"],
     );
-    refused_for(&[both(|_| ())], RECTIFIED, half, &["images of 128x96, these are 64x48"]);
+    refused_for(&[both(|_| ())], RECTIFIED, half, &["images of 128x96, but these are 64x48"]);
     refused_for(
         &[both(|info| (info.binning_x, info.binning_y) = (2, 2))],
         RECTIFIED,
         full,
         &["binning 2x2", "images are 128x96"],
     );
-    refused_for(&[both(|info| info.binning_x = 2)], RECTIFIED, [64, 96], &["pixels of rectified images are square"]);
+    refused_for(
+        &[both(|info| info.binning_x = 2)],
+        RECTIFIED,
+        [64, 96],
+        &["rectified images need square pixels"],
+    );
     // A region of both, or one that differs, moves the principal points.
     let mut cut = infos(full, 100.0);
     for (info, x_offset) in cut.iter_mut().zip([20, 4]) {
-        info.roi = RegionOfInterest { x_offset, y_offset: 10, height: 48, width: 64, do_rectify: true };
+        info.roi =
+            RegionOfInterest { x_offset, y_offset: 10, height: 48, width: 64, do_rectify: true };
     }
-    taken(cut.clone(), half, &["focal_px: 100.0", "disparity_offset_px: Some(16.0)", "[43.5, 37.5]"]);
+    taken(
+        cut.clone(),
+        half,
+        &["focal_px: 100.0", "disparity_offset_px: Some(16.0)", "[43.5, 37.5]"],
+    );
     cut[1].roi.y_offset = 20;
     refused_for(&[cut.clone()], RECTIFIED, half, &["lie in the rows", "y_offset"]);
     cut[1].roi.x_offset = 100;
@@ -99,7 +119,7 @@ fn camera_info_is_of_the_images_that_are_sent() {
     // Raw images alike.
     let topics = ["/stereo/left/image_raw", "/stereo/right/image_raw"];
     let mut raw = both(|info| info.d[0] = -0.1);
-    refused_for(&[raw.clone()], topics, half, &["images of 128x96, these are 64x48"]);
+    refused_for(&[raw.clone()], topics, half, &["images of 128x96, but these are 64x48"]);
     raw.iter_mut().for_each(|info| (info.binning_x, info.binning_y) = (2, 2));
     assert!(recorded(&[raw], topics, half).is_ok_and(|(used, _)| used.contains("binning_x: 2")));
 }
@@ -120,10 +140,25 @@ fn sides_axes_and_lengths_of_camera_info_are_checked() {
         &["P[3] is 0 for the left and 3 for the right", "sign is wrong", "exchanged"],
     );
     let [left, other] = positive;
-    refused_for(&[[other, left]], RECTIFIED, size, &["P[3] is 3 for the left and 0 for the right", "sign is wrong"]);
-    refused_for(&[right(|info| (info.p[3], info.p[7]) = (0.0, -3.0))], RECTIFIED, size, &["above each other", "P[7]"]);
-    refused_for(&[right(|info| info.p[7] = -3.0)], RECTIFIED, size, &["aslant"]);
-    refused_for(&[right(|info| info.p[3] = -3000.0)], RECTIFIED, size, &["60 m: did you mean mm? then give 0.06"]);
+    refused_for(
+        &[[other, left]],
+        RECTIFIED,
+        size,
+        &["P[3] is 3 for the left and 0 for the right", "sign is wrong"],
+    );
+    refused_for(
+        &[right(|info| (info.p[3], info.p[7]) = (0.0, -3.0))],
+        RECTIFIED,
+        size,
+        &["above each other", "P[7]"],
+    );
+    refused_for(&[right(|info| info.p[7] = -3.0)], RECTIFIED, size, &["placed diagonally"]);
+    refused_for(
+        &[right(|info| info.p[3] = -3000.0)],
+        RECTIFIED,
+        size,
+        &["60 m: did you mean mm? then give 0.06"],
+    );
     let unlikely = infos(size, 4.0);
     refused_for(&[unlikely], RECTIFIED, size, &["focal length of 4 px"]);
     refused_for(
@@ -153,9 +188,15 @@ fn the_first_message_that_says_anything_counts() {
 fn a_word_within_another_rectifies_nothing() {
     let mut both = infos([64, 48], 50.0);
     both[1].k[2] = 27.5; // of the raw image; P says 31.5
-    for space in ["direct_drive", "robot", "correct"] {
-        let topics = ["left", "right"].map(|side| format!("/{space}/{side}/image_raw"));
-        let (used, _) = recorded(&[both.clone()], topics.each_ref().map(String::as_str), [64, 48]).unwrap();
+    for (space, image) in [
+        ("direct_drive", "image_raw"),
+        ("robot", "image_raw"),
+        ("correct", "image_raw"),
+        ("stereo", "image_not_rectified"),
+    ] {
+        let topics = ["left", "right"].map(|side| format!("/{space}/{side}/{image}"));
+        let (used, _) =
+            recorded(&[both.clone()], topics.each_ref().map(String::as_str), [64, 48]).unwrap();
         assert!(used.contains("27.5"), "raw: {used}");
     }
 }
@@ -186,28 +227,52 @@ fn numbers_that_are_none_of_a_stereo_head_are_refused() {
     assert!(matches!(bad(&infos), (Some(_), Problem::Pair(_))));
     // A focal length in mm; of larger images; of another unit down than across.
     let of = |text: &str| KALIBR.replace("[500.0, 501.0, 320.0, 240.0]", text);
-    assert!(matches!(bad(&[&of("[4.0, 4.0, 320.0, 240.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
-    assert!(matches!(bad(&[&of("[1000.0, 1002.0, 640.0, 480.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
-    assert!(matches!(bad(&[&of("[500.0, 501.0, 0.0, 0.0]")]), (_, Problem::Unfit(CameraSide::Left, _))));
-    assert!(matches!(bad(&[&of("[500.0, 50.0, 320.0, 240.0]")]), (_, Problem::PixelShape(CameraSide::Left, ..))));
+    assert!(matches!(
+        bad(&[&of("[4.0, 4.0, 320.0, 240.0]")]),
+        (_, Problem::Unfit(CameraSide::Left, _))
+    ));
+    assert!(matches!(
+        bad(&[&of("[1000.0, 1002.0, 640.0, 480.0]")]),
+        (_, Problem::Unfit(CameraSide::Left, _))
+    ));
+    assert!(matches!(
+        bad(&[&of("[500.0, 501.0, 0.0, 0.0]")]),
+        (_, Problem::Unfit(CameraSide::Left, _))
+    ));
+    assert!(matches!(
+        bad(&[&of("[500.0, 50.0, 320.0, 240.0]")]),
+        (_, Problem::PixelShape(CameraSide::Left, ..))
+    ));
 }
 
 #[test]
 fn a_wrong_sign_of_the_projection_is_named() {
-    let error = read(&[ROS[0], &ROS[1].replace("-40.0", "40.0")], &Options::default()).unwrap_err().to_string();
-    assert!(error.contains("P[3]") && error.contains("sign is wrong") && error.contains("exchanged"), "{error}");
-    let exchanged = read(&[&ROS[1].replace("-40.0", "40.0"), ROS[0]], &Options::default()).unwrap_err().to_string();
+    let error = read(&[ROS[0], &ROS[1].replace("-40.0", "40.0")], &Options::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("P[3]") && error.contains("sign is wrong") && error.contains("exchanged"),
+        "{error}"
+    );
+    let exchanged = read(&[&ROS[1].replace("-40.0", "40.0"), ROS[0]], &Options::default())
+        .unwrap_err()
+        .to_string();
     assert!(exchanged.contains("P[3]") && exchanged.contains("sign is wrong"), "{exchanged}");
 }
 
 #[test]
 fn messages_are_of_the_images_that_are_sent() {
     let of = |binning: &str, roi: &str| {
-        let with = |text: &str| format!("{text}binning_x: {binning}\nbinning_y: {binning}\nroi: {{{roi}}}\n");
+        let with = |text: &str| {
+            format!("{text}binning_x: {binning}\nbinning_y: {binning}\nroi: {{{roi}}}\n")
+        };
         good(&[&with(ROS[0]), &with(ROS[1])]).rig.calibration
     };
     let all = "x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false";
-    assert_eq!(*of("1", all).camera(CameraSide::Left), *good(&ROS).rig.calibration.camera(CameraSide::Left));
+    assert_eq!(
+        *of("1", all).camera(CameraSide::Left),
+        *good(&ROS).rig.calibration.camera(CameraSide::Left)
+    );
     let binned = of("2", all);
     let left = binned.camera(CameraSide::Left);
     assert_eq!((left.dims(), left.focal()), (Dims { width: 320, height: 240 }, [250.0, 250.5]));
@@ -216,7 +281,8 @@ fn messages_are_of_the_images_that_are_sent() {
     let left = cut.camera(CameraSide::Left);
     assert_eq!((left.dims(), left.centre()), (Dims { width: 500, height: 400 }, [220.0, 200.0]));
     assert_eq!((left.focal(), cut.translation()), ([500.0, 501.0], binned.translation()));
-    let outside = format!("{}roi: {{x_offset: 200, y_offset: 0, height: 480, width: 500}}\n", ROS[0]);
+    let outside =
+        format!("{}roi: {{x_offset: 200, y_offset: 0, height: 480, width: 500}}\n", ROS[0]);
     assert!(matches!(bad(&[&outside, ROS[1]]), (Some(_), Problem::Window(_))));
 }
 
@@ -234,9 +300,12 @@ fn a_rational_lens_undistorts_as_opencv_does() {
     let both = |text: &str| [camera(text, "0.0"), camera(text, "-77.475")];
     let rig = good(&both(lens).each_ref().map(String::as_str)).rig;
     let left = *rig.calibration.camera(CameraSide::Left);
-    for (raw, expected) in [([0.0, 0.0], [8.5538, 4.7474]), ([1279.0, 360.0], [1267.1539, 359.6652])] {
+    for (raw, expected) in
+        [([0.0, 0.0], [8.5538, 4.7474]), ([1279.0, 360.0], [1267.1539, 359.6652])]
+    {
         let [x, y] = left.unproject(raw).unwrap();
-        for (found, expected) in [1033.0 * x + 639.5, 1033.0 * y + 359.5].into_iter().zip(expected) {
+        for (found, expected) in [1033.0 * x + 639.5, 1033.0 * y + 359.5].into_iter().zip(expected)
+        {
             assert!((found - expected).abs() < 1e-4, "{raw:?}: {found}, not {expected}");
         }
     }
@@ -250,11 +319,15 @@ fn a_rational_lens_undistorts_as_opencv_does() {
     }
     // Twelve and fourteen coefficients too, where the further ones are zero.
     let longer = lens.replace(']', ", 0.0, 0.0, 0.0, 0.0]");
-    assert_eq!(good(&both(&longer).each_ref().map(String::as_str)).rig.calibration, rig.calibration);
+    assert_eq!(
+        good(&both(&longer).each_ref().map(String::as_str)).rig.calibration,
+        rig.calibration
+    );
     let prism = lens.replace(']', ", 0.1, 0.0, 0.0, 0.0]");
     let refused = bad(&both(&prism).each_ref().map(String::as_str)).1;
     assert!(matches!(&refused, Problem::Coefficients { names } if names == "s1"), "{refused}");
     // One that folds the image over is none.
-    let folds = bad(&both("[0.0, 0.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0]").each_ref().map(String::as_str)).1;
+    let folds =
+        bad(&both("[0.0, 0.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0]").each_ref().map(String::as_str)).1;
     assert!(matches!(folds, Problem::Camera(CameraSide::Left, _)), "{folds}");
 }

@@ -1,4 +1,5 @@
-//! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how they fail.
+//! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how
+//! they fail.
 
 use crate::support::{linestereo, save, stderr, stdout};
 use linestereo::Dims;
@@ -28,26 +29,50 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
     recording(at, 4);
     fs::write(at.join("0002_right.png"), b"no image").unwrap();
     fs::create_dir(at.join("boxes")).unwrap();
-    fs::write(at.join("boxes/0001_left.csv"), "x0,y0,x1,y1,name\n40,30,200,200,a\n400,30,500,200,b\n").unwrap();
+    fs::write(
+        at.join("boxes/0001_left.csv"),
+        "x0,y0,x1,y1,name\n40,30,200,200,a\n400,30,500,200,b\n",
+    )
+    .unwrap();
     fs::write(at.join("boxes/0003_left.json"), "{").unwrap();
     let with_rig = [&["sequence", ".", "--objects", "boxes"][..], &RIG].concat();
     let output = linestereo(at, &with_rig);
     assert!(output.status.success(), "{}", stderr(&output));
-    let lines: Vec<Value> = stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2, 3, 4]);
+    let lines: Vec<Value> =
+        stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(
+        lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(),
+        [1, 2, 3, 4]
+    );
     assert!(lines[1]["error"].as_str().unwrap().contains("0002_right.png"), "{}", lines[1]);
     for line in [&lines[0], &lines[2], &lines[3]] {
-        assert!(!line["segments"].as_array().unwrap().is_empty() && !line["points"].as_array().unwrap().is_empty());
-        assert_eq!(line["counts"]["matched"].as_u64().unwrap() as usize, line["segments"].as_array().unwrap().len());
+        assert!(
+            !line["segments"].as_array().unwrap().is_empty()
+                && !line["points"].as_array().unwrap().is_empty()
+        );
+        assert_eq!(
+            line["counts"]["matched"].as_u64().unwrap() as usize,
+            line["segments"].as_array().unwrap().len()
+        );
     }
     assert_eq!(lines[0]["objects"].as_array().unwrap().len(), 1);
-    assert_eq!((&lines[0]["objects"][0]["label"], &lines[0]["objects"][0]["name"]), (&0.into(), &"a".into()));
+    assert_eq!(
+        (&lines[0]["objects"][0]["label"], &lines[0]["objects"][0]["name"]),
+        (&0.into(), &"a".into())
+    );
     assert!(lines[2]["objects_error"].as_str().unwrap().contains("0003_left.json"));
-    assert_eq!((&lines[3]["objects"], &lines[3]["objects_error"]), (&Value::Array(vec![]), &Value::Null));
+    assert_eq!(
+        (&lines[3]["objects"], &lines[3]["objects_error"]),
+        (&Value::Array(vec![]), &Value::Null)
+    );
     assert!(stderr(&output).contains("4 frames, 1 failed"), "{}", stderr(&output));
 
     // The first pair as `run` sees it, but for its frame and name; and lines in a file.
-    let run = [&["run", "0001_left.png", "0001_right.png", "--objects", "boxes", "--json", "-"][..], &RIG].concat();
+    let run = [
+        &["run", "0001_left.png", "0001_right.png", "--objects", "boxes", "--json", "-"][..],
+        &RIG,
+    ]
+    .concat();
     let mut alone: Value = serde_json::from_str(&stdout(&linestereo(at, &run))).unwrap();
     let mut first = lines[0].clone();
     for value in [&mut alone, &mut first] {
@@ -56,7 +81,10 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
         fields.remove("name");
     }
     assert_eq!(alone, first);
-    let some = linestereo(at, &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"]);
+    let some = linestereo(
+        at,
+        &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"],
+    );
     assert!(stdout(&some).contains("2 frames, 0 failed"), "{}", stderr(&some));
     assert_eq!(fs::read_to_string(at.join("lines.jsonl")).unwrap().lines().count(), 2);
 }
@@ -67,10 +95,24 @@ fn broken_objects_cost_nothing_else() {
     let at = folder.path();
     recording(at, 1);
     fs::write(at.join("broken.json"), "{\"annotations\": [").unwrap();
-    let output =
-        linestereo(at, &["run", "0001_left.png", "0001_right.png", "--objects", "broken.json", "--json", "out.json"]);
+    let output = linestereo(
+        at,
+        &[
+            "run",
+            "0001_left.png",
+            "0001_right.png",
+            "--objects",
+            "broken.json",
+            "--json",
+            "out.json",
+        ],
+    );
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).starts_with("linestereo: broken.json holds no objects"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).starts_with("linestereo: broken.json holds no objects"),
+        "{}",
+        stderr(&output)
+    );
     let written: Value = serde_json::from_slice(&fs::read(at.join("out.json")).unwrap()).unwrap();
     assert!(!written["segments"].as_array().unwrap().is_empty());
     assert_eq!(written["objects"], Value::Array(vec![]));
@@ -82,7 +124,11 @@ fn a_report_is_one_file() {
     let at = folder.path();
     recording(at, 3);
     let output = linestereo(at, &["report", ".", "-o", "page.html", "--max-frames", "2"]);
-    assert!(output.status.success() && stdout(&output).contains("2 of 3 pairs"), "{}", stderr(&output));
+    assert!(
+        output.status.success() && stdout(&output).contains("2 of 3 pairs"),
+        "{}",
+        stderr(&output)
+    );
     let page = fs::read_to_string(at.join("page.html")).unwrap();
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 4);
     let output = linestereo(at, &["report", "nowhere", "-o", "page.html"]);
@@ -95,7 +141,8 @@ fn objects_alone_have_the_depths_of_the_whole_frame() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     recording(at, 2);
-    fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n40,30,120,100,a\n180,120,260,200,b\n").unwrap();
+    fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n40,30,120,100,a\n180,120,260,200,b\n")
+        .unwrap();
     let asked = ["sequence", ".", "--objects", "boxes.csv"];
     let lines = |more: &[&str]| -> Vec<Value> {
         let output = linestereo(at, &[&asked[..], &RIG, more].concat());

@@ -1,4 +1,5 @@
-//! Every command line of README.md, docs/ and the examples of `--help`: run, or listed here with the reason why it is not.
+//! Every command line of README.md, host-sim/README.md, docs/ and the examples of `--help`: run, or
+//! listed here with the reason why it is not.
 
 use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
 use crate::rectify::RIG;
@@ -28,7 +29,11 @@ const NOT_RUN: [(&str, &str); 21] = [
     ("cargo test", "runs this test"),
     ("cargo +nightly fuzz", "hours; `fuzz` of `linestereo-tests` runs the same for seconds"),
     ("cargo install", "builds the program anew"),
-    ("frames get", "brings packages over the network: `frames_get` and `registry` test it with packages of their own"),
+    (
+        "frames get",
+        "brings packages over the network: `frames_get` and `registry` test it with packages of \
+         their own",
+    ),
     ("pip download", "network"),
     ("frames/oakd_lite", "frames of `frames get`"),
     ("frames/calibration_boards", "frames of `frames get`"),
@@ -51,7 +56,8 @@ fn root() -> PathBuf {
 }
 
 fn files(folder: &Path, extension: &str, list: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();
     for path in entries {
         if path.is_dir() {
@@ -77,15 +83,20 @@ fn of_page(text: &str) -> Vec<String> {
 fn of_help(help: &str) -> Vec<String> {
     let is_command = |line: &&str| {
         let programs = ["linestereo ", "cargo ", "pip "];
-        line.strip_prefix("  ").is_some_and(|line| programs.iter().any(|program| line.starts_with(program)))
+        line.strip_prefix("  ")
+            .is_some_and(|line| programs.iter().any(|program| line.starts_with(program)))
     };
-    let commands = help.lines().filter(is_command).map(|line| line.trim().split("  ").next().unwrap().to_owned());
+    let commands = help
+        .lines()
+        .filter(is_command)
+        .map(|line| line.trim().split("  ").next().unwrap().to_owned());
     commands.filter(|line| line.contains(' ')).collect()
 }
 
 fn documented() -> Vec<Documented> {
     let root = root();
-    let (mut pages, mut sources) = (vec![root.join("README.md")], Vec::new());
+    let (mut pages, mut sources) =
+        (vec![root.join("README.md"), root.join("host-sim/README.md")], Vec::new());
     files(&root.join("docs"), "md", &mut pages);
     files(&root.join("host-sim/src/commands/help"), "txt", &mut sources);
     let all = pages.iter().map(|path| (path, of_page as fn(&str) -> Vec<String>));
@@ -103,11 +114,16 @@ fn copied(from: &Path, to: &Path) {
     fs::create_dir_all(to).unwrap();
     for entry in fs::read_dir(from).unwrap().map(|entry| entry.unwrap().path()) {
         let to = to.join(entry.file_name().unwrap());
-        if entry.is_dir() { copied(&entry, &to) } else { fs::copy(&entry, &to).map(|_| ()).unwrap() }
+        if entry.is_dir() {
+            copied(&entry, &to)
+        } else {
+            fs::copy(&entry, &to).map(|_| ()).unwrap()
+        }
     }
 }
 
-const DETECTIONS: &str = r#"[{"image_id": 1, "category_id": 3, "bbox": [110, 70, 100, 90], "score": 0.9}]"#;
+const DETECTIONS: &str =
+    r#"[{"image_id": 1, "category_id": 3, "bbox": [110, 70, 100, 90], "score": 0.9}]"#;
 const BOXES: &str = "x0,y0,x1,y1,name\n110,70,210,160,thing\n";
 const INTRINSICS: &str = "%YAML:1.0\n---\n\
     M1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 500., 240., 0., 0., 1. ]\n\
@@ -202,7 +218,8 @@ fn prepared() -> TempDir {
     ];
     for (format, names) in outs {
         let out = names.iter().flat_map(|name| ["--out", *name]);
-        let args: Vec<&str> = ["convert-rig", "rig.toml", "--to", format].into_iter().chain(out).collect();
+        let args: Vec<&str> =
+            ["convert-rig", "rig.toml", "--to", format].into_iter().chain(out).collect();
         succeed(at, &args);
     }
     for camera in ["cam0", "cam1"] {
@@ -213,20 +230,27 @@ fn prepared() -> TempDir {
     fs::write(path("extrinsics.yml"), EXTRINSICS).unwrap();
     fs::write(path("detections.json"), DETECTIONS).unwrap();
     fs::write(path("boxes.csv"), BOXES).unwrap();
-    for folder in [".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"] {
+    for folder in [".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"]
+    {
         fs::create_dir_all(path(folder)).unwrap();
     }
     photographed(&path("photos"));
-    let charuco = Board::charuco([8, 6], 0.028, 0.021, Dictionary::named("DICT_5X5_100").unwrap(), false).unwrap();
-    let marked: Vec<[GrayImage; 2]> =
-        photos_of(&drawn_rig(2), &charuco, 8, 5, 0.5).into_iter().map(|(_, photos)| photos).collect();
+    let charuco =
+        Board::charuco([8, 6], 0.028, 0.021, Dictionary::named("DICT_5X5_100").unwrap(), false)
+            .unwrap();
+    let marked: Vec<[GrayImage; 2]> = photos_of(&drawn_rig(2), &charuco, 8, 5, 0.5)
+        .into_iter()
+        .map(|(_, photos)| photos)
+        .collect();
     saved(&marked, &path("marked"));
     folder
 }
 
 /// Message of a command that fails. Pipes into other programs are cut off.
 fn failure(folder: &Path, line: &str) -> Option<String> {
-    let line = line.replace("cargo run --release -- ", "linestereo ").replace("cargo run --release", "linestereo");
+    let line = line
+        .replace("cargo run --release -- ", "linestereo ")
+        .replace("cargo run --release", "linestereo");
     let line = line.split(" | jq").next().unwrap();
     let programs = Path::new(env!("CARGO_BIN_EXE_linestereo")).parent().unwrap();
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap_or_default());
@@ -257,10 +281,12 @@ fn every_command_line_runs_or_is_listed() {
         );
     }
     let mut by_source: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for command in all.iter().filter(|command| !NOT_RUN.iter().any(|(part, _)| command.line.contains(part))) {
+    for command in
+        all.iter().filter(|command| !NOT_RUN.iter().any(|(part, _)| command.line.contains(part)))
+    {
         by_source.entry(&command.source).or_default().push(&command.line);
     }
-    by_source.remove(FIRST_EVENING); // in files of its own, below
+    by_source.remove(QUICKSTART); // in files of its own, below
     let run: usize = by_source.values().map(Vec::len).sum();
     let base = prepared();
     let (sources, failures) = (Mutex::new(by_source.into_iter()), Mutex::new(Vec::new()));
@@ -272,7 +298,8 @@ fn every_command_line_runs_or_is_listed() {
                     let folder = TempDir::new().unwrap();
                     copied(base.path(), folder.path());
                     let failed = lines.iter().filter_map(|line| failure(folder.path(), line));
-                    let failed: Vec<String> = failed.map(|said| format!("{source}: {said}")).collect();
+                    let failed: Vec<String> =
+                        failed.map(|said| format!("{source}: {said}")).collect();
                     failures.lock().unwrap().extend(failed);
                 }
             });
@@ -283,25 +310,33 @@ fn every_command_line_runs_or_is_listed() {
     assert!(run > 60, "{run}");
 }
 
-const FIRST_EVENING: &str = "docs/first-evening.md";
+const QUICKSTART: &str = "docs/quickstart-pc.md";
 
-/// The page from photos to objects, line by line, with nothing but what its reader has: photos of a board, a raw pair, boxes.
+/// The page from photos to objects, line by line, with nothing but what its reader has: photos of a
+/// board, a raw pair, boxes.
 #[test]
 #[cfg(unix)]
-fn the_first_evening_ends_with_the_depth_of_an_object() {
+fn the_quick_start_ends_with_the_depth_of_an_object() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     let rig = photographed(&at.join("photos"));
     // A wall 0.6 m before the left camera, with a card 0.4 m before it.
     let texture = |size: f64, seed| {
-        Texture::grained(Pattern::Mosaic { greys: [50.0, 210.0], cell: [1.3 * size, size] }, 20.0, 0.2 * size, seed)
+        Texture::grained(
+            Pattern::Mosaic { greys: [50.0, 210.0], cell: [1.3 * size, size] },
+            20.0,
+            0.2 * size,
+            seed,
+        )
     };
     let (wall, card) = (texture(0.05, 1), texture(0.025, 2));
     for (eye, name) in CameraSide::BOTH.into_iter().zip(["left.png", "right.png"]) {
         let photographer = Photographer::new(&rig, eye);
         let take = |depth: f64, texture: &Texture| {
             let corner = [0.0, 0.0, depth];
-            let seen = |point: [f64; 3]| if eye == CameraSide::Left { point } else { in_right(&rig, point) };
+            let seen = |point: [f64; 3]| {
+                if eye == CameraSide::Left { point } else { in_right(&rig, point) }
+            };
             let first = seen(corner);
             let along = |direction: [f64; 3]| {
                 let end = seen([0, 1, 2].map(|i| corner[i] + direction[i]));
@@ -310,11 +345,14 @@ fn the_first_evening_ends_with_the_depth_of_an_object() {
             let plane = [first, along([1.0, 0.0, 0.0]), along([0.0, 1.0, 0.0])];
             (
                 photographer.take_plane(plane, |[x, y]| texture.grey(x, y)),
-                photographer.take_plane(plane, |[x, y]| if x.abs() < 0.07 && y.abs() < 0.06 { 255.0 } else { 0.0 }),
+                photographer.take_plane(plane, |[x, y]| {
+                    if x.abs() < 0.07 && y.abs() < 0.06 { 255.0 } else { 0.0 }
+                }),
             )
         };
         let ((mut image, _), (near, is_near)) = (take(0.6, &wall), take(0.4, &card));
-        for ((pixel, near), is_near) in image.pixels.iter_mut().zip(near.pixels).zip(is_near.pixels) {
+        for ((pixel, near), is_near) in image.pixels.iter_mut().zip(near.pixels).zip(is_near.pixels)
+        {
             if is_near > 127 {
                 *pixel = near;
             }
@@ -326,17 +364,23 @@ fn the_first_evening_ends_with_the_depth_of_an_object() {
         r#"[{"image_id": 1, "category_id": 1, "bbox": [125, 90, 70, 55], "score": 0.9}]"#,
     )
     .unwrap();
-    let page = documented().into_iter().filter(|command| command.source == FIRST_EVENING);
+    let page = documented().into_iter().filter(|command| command.source == QUICKSTART);
     let lines: Vec<String> = page.map(|command| command.line).collect();
     let is_run = |line: &&String| !NOT_RUN.iter().any(|(part, _)| line.contains(part));
-    let failures: Vec<String> = lines.iter().filter(is_run).filter_map(|line| failure(at, line)).collect();
+    let failures: Vec<String> =
+        lines.iter().filter(is_run).filter_map(|line| failure(at, line)).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-    for command in ["calibrate photos", "--objects detections.json", "report", "rectify", "quality", "explain"] {
+    for command in
+        ["calibrate photos", "--objects detections.json", "report", "rectify", "quality", "explain"]
+    {
         assert!(lines.iter().any(|line| line.contains(command)), "{command} is not on the page");
     }
-    let found: serde_json::Value = serde_json::from_slice(&fs::read(at.join("depth.json")).unwrap()).unwrap();
-    let depth = found["objects"][0]["depth_m"].as_f64().unwrap_or_else(|| panic!("{}", found["objects"]));
-    // The card's depth as the rectified left camera has it, which is turned by the rig's rotation of less than 2 degrees.
+    let found: serde_json::Value =
+        serde_json::from_slice(&fs::read(at.join("depth.json")).unwrap()).unwrap();
+    let depth =
+        found["objects"][0]["depth_m"].as_f64().unwrap_or_else(|| panic!("{}", found["objects"]));
+    // The card's depth as the rectified left camera has it, which is turned by the rig's rotation
+    // of less than 2 degrees.
     assert!((depth - 0.4).abs() < 0.012, "{depth}");
     assert!(fs::metadata(at.join("report.html")).unwrap().len() > 100_000);
 }

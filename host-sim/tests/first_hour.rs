@@ -1,7 +1,10 @@
-//! First commands of a new user, and natural mistakes: files that would be lost, failures that look like success, input that means something else.
+//! First commands of a new user, and natural mistakes: files that would be lost, failures that look
+//! like success, input that means something else.
 
 use crate::rectify::RIG;
-use crate::support::{all_refused, json, json_of_any, linestereo, refused, stderr, stdout, succeed};
+use crate::support::{
+    all_refused, json, json_of_any, linestereo, refused, stderr, stdout, succeed,
+};
 use core::time::Duration;
 use linestereo::Dims;
 use linestereo_frames::GrayImage;
@@ -17,7 +20,12 @@ const DIMS: Dims = Dims { width: 320, height: 240 };
 const PAIR: [&str; 3] = ["run", "l.png", "r.png"];
 
 fn buffer(image: &GrayImage) -> image::GrayImage {
-    image::GrayImage::from_raw(image.dims.width.into(), image.dims.height.into(), image.pixels.clone()).unwrap()
+    image::GrayImage::from_raw(
+        image.dims.width.into(),
+        image.dims.height.into(),
+        image.pixels.clone(),
+    )
+    .unwrap()
 }
 
 /// The images of a pair of boxes.
@@ -97,7 +105,8 @@ fn files_that_a_command_finds_are_not_replaced_either() {
     let folder = recording(2);
     let at = folder.path();
     let before = fs::read(at.join("0001_left.png")).unwrap();
-    fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#).unwrap();
+    fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#)
+        .unwrap();
     let cases: [(&[&str], &str); 2] = [
         (&["sequence", ".", "--out", "scene.json"], "one of the files that are read"),
         (&["report", ".", "-o", "scene.json"], "one of the files that are read"),
@@ -127,7 +136,10 @@ fn a_dash_is_stdout_for_every_output() {
     };
     assert!(bytes(&[&run[..], &["--csv", "-"]].concat()).starts_with(b"id,"));
     assert!(bytes(&[&run[..], &["--overlay", "-"]].concat()).starts_with(b"\x89PNG"));
-    assert_eq!(lines(&String::from_utf8(bytes(&["sequence", ".", "--out", "-"])).unwrap()).len(), 2);
+    assert_eq!(
+        lines(&String::from_utf8(bytes(&["sequence", ".", "--out", "-"])).unwrap()).len(),
+        2
+    );
     assert!(bytes(&["report", ".", "-o", "-"]).starts_with(b"<!"));
     assert!(bytes(&["demo", "--out", "-"]).starts_with(b"\x89PNG"));
     assert!(!at.join("-").exists());
@@ -159,21 +171,30 @@ fn what_is_finished_when_a_sequence_is_interrupted_stays() {
             .unwrap();
         let hidden = || {
             let names = fs::read_dir(at).unwrap().map(|entry| entry.unwrap());
-            names.filter(|entry| entry.file_name().to_string_lossy().starts_with(".linestereo")).collect::<Vec<_>>()
+            names
+                .filter(|entry| entry.file_name().to_string_lossy().starts_with(".linestereo"))
+                .collect::<Vec<_>>()
         };
         let begin = Instant::now();
         while !hidden().iter().any(|entry| entry.metadata().is_ok_and(|data| data.len() > 0)) {
             assert!(begin.elapsed() < Duration::from_secs(60), "no line is written");
             std::thread::sleep(Duration::from_millis(5));
         }
-        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        assert!(
+            Command::new("kill")
+                .args([signal, &child.id().to_string()])
+                .status()
+                .unwrap()
+                .success()
+        );
         let status = child.wait().unwrap();
         let mut said = String::new();
         std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
         assert_eq!(status.code(), Some(130), "{said}");
         let finished = lines(&fs::read_to_string(at.join("results.jsonl")).unwrap()).len();
         assert!((1..400).contains(&finished), "{finished}");
-        let says = format!("interrupted after {finished} of 400 frames; their lines are in results.jsonl");
+        let says =
+            format!("interrupted after {finished} of 400 frames; their lines are in results.jsonl");
         assert!(said.contains(&says), "{said}");
         assert!(hidden().is_empty());
         fs::remove_file(at.join("results.jsonl")).unwrap();
@@ -184,10 +205,18 @@ fn what_is_finished_when_a_sequence_is_interrupted_stays() {
 fn a_sequence_stops_when_its_reader_does() {
     let folder = recording(60);
     let mut command = Command::new(env!("CARGO_BIN_EXE_linestereo"));
-    command.current_dir(folder.path()).args(["sequence", "."]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+        .current_dir(folder.path())
+        .args(["sequence", "."])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     let mut first = String::new();
-    std::io::BufRead::read_line(&mut std::io::BufReader::new(child.stdout.take().unwrap()), &mut first).unwrap();
+    std::io::BufRead::read_line(
+        &mut std::io::BufReader::new(child.stdout.take().unwrap()),
+        &mut first,
+    )
+    .unwrap();
     assert!(first.starts_with("{\"frame\":1,"), "{first}");
     // Who comes to the end of a sequence sums it up.
     let output = child.wait_with_output().unwrap();
@@ -208,7 +237,7 @@ fn what_is_wrong_with_frames_is_counted() {
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("2 frames, 0 failed"), "{said}");
-    assert!(said.contains("health: few_matches in 2 frames: few edges find a partner"), "{said}");
+    assert!(said.contains("health: few_matches in 2 frames: few edges have a match"), "{said}");
 }
 
 #[test]
@@ -220,7 +249,10 @@ fn nothing_that_was_asked_for_is_passed_over() {
     let cases: [(&[&str], &str); 5] = [
         (&["sequence", ".", "--objects", "nosuch"], "cannot read nosuch"),
         (&["sequence", ".", "--objects", "empty"], "no file that is called like a left image"),
-        (&["report", ".", "--objects", "empty", "-o", "x.html"], "no file that is called like a left image"),
+        (
+            &["report", ".", "--objects", "empty", "-o", "x.html"],
+            "no file that is called like a left image",
+        ),
         (&[&run[..], &["--objects", "empty"]].concat(), "no file that is called like a left image"),
         (&["sequence", "nosuch"], "nosuch"),
     ];
@@ -234,7 +266,11 @@ fn nothing_that_was_asked_for_is_passed_over() {
     }
     let output = linestereo(at, &["sequence", "."]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("no frame can be matched; 0001: ./0001_left.png"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("no frame can be matched; 0001: ./0001_left.png"),
+        "{}",
+        stderr(&output)
+    );
     let help = succeed(at, &["--help"]);
     assert!(help.contains("Exit codes:") && help.contains("130 "), "{help}");
 }
@@ -253,15 +289,19 @@ fn every_pair_has_the_scene_file_beside_it() {
     }
     let found = lines(&succeed(at, &["sequence", "rec"]));
     let depth = |line: &Value| line["segments"][0]["depth_m"][0].as_f64().unwrap();
-    assert!((depth(&found[1]) / depth(&found[0]) - 2.0).abs() < 0.01, "{} {}", depth(&found[0]), depth(&found[1]));
+    assert!(
+        (depth(&found[1]) / depth(&found[0]) - 2.0).abs() < 0.01,
+        "{} {}",
+        depth(&found[0]),
+        depth(&found[1])
+    );
 }
 
 #[test]
 fn one_set_of_layouts_for_all_commands() {
     let folder = pair();
     let at = folder.path();
-    let calib =
-        "cam0=[300 0 160; 0 300 120; 0 0 1]\ncam1=[300 0 160; 0 300 120; 0 0 1]\ndoffs=0\nbaseline=100\nndisp=64\n";
+    let calib = "cam0=[300 0 160; 0 300 120; 0 0 1]\ncam1=[300 0 160; 0 300 120; 0 0 1]\ndoffs=0\nbaseline=100\nndisp=64\n";
     let stamps = [
         ["1403715273262142976.png", "1403715273262542976.png"],
         ["1403715273312142976.png", "1403715273312542976.png"],
@@ -269,9 +309,15 @@ fn one_set_of_layouts_for_all_commands() {
     let layouts: [(&str, Vec<[String; 2]>); 5] = [
         ("middlebury", vec![["im0.png".into(), "im1.png".into()]]),
         ("capitals", vec![["Left/1.png".into(), "Right/1.png".into()]]),
-        ("letters", vec![["L/1.png".into(), "R/1.png".into()], ["L/2.png".into(), "R/2.png".into()]]),
+        (
+            "letters",
+            vec![["L/1.png".into(), "R/1.png".into()], ["L/2.png".into(), "R/2.png".into()]],
+        ),
         ("realsense", vec![["infra1/1.png".into(), "infra2/1.png".into()]]),
-        ("times", stamps.map(|[left, right]| [format!("left/{left}"), format!("right/{right}")]).to_vec()),
+        (
+            "times",
+            stamps.map(|[left, right]| [format!("left/{left}"), format!("right/{right}")]).to_vec(),
+        ),
     ];
     for (name, pairs) in &layouts {
         for files in pairs {
@@ -285,22 +331,35 @@ fn one_set_of_layouts_for_all_commands() {
         let found = lines(&succeed(at, &["sequence", name]));
         assert_eq!(found.len(), pairs.len(), "{name}");
         assert!(!found[0]["points"].as_array().unwrap().is_empty(), "{name}");
-        assert_eq!(found[0]["segments"][0]["depth_m"][0].is_number(), *name == "middlebury", "{name}");
+        assert_eq!(
+            found[0]["segments"][0]["depth_m"][0].is_number(),
+            *name == "middlebury",
+            "{name}"
+        );
         let skew = if *name == "times" { Value::from(400) } else { Value::Null };
         assert_eq!(found[0]["health"]["skew_us"], skew, "{name}");
         if *name == "times" {
             let left = at.join("times/left");
-            fs::rename(left.join("1403715273262142976.png"), left.join("1403715273258142976.png")).unwrap();
+            fs::rename(left.join("1403715273262142976.png"), left.join("1403715273258142976.png"))
+                .unwrap();
             let output = linestereo(at, &["sequence", name]);
             assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
             let found = lines(&String::from_utf8(output.stdout).unwrap());
-            assert!(found[0]["health"]["flags"].as_array().unwrap().contains(&"skew".into()), "{}", found[0]["health"]);
+            assert!(
+                found[0]["health"]["flags"].as_array().unwrap().contains(&"skew".into()),
+                "{}",
+                found[0]["health"]
+            );
             let found = lines(&succeed(at, &["sequence", name, "--max-skew-ms", "5"]));
             assert!(!found[0]["points"].as_array().unwrap().is_empty(), "{}", found[0]["health"]);
         }
         // All pairs of this one are captured too far apart by now.
         let code = if *name == "times" { Some(2) } else { Some(0) };
-        assert_eq!(linestereo(at, &["report", name, "-o", "page.html"]).status.code(), code, "{name}");
+        assert_eq!(
+            linestereo(at, &["report", name, "-o", "page.html"]).status.code(),
+            code,
+            "{name}"
+        );
     }
 }
 
@@ -310,7 +369,10 @@ fn units_are_asked_about() {
     let at = folder.path();
     fs::write(at.join("mm.json"), r#"{"rectified": {"focal_px": 451, "baseline_m": 75}}"#).unwrap();
     let cases: [(&[&str], &str); 3] = [
-        (&with(&["--focal-px", "451", "--baseline-m", "75"]), "75 m: did you mean mm? then give 0.075"),
+        (
+            &with(&["--focal-px", "451", "--baseline-m", "75"]),
+            "75 m: did you mean mm? then give 0.075",
+        ),
         (&with(&["--scene", "mm.json"]), "75 m: did you mean mm?"),
         (&["plan-rig", "--focal-px", "451", "--baseline-m", "75"], "75 m: did you mean mm?"),
     ];
@@ -322,12 +384,16 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
     let folder = pair();
     let at = folder.path();
     let cases = [
-        (r#"{"focal_px": 451}"#, "\"focal_px\" means nothing, it belongs into \"rectified\""),
+        (r#"{"focal_px": 451}"#, "\"focal_px\" is misplaced; move it into \"rectified\""),
         (
             r#"{"max_disparty": 64}"#,
-            "\"max_disparty\" means nothing; is it max_disparity? Known are scene, size, max_disparity",
+            "\"max_disparty\" is unknown; did you mean max_disparity? The known keys are scene, \
+             size, max_disparity",
         ),
-        (r#"{"rectified": {"focal_px": 451, "baseline": 0.1}}"#, "\"baseline\" in \"rectified\" means nothing"),
+        (
+            r#"{"rectified": {"focal_px": 451, "baseline": 0.1}}"#,
+            "\"baseline\" in \"rectified\" is unknown",
+        ),
         (r#"{"rectified": {"focal_px": 451}}"#, "missing field `baseline_m`"),
     ];
     for (content, says) in cases {
@@ -348,7 +414,8 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
     fs::write(at.join("scene.json"), example).unwrap();
     let found = json(at, &with(&["--scene", "scene.json", "--json", "-"]));
     assert!(found["segments"][0]["depth_m"][0].is_number());
-    fs::write(at.join("scene.json"), r#"{"note": "a desk", "terms": "none", "rectified_note": 1}"#).unwrap();
+    fs::write(at.join("scene.json"), r#"{"note": "a desk", "terms": "none", "rectified_note": 1}"#)
+        .unwrap();
     succeed(at, &with(&["--scene", "scene.json"]));
 }
 
@@ -356,8 +423,12 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
 fn turned(image: &image::GrayImage, orientation: u8) -> Vec<u8> {
     let mut jpeg = Vec::new();
     image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 95).encode_image(image).unwrap();
-    let exif =
-        [&b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..], &[orientation, 0, 0, 0], &[0; 4]].concat();
+    let exif = [
+        &b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"[..],
+        &[orientation, 0, 0, 0],
+        &[0; 4],
+    ]
+    .concat();
     let head = [&[0xff, 0xe1][..], &(exif.len() as u16 + 2).to_be_bytes(), &exif].concat();
     [&jpeg[..2], &head, &jpeg[2..]].concat()
 }
@@ -369,14 +440,19 @@ fn photos_are_read_as_they_are_meant() {
     let images = boxes();
     for (image, name) in images.iter().zip(["l", "r"]) {
         // Held upside down: the pixels lie turned by 180 degrees, and the tag says so.
-        fs::write(at.join(format!("{name}_turned.jpg")), turned(&image::imageops::rotate180(image), 3)).unwrap();
+        fs::write(
+            at.join(format!("{name}_turned.jpg")),
+            turned(&image::imageops::rotate180(image), 3),
+        )
+        .unwrap();
         fs::write(at.join(format!("{name}_plain.jpg")), turned(image, 1)).unwrap();
         for ending in ["tiff", "bmp", "webp"] {
             image.save(at.join(format!("{name}.{ending}"))).unwrap();
         }
     }
-    let matched =
-        |left: &str, right: &str| json(at, &["run", left, right, "--json", "-"])["counts"]["matched"].as_u64();
+    let matched = |left: &str, right: &str| {
+        json(at, &["run", left, right, "--json", "-"])["counts"]["matched"].as_u64()
+    };
     let plain = matched("l_plain.jpg", "r_plain.jpg").unwrap();
     let turned = matched("l_turned.jpg", "r_turned.jpg").unwrap();
     assert!(plain > 10 && turned.abs_diff(plain) <= plain / 5, "{turned} {plain}");
@@ -388,7 +464,10 @@ fn photos_are_read_as_they_are_meant() {
     for length in [whole.len() / 2, whole.len() - 2] {
         fs::write(at.join("half.jpg"), &whole[..length]).unwrap();
         let line = refused(at, &["run", "half.jpg", "r_plain.jpg"]);
-        assert!(line.contains("half.jpg is not a readable image (a JPEG that ends too early)"), "{line}");
+        assert!(
+            line.contains("half.jpg is not a readable image (a JPEG that ends too early)"),
+            "{line}"
+        );
     }
     // Something behind the end is no fault: phones write a second picture there.
     fs::write(at.join("more.jpg"), [&whole[..], b"more"].concat()).unwrap();
@@ -403,8 +482,12 @@ fn sixteen_bit_files_hold_what_the_sensor_has() {
     for bits in [10_u32, 12, 16] {
         let white = (1_u32 << bits) - 1;
         for (image, name) in boxes().iter().zip(["l16.png", "r16.png"]) {
-            let wide = |grey: &image::Luma<u8>| image::Luma([((u32::from(grey.0[0]) * white + 127) / 255) as u16]);
-            let wide = image::ImageBuffer::from_fn(image.width(), image.height(), |x, y| wide(image.get_pixel(x, y)));
+            let wide = |grey: &image::Luma<u8>| {
+                image::Luma([((u32::from(grey.0[0]) * white + 127) / 255) as u16])
+            };
+            let wide = image::ImageBuffer::from_fn(image.width(), image.height(), |x, y| {
+                wide(image.get_pixel(x, y))
+            });
             wide.save(at.join(name)).unwrap();
         }
         let found = json(at, &["run", "l16.png", "r16.png", "--json", "-"]);
@@ -419,7 +502,9 @@ fn sixteen_bit_files_hold_what_the_sensor_has() {
     };
     stored(&left, 16).save(at.join("l16.png")).unwrap();
     stored(&right, 4).save(at.join("r16.png")).unwrap();
-    let unfit = |more: &[&str]| json_of_any(at, &[&["run", "l16.png", "r16.png", "--json", "-"], more].concat());
+    let unfit = |more: &[&str]| {
+        json_of_any(at, &[&["run", "l16.png", "r16.png", "--json", "-"], more].concat())
+    };
     let found = unfit(&[]);
     let level = |side: &str| found["health"][side]["level"].as_f64().unwrap();
     assert!(level("right") < 0.4 * level("left"), "{} {}", level("right"), level("left"));
@@ -430,8 +515,10 @@ fn sixteen_bit_files_hold_what_the_sensor_has() {
 #[test]
 fn pixels_are_counted_before_the_width_as_objects_are() {
     let folder = pair();
-    let asked =
-        json(folder.path(), &with(&["--width", "160", "--query", "300,200", "--query", "320,0", "--json", "-"]));
+    let asked = json(
+        folder.path(),
+        &with(&["--width", "160", "--query", "300,200", "--query", "320,0", "--json", "-"]),
+    );
     let queries = asked["queries"].as_array().unwrap();
     assert_eq!((&queries[0]["x"], &queries[0]["y"]), (&300.into(), &200.into()));
     assert_ne!(queries[0]["reason"], "outside");
@@ -443,10 +530,14 @@ fn boxes_need_no_header() {
     let folder = pair();
     let at = folder.path();
     fs::write(at.join("plain.csv"), "40,30,200,200,7,cat\n10,10,50,50\n").unwrap();
-    fs::write(at.join("named.csv"), "x0,y0,x1,y1,label,name\n40,30,200,200,7,cat\n10,10,50,50\n").unwrap();
+    fs::write(at.join("named.csv"), "x0,y0,x1,y1,label,name\n40,30,200,200,7,cat\n10,10,50,50\n")
+        .unwrap();
     let of = |file: &str| json(at, &with(&["--objects", file, "--json", "-"]))["objects"].clone();
     assert_eq!(of("plain.csv"), of("named.csv"));
-    assert_eq!((&of("plain.csv")[0]["label"], &of("plain.csv")[0]["name"]), (&7.into(), &"cat".into()));
+    assert_eq!(
+        (&of("plain.csv")[0]["label"], &of("plain.csv")[0]["name"]),
+        (&7.into(), &"cat".into())
+    );
 }
 
 #[test]
@@ -467,18 +558,33 @@ fn depths_as_others_store_them() {
     let folder = pair();
     let at = folder.path();
     let rig = ["--focal-px", "300", "--baseline-m", "0.1", "--principal-point", "150,110"];
-    let files =
-        ["--json", "a.json", "--depth-png", "d.png", "--depth-npy", "d.npy", "--pcd", "p.pcd", "--ply", "p.ply"];
+    let files = [
+        "--json",
+        "a.json",
+        "--depth-png",
+        "d.png",
+        "--depth-npy",
+        "d.npy",
+        "--pcd",
+        "p.pcd",
+        "--ply",
+        "p.ply",
+    ];
     succeed(at, &[&PAIR[..], &rig, &files].concat());
     let found: Value = serde_json::from_slice(&fs::read(at.join("a.json")).unwrap()).unwrap();
-    let image::DynamicImage::ImageLuma16(png) = image::open(at.join("d.png")).unwrap() else { panic!("16-bit grey") };
+    let image::DynamicImage::ImageLuma16(png) = image::open(at.join("d.png")).unwrap() else {
+        panic!("16-bit grey")
+    };
     let (dims, npy) = linestereo_frames::load_disparities(&at.join("d.npy")).unwrap();
     assert_eq!((dims, png.dimensions()), (DIMS, (320, 240)));
     let points = found["points"].as_array().unwrap();
     for point in points {
         let number = |i: usize| point[i].as_f64().unwrap();
         let (x, y, z) = (number(0) as u32, number(1) as u32, 30.0 / number(2));
-        assert!((f64::from(png.get_pixel(x, y).0[0]) / 1000.0 - z).abs() < 0.001 + 0.001 * z, "{point}");
+        assert!(
+            (f64::from(png.get_pixel(x, y).0[0]) / 1000.0 - z).abs() < 0.001 + 0.001 * z,
+            "{point}"
+        );
         assert!((f64::from(npy[(y * 320 + x) as usize]) - z).abs() < 0.001 + 0.001 * z, "{point}");
     }
     assert_eq!(png.pixels().filter(|pixel| pixel.0[0] > 0).count(), points.len());
@@ -487,15 +593,20 @@ fn depths_as_others_store_them() {
     let (head, data) = pcd.split_once("DATA ascii\n").unwrap();
     assert!(head.contains(&format!("POINTS {}\n", data.lines().count())), "{head}");
     // The first point, seen from the principal point that was given.
-    let first: Vec<f64> = data.lines().next().unwrap().split(' ').map(|value| value.parse().unwrap()).collect();
+    let first: Vec<f64> =
+        data.lines().next().unwrap().split(' ').map(|value| value.parse().unwrap()).collect();
     let expected = points[0][0].as_f64().unwrap() - 150.0;
     assert!((first[0] / first[2] * 300.0 - expected).abs() < 0.2, "{first:?} {}", points[0]);
     let ply = fs::read_to_string(at.join("p.ply")).unwrap();
-    assert!(ply.contains(&data.lines().next().unwrap().split(' ').take(3).collect::<Vec<_>>().join(" ")));
+    assert!(
+        ply.contains(
+            &data.lines().next().unwrap().split(' ').take(3).collect::<Vec<_>>().join(" ")
+        )
+    );
     let cases: [(&[&str], &str); 3] = [
         (&with(&["--depth-png", "x.png"]), "--depth-png needs depths"),
         (&with(&["--depth-npy", "x.npy"]), "--depth-npy needs depths"),
-        (&with(&["--principal-point", "1,2"]), "--principal-point makes no depths alone"),
+        (&with(&["--principal-point", "1,2"]), "--principal-point alone gives no depths"),
     ];
     all_refused(at, &cases);
 }
@@ -508,14 +619,27 @@ fn quiet_verbose_and_what_shells_want() {
     assert!(output.stdout.is_empty() && output.stderr.is_empty() && at.join("a.csv").is_file());
     let output = linestereo(at, &["-q", "run", "l.png", "r.png", "--json", "-"]);
     assert!(output.stdout.starts_with(b"{") && output.stderr.is_empty());
-    let said = stderr(&linestereo(at, &with(&["-v", "--focal-px", "300", "--baseline-m", "0.1", "--csv", "a.csv"])));
-    assert!(said.contains("320x240") && said.contains("depths from 0.469 m") && said.contains("a.csv: "), "{said}");
+    let said = stderr(&linestereo(
+        at,
+        &with(&["-v", "--focal-px", "300", "--baseline-m", "0.1", "--csv", "a.csv"]),
+    ));
+    assert!(
+        said.contains("320x240")
+            && said.contains("depths from 0.469 m")
+            && said.contains("a.csv: "),
+        "{said}"
+    );
     assert!(succeed(at, &["--completions", "bash"]).contains("plan-rig"));
     succeed(at, &["--man", "pages"]);
     assert!(fs::read_to_string(at.join("pages/linestereo-run.1")).unwrap().contains("depth"));
     let version = succeed(at, &["--version"]);
-    let commit = version.trim().strip_prefix(concat!("linestereo ", env!("CARGO_PKG_VERSION"))).unwrap().to_owned();
-    let is_commit = |text: &str| text.len() == 12 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    let commit = version
+        .trim()
+        .strip_prefix(concat!("linestereo ", env!("CARGO_PKG_VERSION")))
+        .unwrap()
+        .to_owned();
+    let is_commit =
+        |text: &str| text.len() == 12 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
     let has_git = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.git")).exists();
     let commit = commit.trim().trim_start_matches('(').trim_end_matches(')');
     assert!(is_commit(commit) || (!has_git && commit.is_empty()), "{version}");
@@ -526,7 +650,8 @@ fn small_things_say_what_to_do() {
     let folder = pair();
     let at = folder.path();
     // A third radial coefficient, which Kalibr has no place for.
-    fs::write(at.join("rig.toml"), RIG.replace("k = [-0.1, 0.0, 0.0]", "k = [-0.1, 0.0, 0.01]")).unwrap();
+    fs::write(at.join("rig.toml"), RIG.replace("k = [-0.1, 0.0, 0.0]", "k = [-0.1, 0.0, 0.01]"))
+        .unwrap();
     let line = refused(at, &["convert-rig", "rig.toml", "--to", "kalibr", "--out", "chain.yaml"]);
     assert!(line.contains("k3") && line.contains("calibrate --fix-k3"), "{line}");
     let line = refused(at, &with(&["--focal-px", "-1", "--baseline-m", "0.1"]));
@@ -539,7 +664,12 @@ fn small_things_say_what_to_do() {
     let help = succeed(at, &["run", "--help"]);
     let heading = |option: &str| {
         let before = &help[..help.find(&format!("      {option} ")).unwrap()];
-        before.lines().rev().find(|line| line.ends_with(':') && !line.starts_with(' ')).unwrap().to_owned()
+        before
+            .lines()
+            .rev()
+            .find(|line| line.ends_with(':') && !line.starts_with(' '))
+            .unwrap()
+            .to_owned()
     };
     for option in ["--json", "--csv", "--overlay", "--ply", "--fan"] {
         assert_eq!(heading(option), "Outputs:", "{option}");

@@ -27,7 +27,17 @@ fn an_image_is_written_and_explained() {
     let folder = with_rig(RIG);
     let made = succeed(
         folder.path(),
-        &["flash-image", "rig.toml", "rig.bin", "--size", "320x240", "--alpha", "0.5", "--max-disparity", "48"],
+        &[
+            "flash-image",
+            "rig.toml",
+            "rig.bin",
+            "--size",
+            "320x240",
+            "--alpha",
+            "0.5",
+            "--max-disparity",
+            "48",
+        ],
     );
     let bytes = fs::read(folder.path().join("rig.bin")).unwrap();
     let image = RigImage::decode(&bytes).unwrap();
@@ -64,30 +74,51 @@ fn what_is_no_image_is_refused_by_name() {
     damaged[100] ^= 1;
     let error = check(&damaged);
     assert!(
-        error.contains("other.bin: damaged: the checksum") && error.contains("sequence 0, checksum wrong"),
+        error.contains("other.bin: damaged: the checksum")
+            && error.contains("sequence 0, checksum wrong"),
         "{error}"
     );
     assert!(check(&good[..200]).contains("truncated: the image has 236 bytes, 200 are here"));
     assert!(check(RIG.as_bytes()).contains("foreign: "));
     assert!(check(&[0xff; 236]).contains("empty: "));
-    assert!(refused(folder.path(), &["flash-image", "--check", "missing.bin"]).contains("missing.bin cannot be read"));
+    assert!(
+        refused(folder.path(), &["flash-image", "--check", "missing.bin"])
+            .contains("missing.bin cannot be read")
+    );
 }
 
 #[test]
 fn what_no_board_could_use_is_not_written() {
     let folder = with_rig(RIG);
-    let large = RIG.replace("[640, 480]", "[2048, 1536]").replace("px = [53", "px = [173").replace(", 53", ", 173");
-    let large = large.replace("[320.25, 240.5]", "[1024.0, 768.0]").replace("[322.0, 239.0]", "[1026.0, 767.0]");
+    let large = RIG
+        .replace("[640, 480]", "[2048, 1536]")
+        .replace("px = [53", "px = [173")
+        .replace(", 53", ", 173");
+    let large = large
+        .replace("[320.25, 240.5]", "[1024.0, 768.0]")
+        .replace("[322.0, 239.0]", "[1026.0, 767.0]");
     fs::write(folder.path().join("large.toml"), large).unwrap();
     let made = ["flash-image", "rig.toml", "rig.bin"];
     let cases: [(&[&str], &str); 9] = [
-        (&[&made[..], &["--max-disparity", "400"]].concat(), "is 400, allowed are 8 to 256; correct --max-disparity"),
-        (&[&made[..], &["--alpha", "-1"]].concat(), "alpha is -1, allowed are 0 to 1; correct --alpha"),
-        (&[&made[..], &["--focal-px", "0"]].concat(), "focal length 0 px is outside 1 to 100000; correct --focal-px"),
+        (
+            &[&made[..], &["--max-disparity", "400"]].concat(),
+            "is 400 but must be 8 to 256; correct --max-disparity",
+        ),
+        (
+            &[&made[..], &["--alpha", "-1"]].concat(),
+            "alpha is -1 but must be 0 to 1; correct --alpha",
+        ),
+        (
+            &[&made[..], &["--focal-px", "0"]].concat(),
+            "focal length 0 px is outside 1 to 100000; correct --focal-px",
+        ),
         (&[&made[..], &["--size", "8x8"]].concat(), "give a size from 16x16"),
         (&[&made[..], &["--alpha", "1", "--focal-px", "300"]].concat(), "cannot be used with"),
         (&[&made[..], &["--check", "rig.bin"]].concat(), "cannot be used with"),
-        (&["flash-image", "large.toml", "rig.bin"], "2048x1536 are outside 16x16 to 1280x1280; give --size"),
+        (
+            &["flash-image", "large.toml", "rig.bin"],
+            "2048x1536 are outside 16x16 to 1280x1280; give --size",
+        ),
         (&["flash-image", "rig.toml"], "OUT.bin"),
         (&["flash-image"], "rig.toml"),
     ];

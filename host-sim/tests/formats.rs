@@ -20,7 +20,10 @@ fn tables() -> Vec<(String, Vec<[String; 2]>)> {
     let text = fs::read_to_string(page).unwrap();
     let sections = text.split("\n## ").skip(1).map(|section| {
         let rows = section.lines().filter_map(|line| {
-            let mut cells = line.strip_prefix("| `")?.split('|').map(|cell| cell.trim().trim_matches('`').to_owned());
+            let mut cells = line
+                .strip_prefix("| `")?
+                .split('|')
+                .map(|cell| cell.trim().trim_matches('`').to_owned());
             Some([cells.next()?, cells.next()?])
         });
         (section.lines().next().unwrap().to_owned(), rows.collect::<Vec<_>>())
@@ -42,10 +45,15 @@ impl Format {
     fn check(&self, rows: &[[String; 2]]) {
         let Self { name, texts, outcome, changes } = self;
         let listed: Vec<&str> = rows.iter().map(|[number, _]| number.as_str()).collect();
-        assert_eq!(listed, changes.iter().map(|(number, ..)| *number).collect::<Vec<_>>(), "{name}");
+        assert_eq!(
+            listed,
+            changes.iter().map(|(number, ..)| *number).collect::<Vec<_>>(),
+            "{name}"
+        );
         let good = outcome(texts).unwrap_or_else(|error| panic!("{name}: {error}"));
         for ([number, word], (_, from, to)) in rows.iter().zip(*changes) {
-            let changed: Vec<String> = texts.iter().map(|text| text.replacen(from, to, 1)).collect();
+            let changed: Vec<String> =
+                texts.iter().map(|text| text.replacen(from, to, 1)).collect();
             assert_ne!(changed, *texts, "{name}, {number}: {from} is not there");
             let found = outcome(&changed);
             let is = match &found {
@@ -62,7 +70,8 @@ impl Format {
 /// The cameras of files for both, and what had to be assumed.
 fn rig(texts: &[String]) -> Outcome {
     let folder = tempfile::tempdir().unwrap();
-    let paths: Vec<_> = (0..texts.len()).map(|index| folder.path().join(format!("{index}.txt"))).collect();
+    let paths: Vec<_> =
+        (0..texts.len()).map(|index| folder.path().join(format!("{index}.txt"))).collect();
     for (path, text) in paths.iter().zip(texts) {
         fs::write(path, text).unwrap();
     }
@@ -72,7 +81,9 @@ fn rig(texts: &[String]) -> Outcome {
 
 /// An image of this size with something in it.
 fn picture(path: &Path, [width, height]: [u32; 2]) {
-    image::GrayImage::from_fn(width, height, |x, y| image::Luma([(x * y % 251) as u8])).save(path).unwrap();
+    image::GrayImage::from_fn(width, height, |x, y| image::Luma([(x * y % 251) as u8]))
+        .save(path)
+        .unwrap();
 }
 
 pub(crate) fn debug(value: &impl Debug) -> String {
@@ -120,7 +131,9 @@ fn camera_info(texts: &[String]) -> Outcome {
         let (name, value) = line.split_once(' ').unwrap();
         let number = |text: &str| text.parse::<f64>().unwrap();
         match name.split_once('[') {
-            Some((_, index)) => info.p[index.trim_end_matches(']').parse::<usize>().unwrap()] = number(value),
+            Some((_, index)) => {
+                info.p[index.trim_end_matches(']').parse::<usize>().unwrap()] = number(value)
+            }
             None => match name {
                 "width" => info.width = number(value) as u32,
                 "height" => info.height = number(value) as u32,
@@ -188,7 +201,8 @@ verdict = \"good\"
 
 const SCENE: &str = r#"{"size": [64, 48], "max_disparity": 32, "disparity_zero_px": -5,
 "rectified": {"focal_px": 60, "baseline_m": 0.06, "disparity_offset_px": 5.0,
-"principal_point_px": [30.5, 25.5], "left_valid_normalized": [0, 0, 1, 0.9]}}"#;
+"principal_point_px": [30.5, 25.5], "left_valid_normalized": [0, 0, 1, 0.9]},
+"camera": {"height_m": 0.15, "pitch_deg": 7.5, "roll_deg": 0.25}}"#;
 
 fn ros(name: &str, right: bool) -> String {
     let along = if right { "-40" } else { "0" };
@@ -230,14 +244,22 @@ cam1:
 
 fn opencv() -> String {
     let matrix = |name: &str, rows: usize, cols: usize, data: &str| {
-        format!("{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n")
+        format!(
+            "{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ \
+             {data} ]\n"
+        )
     };
     let camera = "500., 0., 320., 0., 500., 240., 0., 0., 1.";
-    let (whole, lens) = ("1., 0., 0., 0., 1., 0., 0., 0., 1.", "-0.3, 0.1, 0.001, 0.002, 0., 0.01, 0., 0.");
-    let projection = |along: &str| format!("400., 0., 310., {along}, 0., 400., 230., 0., 0., 0., 1., 0.");
-    let quarter = |last: &str| format!("1., 0., 0., -310., 0., 1., 0., -230., 0., 0., 0., 400., 0., 0., {last}, 0.");
+    let (whole, lens) =
+        ("1., 0., 0., 0., 1., 0., 0., 0., 1.", "-0.3, 0.1, 0.001, 0.002, 0., 0.01, 0., 0.");
+    let projection =
+        |along: &str| format!("400., 0., 310., {along}, 0., 400., 230., 0., 0., 0., 1., 0.");
+    let quarter = |last: &str| {
+        format!("1., 0., 0., -310., 0., 1., 0., -230., 0., 0., 0., 400., 0., 0., {last}, 0.")
+    };
     [
-        "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\nsquare_size: 0.025\navg_reprojection_error: 0.2\n"
+        "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\nsquare_size: \
+         0.025\navg_reprojection_error: 0.2\n"
             .to_owned(),
         matrix("M1", 3, 3, camera),
         matrix("D1", 1, 8, lens),
@@ -322,6 +344,9 @@ fn formats() -> Vec<Format> {
                 ("disparity_offset_px", "5.0", "5.001"),
                 ("principal_point_px", "[30.5", "[31.5"),
                 ("left_valid_normalized", "0.9", "0.8"),
+                ("height_m", "0.15", "0.16"),
+                ("pitch_deg", "7.5", "8.5"),
+                ("roll_deg", "0.25", "0.5"),
             ],
         },
         Format {
@@ -354,10 +379,18 @@ fn formats() -> Vec<Format> {
             changes: &[
                 ("image_width", "image_width: 640", "image_width: 320"),
                 ("binning_x", "binning_x: 0\nbinning_y: 0", "binning_x: 2\nbinning_y: 2"),
-                ("roi", "x_offset: 0, y_offset: 0, width: 640", "x_offset: 1, y_offset: 0, width: 639"),
+                (
+                    "roi",
+                    "x_offset: 0, y_offset: 0, width: 640",
+                    "x_offset: 1, y_offset: 0, width: 639",
+                ),
                 ("camera_matrix", "[510,", "[511,"),
                 ("distortion_coefficients", "0.003]", "0.004]"),
-                ("rectification_matrix", "[0.8, 0, -0.6, 0, 1, 0, 0.6, 0, 0.8]", "[1, 0, 0, 0, 1, 0, 0, 0, 1]"),
+                (
+                    "rectification_matrix",
+                    "[0.8, 0, -0.6, 0, 1, 0, 0.6, 0, 0.8]",
+                    "[1, 0, 0, 0, 1, 0, 0, 0, 1]",
+                ),
                 ("P[0]", "[400.0,", "[401.0,"),
                 ("P[2]", "310, ", "311, "),
                 ("P[3]", "310, -40", "310, -41"),
@@ -385,20 +418,28 @@ fn formats() -> Vec<Format> {
             texts: vec![opencv()],
             outcome: rig,
             changes: &[
-                ("image_width", "image_width: 640\nimage_height: 480", "image_width: 320\nimage_height: 240"),
+                (
+                    "image_width",
+                    "image_width: 640\nimage_height: 480",
+                    "image_width: 320\nimage_height: 240",
+                ),
                 ("M1", "[ 500.,", "[ 501.,"),
                 ("D1", "-0.3, 0.1", "-0.31, 0.1"),
                 (
                     "R",
-                    "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]",
-                    "R: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0.02, 0., 0. ]",
+                    "R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., \
+                     0., 0., 1., 0., 0., 0., 1. ]",
+                    "R: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ 0.02, 0., \
+                     0. ]",
                 ),
                 ("T", "-2., 0., 0.", "-2.2, 0., 0."),
                 ("square_size", "square_size: 0.025", "square_size: 25"),
                 (
                     "R1",
-                    "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]",
-                    "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0.8, 0., 0.6, 0., 1., 0., -0.6, 0., 0.8 ]",
+                    "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., \
+                     0., 0., 1., 0., 0., 0., 1. ]",
+                    "R1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 0.8, 0., \
+                     0.6, 0., 1., 0., -0.6, 0., 0.8 ]",
                 ),
                 ("P1", "310., 0., 0.", "320., 0., 0."),
                 ("Q", "400., 0., 0., 0.5", "400., 0., 0., 0.6"),
@@ -443,7 +484,11 @@ fn formats() -> Vec<Format> {
             texts: one(MIDDLEBURY),
             outcome: middlebury,
             changes: &[
-                ("cam0", "cam0=[994.978 0 311.193; 0 994.978", "cam0=[994.978 0 311.193; 0 1094.978"),
+                (
+                    "cam0",
+                    "cam0=[994.978 0 311.193; 0 994.978",
+                    "cam0=[994.978 0 311.193; 0 1094.978",
+                ),
                 ("cam1", "cam1=[994.978", "cam1=[1094.978"),
                 ("doffs", "31.086", "-31.086"),
                 ("baseline", "193.001", "194.001"),
@@ -478,10 +523,12 @@ fn options_are_used_or_refused() {
     let folder = with_scene("cards", "160x120", "cards");
     fs::create_dir(folder.path().join("pair")).unwrap();
     for name in ["left.png", "right.png"] {
-        fs::copy(folder.path().join("cards").join(name), folder.path().join("pair").join(name)).unwrap();
+        fs::copy(folder.path().join("cards").join(name), folder.path().join("pair").join(name))
+            .unwrap();
     }
     let call = ["run", "pair/left.png", "pair/right.png", "--json", "-", "--max-disparity", "32"];
-    let depths = |options: &[&str]| json(folder.path(), &[&call[..], options].concat())["segments"].clone();
+    let depths =
+        |options: &[&str]| json(folder.path(), &[&call[..], options].concat())["segments"].clone();
     let good = ["--focal-px", "150", "--baseline-m", "0.06"];
     let base = depths(&good);
     for options in [
@@ -495,11 +542,14 @@ fn options_are_used_or_refused() {
     for (options, words) in [
         (
             &["--focal-px", "4", "--baseline-m", "0.06"][..],
-            "--focal-px: a focal length of 4 px is not one of images 160 px wide",
+            "--focal-px: a focal length of 4 px is not plausible for images 160 px wide",
         ),
         (&["--focal-px", "150", "--baseline-m", "60"], "did you mean mm? then give 0.06"),
-        (&["--focal-px", "150", "--baseline-m", "0.00006"], "none of a stereo head"),
-        (&["--focal-px", "300", "--baseline-m", "0.06", "--principal-point", "159.5,119.5"], "of another size"),
+        (&["--focal-px", "150", "--baseline-m", "0.00006"], "not plausible for a stereo camera"),
+        (
+            &["--focal-px", "300", "--baseline-m", "0.06", "--principal-point", "159.5,119.5"],
+            "for another image size",
+        ),
     ] {
         let error = refused(folder.path(), &[&call[..], options].concat());
         assert!(error.contains(words), "{options:?}: {error}");

@@ -17,7 +17,12 @@ fn get(folder: &Path, programs: &[(&str, &str)]) -> Output {
         fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
     }
     let mut command = Command::new(env!("CARGO_BIN_EXE_linestereo"));
-    command.current_dir(folder).args(["frames", "get", "--out", "got"]).env("PATH", &bin).output().unwrap()
+    command
+        .current_dir(folder)
+        .args(["frames", "get", "--out", "got"])
+        .env("PATH", &bin)
+        .output()
+        .unwrap()
 }
 
 fn says(output: &Output, words: &[&str]) {
@@ -37,7 +42,7 @@ fn without_a_network_it_says_what_to_do() {
         ],
     );
     let words = [
-        "3 of 3 packages could not be brought: scikit-image (ERROR: no route to host), stereodemo (",
+        "3 of 3 packages could not be fetched: scikit-image (ERROR: no route to host), stereodemo (",
         "opencv-doc (E: Temporary failure resolving)",
         "connect this machine",
         "pip download --no-deps \"scikit-image>=0.14,<0.27\"",
@@ -51,7 +56,10 @@ fn without_a_network_it_says_what_to_do() {
 #[test]
 fn without_clients_it_says_so() {
     let folder = TempDir::new().unwrap();
-    says(&get(folder.path(), &[]), &["no pip on this machine", "no apt-get on this machine", "--from"]);
+    says(
+        &get(folder.path(), &[]),
+        &["no pip on this machine", "no apt-get on this machine", "--from"],
+    );
 }
 
 #[test]
@@ -69,9 +77,13 @@ fn package_files_are_told_by_their_names() {
     let folder = TempDir::new().unwrap();
     let line = refused(folder.path(), &["frames", "get", "--from", "numpy-2.whl"]);
     assert!(line.contains("none of the packages scikit-image, stereodemo, opencv-doc"), "{line}");
-    let line = refused(folder.path(), &["frames", "get", "--from", "stereodemo-0.7-py3-none-any.whl"]);
+    let line =
+        refused(folder.path(), &["frames", "get", "--from", "stereodemo-0.7-py3-none-any.whl"]);
     assert!(line.contains("cannot read stereodemo-0.7-py3-none-any.whl"), "{line}");
     fs::write(folder.path().join("opencv-doc_1.deb"), "no package").unwrap();
     let line = refused(folder.path(), &["frames", "get", "--from", "opencv-doc_1.deb"]);
-    assert!(line.contains("opencv-doc_1.deb is no readable package") || line.contains("dpkg-deb"), "{line}");
+    assert!(
+        line.contains("opencv-doc_1.deb is no readable package") || line.contains("dpkg-deb"),
+        "{line}"
+    );
 }

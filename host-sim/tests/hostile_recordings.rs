@@ -36,7 +36,8 @@ fn chunk(packer: &str, size: u64, stored: &[u8]) -> Vec<u8> {
 }
 
 fn file(records: &[Vec<u8>]) -> Vec<u8> {
-    [MAGIC, &record(1, &[&text("ros2"), &text("")]), &records.concat(), &record(15, &[&[0; 4]])].concat()
+    [MAGIC, &record(1, &[&text("ros2"), &text("")]), &records.concat(), &record(15, &[&[0; 4]])]
+        .concat()
 }
 
 fn lz4(bytes: &[u8]) -> Vec<u8> {
@@ -85,8 +86,13 @@ fn foxglove() -> Vec<u8> {
         channel_in("protobuf", 1, 1, "/right"),
     ];
     for second in [1, 2] {
-        let head = [0x0a, 2, 8, second, 0x15, 64, 0, 0, 0, 0x1d, 48, 0, 0, 0, 0x22, 5, b'm', b'o', b'n', b'o', b'8'];
-        let image = [&head[..], &[0x2d, 64, 0, 0, 0, 0x32, 0x80, 0x18], &pixels(), &[0x3a, 1, b'l']].concat();
+        let head = [
+            0x0a, 2, 8, second, 0x15, 64, 0, 0, 0, 0x1d, 48, 0, 0, 0, 0x22, 5, b'm', b'o', b'n',
+            b'o', b'8',
+        ];
+        let image =
+            [&head[..], &[0x2d, 64, 0, 0, 0, 0x32, 0x80, 0x18], &pixels(), &[0x3a, 1, b'l']]
+                .concat();
         all.extend([0, 1].map(|eye| message(eye, u64::from(second), &image)));
     }
     all.concat()
@@ -108,12 +114,14 @@ fn records() -> Vec<u8> {
     all.concat()
 }
 
-/// The same recording as records and in chunks of each kind, one of Foxglove's messages, and one by our own writer with checksums and indexes.
+/// The same recording as records and in chunks of each kind, one of Foxglove's messages, and one by
+/// our own writer with checksums and indexes.
 fn recordings() -> Vec<Vec<u8>> {
     let all = records();
     let size = all.len() as u64;
     let packed = [("", all.clone()), ("lz4", lz4(&all)), ("zstd", zstd(&all))];
-    let mut found: Vec<Vec<u8>> = packed.iter().map(|(name, stored)| file(&[chunk(name, size, stored)])).collect();
+    let mut found: Vec<Vec<u8>> =
+        packed.iter().map(|(name, stored)| file(&[chunk(name, size, stored)])).collect();
     found.extend([file(&[all]), file(&[foxglove()])]);
     let mut writer = Writer::new(Vec::new(), "test").unwrap();
     let eyes = ["/left/image", "/right/image"];
@@ -138,7 +146,9 @@ fn read(path: &Path) -> Result<usize, String> {
 fn change(random: &mut Random, bytes: &mut [u8]) {
     let end = if random.index(3) > 0 { bytes.len().min(900) } else { bytes.len() };
     let at = random.index(end);
-    let extreme: u64 = [0, 1, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX][random.index(9)];
+    let extreme: u64 =
+        [0, 1, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX]
+            [random.index(9)];
     if random.index(2) == 0 {
         let length = [1, 4, 8][random.index(3)].min(bytes.len() - at);
         bytes[at..at + length].copy_from_slice(&extreme.to_le_bytes()[..length]);
@@ -238,20 +248,37 @@ fn what_is_cut_off_foreign_or_a_bomb_says_so() {
     let folder = TempDir::new().unwrap();
     let all = records();
     let zeros = vec![0; 64 << 20];
-    let topics = |kind: &str| [schema(1, kind), channel(0, 1, "/left/image"), channel(1, 1, "/right/image")].concat();
-    let pair = |kind: &str, data: &[u8]| file(&[topics(kind), message(0, 7, data), message(1, 7, data)]);
+    let topics = |kind: &str| {
+        [schema(1, kind), channel(0, 1, "/left/image"), channel(1, 1, "/right/image")].concat()
+    };
+    let pair =
+        |kind: &str, data: &[u8]| file(&[topics(kind), message(0, 7, data), message(1, 7, data)]);
     let named = |encoding: &str, size: u32, step: u32| {
         let image = sent::image(stamp(1_000_000_000), [0; 2], &[9; 100]);
-        cdr::write(&Image { height: size, width: size, encoding: encoding.to_owned(), step, ..image }).unwrap()
+        cdr::write(&Image {
+            height: size,
+            width: size,
+            encoding: encoding.to_owned(),
+            step,
+            ..image
+        })
+        .unwrap()
     };
     let compressed = |bytes: &[u8]| {
         let format = "png".to_owned();
-        cdr::write(&CompressedImage { header: stamp(1_000_000_000).into(), format, data: bytes.into() }).unwrap()
+        cdr::write(&CompressedImage {
+            header: stamp(1_000_000_000).into(),
+            format,
+            data: bytes.into(),
+        })
+        .unwrap()
     };
     let mut broken = file(&[chunk("", all.len() as u64, &all)]);
     broken.truncate(broken.len() - 1000);
     let image_of = "sensor_msgs/msg/Image";
-    let mut huge = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x2d\x41\0\0\x2d\x41\x10\x06\0\0\0\x3d\x05\x8f\x8a".to_vec();
+    let mut huge =
+        b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x2d\x41\0\0\x2d\x41\x10\x06\0\0\0\x3d\x05\x8f\x8a"
+            .to_vec();
     huge.extend(b"\0\0\0\x0bIDATx\xdac`\x80\x01\0\0\x0a\0\x01\xec$\x03\xb9");
     let cases: Vec<(Vec<u8>, &str)> = vec![
         (b"bag\n".to_vec(), "it is no MCAP file"),
@@ -259,25 +286,49 @@ fn what_is_cut_off_foreign_or_a_bomb_says_so() {
         (MAGIC.to_vec(), "it ends early, in or behind the record at byte 8"),
         (broken, "it ends early"),
         (file(&[]), "it holds no images"),
-        (pair("foxglove.RawImage", b""), "it holds images as foxglove.RawImage in cdr; sensor_msgs/msg/Image"),
-        (pair(image_of, b""), "the message ends early, or is none of its kind"),
+        (
+            pair("foxglove.RawImage", b""),
+            "it holds images as foxglove.RawImage in cdr; sensor_msgs/msg/Image",
+        ),
+        (pair(image_of, b""), "the message ends early, or is of another type"),
         (file(&[topics(image_of)]), "no topics of a left and a right camera"),
-        (pair(image_of, &named("bayer_rgbg8", 10, 10)), "the encoding \"bayer_rgbg8\" is not read; record mono8"),
-        (pair(image_of, &named("bayer_rggb16", 10, 10)), "100 bytes are no 10x10 px with rows of 10 bytes"),
-        (pair(image_of, &named("yuv420", 10, 10)), "the encoding \"yuv420\" is not read; record mono8"),
-        (pair(image_of, &named("yuv422", 10, 10)), "100 bytes are no 10x10 px with rows of 10 bytes"),
+        (
+            pair(image_of, &named("bayer_rgbg8", 10, 10)),
+            "the encoding \"bayer_rgbg8\" is not read; record mono8",
+        ),
+        (
+            pair(image_of, &named("bayer_rggb16", 10, 10)),
+            "100 bytes are no 10x10 px with rows of 10 bytes",
+        ),
+        (
+            pair(image_of, &named("yuv420", 10, 10)),
+            "the encoding \"yuv420\" is not read; record mono8",
+        ),
+        (
+            pair(image_of, &named("yuv422", 10, 10)),
+            "100 bytes are no 10x10 px with rows of 10 bytes",
+        ),
         (pair(image_of, &named("mono8", 11, 11)), "100 bytes are no 11x11 px"),
-        (pair(image_of, &named("mono8", u32::MAX, u32::MAX)), "100 bytes are no 4294967295x4294967295 px"),
+        (
+            pair(image_of, &named("mono8", u32::MAX, u32::MAX)),
+            "100 bytes are no 4294967295x4294967295 px",
+        ),
         (pair(image_of, &named("mono8", 10, 9)), "with rows of 9 bytes"),
         (pair("sensor_msgs/msg/CompressedImage", &compressed(b"GIF89a")), "neither JPEG nor PNG"),
         (pair("sensor_msgs/msg/CompressedImage", &compressed(&huge)), "cannot be decoded"),
         // Bombs: said to be large; said to be small; many of them; a window of 128 MiB.
-        (file(&[chunk("zstd", 64 << 20, &zstd(&zeros))]), "more than 32 MiB; record with smaller chunks"),
+        (
+            file(&[chunk("zstd", 64 << 20, &zstd(&zeros))]),
+            "more than 32 MiB; record with smaller chunks",
+        ),
         (file(&[chunk("lz4", 1 << 40, &lz4(&zeros))]), "has 1099511627776 bytes, more than 32 MiB"),
         (file(&[chunk("zstd", 9000, &zstd(&zeros))]), "it holds no images"),
         (file(&vec![chunk("lz4", 32 << 20, &lz4(&zeros[..32 << 20])); 4]), "the record at byte"),
         (file(&[chunk("zstd", 9, b"\x28\xb5\x2f\xfd\x00\x88\x01\x00\x00")]), "is broken"),
-        (file(&[chunk("bzip2", 9, b"xxxxxxxxx")]), "is packed by \"bzip2\"; lz4, zstd and none are read"),
+        (
+            file(&[chunk("bzip2", 9, b"xxxxxxxxx")]),
+            "is compressed with \"bzip2\", not with lz4 or zstd",
+        ),
         (file(&[chunk("zstd", 9, b"xxxxxxxxx")]), "the chunk at byte"),
         (file(&[record(5, &[&[0; 3]])]), "the record at byte"),
         (file(&[[&[5][..], &u64::MAX.to_le_bytes()].concat()]), "it ends early"),
@@ -300,11 +351,13 @@ fn one_bad_image_ends_its_pair_alone() {
     succeed(folder.path(), &["sequence", "rec", "--out", "a.mcap", "--with", "images"]);
     let mut bytes = fs::read(folder.path().join("a.mcap")).unwrap();
     // The encoding of the third image, in the second pair; without checksums nothing else notices.
-    let places: Vec<usize> = (0..bytes.len() - 6).filter(|&at| &bytes[at..at + 6] == b"mono8\0").collect();
+    let places: Vec<usize> =
+        (0..bytes.len() - 6).filter(|&at| &bytes[at..at + 6] == b"mono8\0").collect();
     assert_eq!(places.len(), 6);
     bytes[places[2]..places[2] + 5].copy_from_slice(b"bayer");
-    let chunks: Vec<usize> =
-        (8..bytes.len() - 60).filter(|&at| bytes[at] == 6 && bytes[at + 37..at + 41] == [0; 4]).collect();
+    let chunks: Vec<usize> = (8..bytes.len() - 60)
+        .filter(|&at| bytes[at] == 6 && bytes[at + 37..at + 41] == [0; 4])
+        .collect();
     for at in chunks {
         bytes[at + 33..at + 37].fill(0);
     }

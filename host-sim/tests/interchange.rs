@@ -1,11 +1,13 @@
 //! Rigs of other programs: conventions by worked examples, real files, and files that mean harm.
 //!
-//! The worked example: the right camera stands 100 mm to the right of the left one and is turned inwards by atan(3/4). Its axes in left
-//! coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0, 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
+//! The worked example: the right camera stands 100 mm to the right of the left one and is turned
+//! inwards by atan(3/4). Its axes in left coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0,
+//! 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
 
 use linestereo::Dims;
 use linestereo_calibration::interchange::{
-    Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export, load_rig,
+    Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export,
+    load_rig,
 };
 use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use linestereo_tests::captured;
@@ -16,7 +18,8 @@ const SIZE: Dims = Dims { width: 640, height: 480 };
 
 fn files(texts: &[&str]) -> (TempDir, Vec<PathBuf>) {
     let folder = tempfile::tempdir().unwrap();
-    let paths = (0..texts.len()).map(|i| folder.path().join(format!("file{i}.txt"))).collect::<Vec<_>>();
+    let paths =
+        (0..texts.len()).map(|i| folder.path().join(format!("file{i}.txt"))).collect::<Vec<_>>();
     for (path, text) in paths.iter().zip(texts) {
         std::fs::write(path, text).unwrap();
     }
@@ -39,11 +42,13 @@ pub(crate) fn bad(texts: &[&str]) -> (Option<usize>, Problem) {
     (error.line, error.problem)
 }
 
-/// Where a point of the left camera's coordinates is in the right one's: by the quaternion formula, not by the code's matrices.
+/// Where a point of the left camera's coordinates is in the right one's: by the quaternion formula,
+/// not by the code's matrices.
 fn seen_from_right(calibration: &Calibration, point: [f64; 3]) -> [f64; 3] {
     let [w, x, y, z] = calibration.rotation();
-    let cross =
-        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
     let twice = cross([x, y, z], point).map(|v| 2.0 * v);
     let further = cross([x, y, z], twice);
     let t = calibration.translation();
@@ -52,15 +57,18 @@ fn seen_from_right(calibration: &Calibration, point: [f64; 3]) -> [f64; 3] {
 
 pub(crate) fn assert_is_the_example(found: &Imported) {
     let calibration = &found.rig.calibration;
-    for (point, expected) in
-        [([0.0, 0.0, 1.0], [0.52, 0.0, 0.86]), ([0.1, 0.0, 0.0], [0.0; 3]), ([0.0, 0.5, 0.0], [-0.08, 0.5, 0.06])]
-    {
+    for (point, expected) in [
+        ([0.0, 0.0, 1.0], [0.52, 0.0, 0.86]),
+        ([0.1, 0.0, 0.0], [0.0; 3]),
+        ([0.0, 0.5, 0.0], [-0.08, 0.5, 0.06]),
+    ] {
         let seen = seen_from_right(calibration, point);
         for (seen, expected) in seen.into_iter().zip(expected) {
             assert!((seen - expected).abs() < 1e-12, "{}: {point:?} is at {seen:?}", found.format);
         }
     }
-    let (left, right) = (calibration.camera(CameraSide::Left), calibration.camera(CameraSide::Right));
+    let (left, right) =
+        (calibration.camera(CameraSide::Left), calibration.camera(CameraSide::Right));
     assert_eq!((left.dims(), left.focal(), left.centre()), (SIZE, [500.0, 501.0], [320.0, 240.0]));
     assert_eq!((right.focal(), right.centre()), ([510.0, 511.0], [322.0, 242.0]));
     assert_eq!(left.lens(), Lens::BrownConrady { k: [-0.3, 0.1, 0.0], p: [0.001, 0.002] });
@@ -68,7 +76,9 @@ pub(crate) fn assert_is_the_example(found: &Imported) {
 }
 
 fn opencv_matrix(name: &str, rows: usize, cols: usize, data: &str) -> String {
-    format!("{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n")
+    format!(
+        "{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n"
+    )
 }
 
 /// The example's cameras under these names.
@@ -125,7 +135,8 @@ cam1:
   rostopic: /right
 ";
 
-/// The body's axes: x is the left camera's -y, y its x, z its z; the left camera stands at (1, 2, 3) in it.
+/// The body's axes: x is the left camera's -y, y its x, z its z; the left camera stands at (1, 2,
+/// 3) in it.
 pub(crate) const EUROC: [&str; 2] = [
     "%YAML:1.0
 sensor_type: camera
@@ -162,7 +173,8 @@ distortion_coefficients: [-0.2, 0.05, 0.003, 0.004]
 ",
 ];
 
-/// The baseline runs along the left camera's x axis: its rectification is none, the right camera's turns it back.
+/// The baseline runs along the left camera's x axis: its rectification is none, the right camera's
+/// turns it back.
 pub(crate) const ROS: [&str; 2] = [
     "image_width: 640
 image_height: 480
@@ -222,13 +234,24 @@ fn every_format_means_the_same_rig() {
 #[test]
 fn what_is_written_is_read_back_as_the_same_numbers() {
     let rig = good(&[KALIBR]).rig;
-    for to in [Format::RigToml, Format::OpencvYaml, Format::OpencvXml, Format::Kalibr, Format::Ros, Format::Euroc] {
+    for to in [
+        Format::RigToml,
+        Format::OpencvYaml,
+        Format::OpencvXml,
+        Format::Kalibr,
+        Format::Ros,
+        Format::Euroc,
+    ] {
         let written = export(&rig, to).unwrap();
         assert_eq!(written.texts.len(), to.files());
         let found = good(&written.texts.iter().map(String::as_str).collect::<Vec<_>>());
         assert_eq!(found.format, to);
         assert_is_the_example(&found);
-        assert_eq!(found.stored.is_some(), [Format::OpencvYaml, Format::OpencvXml].contains(&to), "{to}");
+        assert_eq!(
+            found.stored.is_some(),
+            [Format::OpencvYaml, Format::OpencvXml].contains(&to),
+            "{to}"
+        );
     }
 }
 
@@ -241,14 +264,24 @@ fn fisheyes_and_skew_are_carried_or_refused() {
     for to in [Format::OpencvYaml, Format::OpencvXml, Format::Kalibr, Format::Ros, Format::Euroc] {
         let written = export(&rig, to).unwrap();
         let found = good(&written.texts.iter().map(String::as_str).collect::<Vec<_>>());
-        assert_eq!(found.rig.calibration.camera(CameraSide::Right), rig.calibration.camera(CameraSide::Right), "{to}");
+        assert_eq!(
+            found.rig.calibration.camera(CameraSide::Right),
+            rig.calibration.camera(CameraSide::Right),
+            "{to}"
+        );
     }
     // One of each, a k3 and a skew: formats that cannot say so refuse to.
     let mixed = good(&[&KALIBR.replacen("radtan", "equidistant", 1)]).rig;
     let refused = |rig, to| matches!(export(rig, to), Err(Problem::NotRepresentable { .. }));
-    assert!(refused(&mixed, Format::OpencvYaml) && !refused(&mixed, Format::Ros) && !refused(&mixed, Format::Kalibr));
+    assert!(
+        refused(&mixed, Format::OpencvYaml)
+            && !refused(&mixed, Format::Ros)
+            && !refused(&mixed, Format::Kalibr)
+    );
     let k3 = good(&[&opencv().replace("2.e-03, 0. ]", "2.e-03, 0.01 ]")]).rig;
-    assert!(refused(&k3, Format::Kalibr) && refused(&k3, Format::Euroc) && !refused(&k3, Format::Ros));
+    assert!(
+        refused(&k3, Format::Kalibr) && refused(&k3, Format::Euroc) && !refused(&k3, Format::Ros)
+    );
     let skew = good(&[&opencv().replace("500., 0., 320.", "500., 0.5, 320.")]).rig;
     assert!(refused(&skew, Format::Kalibr) && refused(&skew, Format::Euroc));
     let again = good(&[&export(&skew, Format::OpencvXml).unwrap().texts[0]]);
@@ -261,28 +294,46 @@ fn opencv_names_are_habits() {
         ["K1", "D1", "K2", "D2"],
         ["cameraMatrix1", "distCoeffs1", "cameraMatrix2", "distCoeffs2"],
         ["camera_matrix_left", "dist_coeffs_left", "camera_matrix_right", "dist_coeffs_right"],
-        ["left_camera_matrix", "left_distortion_coefficients", "right_camera_matrix", "right_distortion_coefficients"],
+        [
+            "left_camera_matrix",
+            "left_distortion_coefficients",
+            "right_camera_matrix",
+            "right_distortion_coefficients",
+        ],
         ["LEFT.K", "LEFT.D", "RIGHT.K", "RIGHT.D"],
         ["K_l", "D_l", "K_r", "D_r"],
         ["mtxL", "distL", "mtxR", "distR"],
         ["K0", "D0", "K1", "D1"],
         ["cam1_matrix", "cam1_dist", "cam2_matrix", "cam2_dist"],
     ] {
-        assert_is_the_example(&good(&[&format!("{IMAGE_SIZE}{}{}", opencv_cameras(names), opencv_pose(false))]));
+        assert_is_the_example(&good(&[&format!(
+            "{IMAGE_SIZE}{}{}",
+            opencv_cameras(names),
+            opencv_pose(false)
+        )]));
     }
-    // One file for each camera and one for the pose; intrinsics and extrinsics apart; maps within maps.
+    // One file for each camera and one for the pose; intrinsics and extrinsics apart; maps within
+    // maps.
     let bare = ["camera_matrix", "distortion_coefficients"];
     let cameras = opencv_cameras([bare[0], bare[1], "camera_matrix", "distortion_coefficients"]);
     let second = cameras.rfind("camera_matrix").unwrap();
     let (left, right) = cameras.split_at(second);
     let pose = opencv_pose(false);
-    assert_is_the_example(&good(&[&format!("{IMAGE_SIZE}{left}"), &format!("{IMAGE_SIZE}{right}"), &pose]));
-    assert_is_the_example(&good(&[&format!("%YAML:1.0\n{IMAGE_SIZE}{}", opencv_cameras(USUAL)), &pose]));
+    assert_is_the_example(&good(&[
+        &format!("{IMAGE_SIZE}{left}"),
+        &format!("{IMAGE_SIZE}{right}"),
+        &pose,
+    ]));
+    assert_is_the_example(&good(&[
+        &format!("%YAML:1.0\n{IMAGE_SIZE}{}", opencv_cameras(USUAL)),
+        &pose,
+    ]));
     let inner = |text: &str| text.lines().map(|line| format!("  {line}\n")).collect::<String>();
     let nested = format!("{IMAGE_SIZE}left:\n{}right:\n{}{pose}", inner(left), inner(right));
     assert_is_the_example(&good(&[&nested]));
     // Two meanings are none.
-    let both = opencv() + &opencv_cameras(["K_left", "D_left", "K_right", "D_right"]).replace("500.", "499.");
+    let both = opencv()
+        + &opencv_cameras(["K_left", "D_left", "K_right", "D_right"]).replace("500.", "499.");
     assert!(matches!(bad(&[&both]).1, Problem::Ambiguous(_)));
     let elsewhere = opencv_matrix("T", 3, 1, "-0.09, 0., 0.06");
     assert!(matches!(bad(&[&opencv(), &elsewhere]).1, Problem::Ambiguous(_)));
@@ -290,30 +341,55 @@ fn opencv_names_are_habits() {
 
 #[test]
 fn opencv_lengths_have_the_unit_that_is_given_or_likely() {
-    let text = |millimetres| format!("{IMAGE_SIZE}{}{}", opencv_cameras(USUAL), opencv_pose(millimetres));
-    let with =
-        |text: &str, unit| read(&[text], &Options { translation_unit: Some(unit), ..Options::default() }).unwrap();
+    let text =
+        |millimetres| format!("{IMAGE_SIZE}{}{}", opencv_cameras(USUAL), opencv_pose(millimetres));
+    let with = |text: &str, unit| {
+        read(&[text], &Options { translation_unit: Some(unit), ..Options::default() }).unwrap()
+    };
     let guessed = good(&[&text(true)]);
     assert_is_the_example(&guessed);
-    assert!(guessed.notes.iter().any(|note| note.contains("assumed to be in mm")), "{:?}", guessed.notes);
+    assert!(
+        guessed.notes.iter().any(|note| note.contains("assumed to be in mm")),
+        "{:?}",
+        guessed.notes
+    );
     let guessed = good(&[&text(false)]);
-    assert!(guessed.notes.iter().any(|note| note.contains("assumed to be in m:")), "{:?}", guessed.notes);
+    assert!(
+        guessed.notes.iter().any(|note| note.contains("assumed to be in m:")),
+        "{:?}",
+        guessed.notes
+    );
     assert_is_the_example(&with(&text(true), TranslationUnit::Millimetres));
     assert_is_the_example(&with(&text(false), TranslationUnit::Metres));
     // 0.1 squares of 1000 mm.
     assert_is_the_example(&with(&text(false), TranslationUnit::Squares { millimetres: 1000.0 }));
-    // The squares have the unit of T: 25 is no board in metres, 0.025 none in millimetres, 1 says nothing.
+    // The squares have the unit of T: 25 is no board in metres, 0.025 none in millimetres, 1 says
+    // nothing.
     let long = text(false).replace("-0.08, 0., 0.06", "-8., 0., 6.");
-    for (square, pose, metres) in
-        [("25.", &text(true), 0.1), ("2.5e-02", &text(false), 0.1), ("0.025", &long, 10.0), ("1.", &text(false), 0.1)]
-    {
+    for (square, pose, metres) in [
+        ("25.", &text(true), 0.1),
+        ("2.5e-02", &text(false), 0.1),
+        ("0.025", &long, 10.0),
+        ("1.", &text(false), 0.1),
+    ] {
         let found = good(&[&format!("square_size: {square}\n{pose}")]);
-        assert!((found.rig.calibration.baseline() - metres).abs() < 1e-12, "{square}: {:?}", found.notes);
+        assert!(
+            (found.rig.calibration.baseline() - metres).abs() < 1e-12,
+            "{square}: {:?}",
+            found.notes
+        );
     }
     // 2 m: possible, but worth a word. 100 m is none of a stereo head, nor is 0.1 mm.
-    let strange = with(&text(false).replace("-0.08, 0., 0.06", "-1.6, 0., 1.2"), TranslationUnit::Metres);
-    assert!(strange.notes.iter().any(|note| note.contains("2.0000 m; if that is wrong")), "{:?}", strange.notes);
-    for (millimetres, unit) in [(true, TranslationUnit::Metres), (false, TranslationUnit::Millimetres)] {
+    let strange =
+        with(&text(false).replace("-0.08, 0., 0.06", "-1.6, 0., 1.2"), TranslationUnit::Metres);
+    assert!(
+        strange.notes.iter().any(|note| note.contains("2.0000 m; if that is wrong")),
+        "{:?}",
+        strange.notes
+    );
+    for (millimetres, unit) in
+        [(true, TranslationUnit::Metres), (false, TranslationUnit::Millimetres)]
+    {
         let options = Options { translation_unit: Some(unit), ..Options::default() };
         let error = read(&[&text(millimetres)], &options).unwrap_err().to_string();
         assert!(error.contains("metres"), "{error}");
@@ -332,7 +408,10 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
         let error = read(texts, &other).unwrap_err();
         assert!(matches!(error.problem, Problem::SizeDiffers { .. }), "{error}");
     }
-    let four = opencv().replace("1, 5", "1, 4").replace("cols: 5", "cols: 4").replace("2.e-03, 0. ]", "2.e-03 ]");
+    let four = opencv()
+        .replace("1, 5", "1, 4")
+        .replace("cols: 5", "cols: 4")
+        .replace("2.e-03, 0. ]", "2.e-03 ]");
     let fisheye = Lens::Fisheye { k: [-0.3, 0.1, 0.001, 0.002] };
     let options = Options { lens: Some(LensModel::Fisheye), ..Options::default() };
     let found = read(&[&four], &options).unwrap();
@@ -340,7 +419,10 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
     let found = good(&[&four.replace("image_width", "fisheye_model: 1\nimage_width")]);
     assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
     let found = read(&[&opencv()], &options).unwrap_err();
-    assert!(matches!(found.problem, Problem::Shape { .. }), "five coefficients are no fisheye: {found}");
+    assert!(
+        matches!(found.problem, Problem::Shape { .. }),
+        "five coefficients are no fisheye: {found}"
+    );
 }
 
 #[test]
@@ -358,15 +440,16 @@ fn cameras_in_the_wrong_order_are_exchanged_on_demand() {
     let options = Options { swap: true, ..Options::default() };
     assert_is_the_example(&read(&[EUROC[1], EUROC[0]], &options).unwrap());
     // X_left = R^T X_right - R^T t: the right camera is at (0.1, 0, 0).
-    let pose =
-        opencv_matrix("R", 3, 3, "0.8, 0., -0.6, 0., 1., 0., 0.6, 0., 0.8") + &opencv_matrix("T", 3, 1, ".1, 0., 0.");
+    let pose = opencv_matrix("R", 3, 3, "0.8, 0., -0.6, 0., 1., 0., 0.6, 0., 0.8")
+        + &opencv_matrix("T", 3, 1, ".1, 0., 0.");
     let text = format!("{IMAGE_SIZE}{}{pose}", opencv_cameras(["M2", "D2", "M1", "D1"]));
     assert!(matches!(bad(&[&text]).1, Problem::Swapped));
     assert_is_the_example(&read(&[&text], &options).unwrap());
     let (first, second) = KALIBR.split_at(KALIBR.find("cam1:").unwrap());
     let inverse = "  - [0.8, 0.0, -0.6, 0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.6, 0.0, 0.8, 0.0]\n";
     let rows = second.find("  - [0.8").unwrap()..second.find("  - [0.0, 0.0, 0.0, 1.0]").unwrap();
-    let left = first.replace("cam0:", &format!("cam1:\n  T_cn_cnm1:\n{inverse}  - [0.0, 0.0, 0.0, 1.0]"));
+    let left =
+        first.replace("cam0:", &format!("cam1:\n  T_cn_cnm1:\n{inverse}  - [0.0, 0.0, 0.0, 1.0]"));
     let mut right = second.replace("cam1:", "cam0:");
     right.replace_range(rows, "");
     let right = right.replace("  T_cn_cnm1:\n  - [0.0, 0.0, 0.0, 1.0]\n", "");
@@ -376,12 +459,18 @@ fn cameras_in_the_wrong_order_are_exchanged_on_demand() {
 
 #[test]
 fn further_coefficients_are_zero_or_named() {
-    for (count, zeros) in [(8, "0, 0, 0"), (12, "0, 0, 0, 0, 0, 0, 0"), (14, "0, 0, 0, 0, 0, 0, 0, 0., 0")] {
+    for (count, zeros) in
+        [(8, "0, 0, 0"), (12, "0, 0, 0, 0, 0, 0, 0"), (14, "0, 0, 0, 0, 0, 0, 0, 0., 0")]
+    {
         let text = opencv().replace("cols: 5", &format!("cols: {count}"));
-        assert_is_the_example(&good(&[&text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {zeros} ]"))]));
+        assert_is_the_example(&good(&[
+            &text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {zeros} ]"))
+        ]));
         let Some((before, _)) = zeros.rsplit_once('0').filter(|_| count > 8) else { continue };
         let last = text.replace("2.e-03, 0. ]", &format!("2.e-03, 0., {before}0.25 ]"));
-        let (line, Problem::Coefficients { names }) = bad(&[&last]) else { panic!("{count} coefficients") };
+        let (line, Problem::Coefficients { names }) = bad(&[&last]) else {
+            panic!("{count} coefficients")
+        };
         assert_eq!((line, names.as_str()), (Some(11), if count == 12 { "s4" } else { "tau_y" }));
     }
     let six = opencv().replace("cols: 5", "cols: 6").replace("2.e-03, 0. ]", "2.e-03, 0., 0. ]");
@@ -391,31 +480,59 @@ fn further_coefficients_are_zero_or_named() {
 #[test]
 fn errors_name_the_line() {
     let yaml = opencv();
-    let line = |text: &str, word: &str| 1 + text.lines().position(|line| line.contains(word)).unwrap();
+    let line =
+        |text: &str, word: &str| 1 + text.lines().position(|line| line.contains(word)).unwrap();
     let m1 = line(&yaml, "M1:");
     assert!(
         matches!(bad(&[&yaml.replace("501., 240.", ".nan, 240.")]), (Some(l), Problem::NotFinite(_)) if l == m1 + 5)
     );
-    assert!(matches!(bad(&[&yaml.replace("501., 240.", "1e999, 240.")]), (Some(_), Problem::NotFinite(_))));
-    assert!(matches!(bad(&[&yaml.replace("501., 240.", "inf, 240.")]), (Some(_), Problem::NotFinite(_))));
+    assert!(matches!(
+        bad(&[&yaml.replace("501., 240.", "1e999, 240.")]),
+        (Some(_), Problem::NotFinite(_))
+    ));
+    assert!(matches!(
+        bad(&[&yaml.replace("501., 240.", "inf, 240.")]),
+        (Some(_), Problem::NotFinite(_))
+    ));
     let word = bad(&[&yaml.replace("501., 240.", "50l., 240.")]);
     assert!(matches!(word, (Some(l), Problem::NotANumber { .. }) if l == m1 + 5), "{word:?}");
-    assert!(matches!(bad(&[&yaml.replacen("rows: 3", "rows: 4", 1)]), (Some(_), Problem::Shape { .. })));
-    assert!(matches!(bad(&[&yaml.replacen("rows: 3", "rows: 65535", 1)]), (Some(_), Problem::Shape { .. })));
-    assert!(matches!(bad(&[&yaml.replacen("rows: 3", "rows: 1e300", 1)]), (Some(_), Problem::NotANumber { .. })));
-    assert!(matches!(bad(&[&yaml.replace("0., 0.6", "0., 0.7")]), (Some(_), Problem::NoRotation(_))));
+    assert!(matches!(
+        bad(&[&yaml.replacen("rows: 3", "rows: 4", 1)]),
+        (Some(_), Problem::Shape { .. })
+    ));
+    assert!(matches!(
+        bad(&[&yaml.replacen("rows: 3", "rows: 65535", 1)]),
+        (Some(_), Problem::Shape { .. })
+    ));
+    assert!(matches!(
+        bad(&[&yaml.replacen("rows: 3", "rows: 1e300", 1)]),
+        (Some(_), Problem::NotANumber { .. })
+    ));
+    assert!(matches!(
+        bad(&[&yaml.replace("0., 0.6", "0., 0.7")]),
+        (Some(_), Problem::NoRotation(_))
+    ));
     // A mirror image has perpendicular unit rows too.
     assert!(matches!(
         bad(&[&yaml.replace("0., 1., 0., -0.6", "0., -1., 0., -0.6")]),
         (Some(_), Problem::NoRotation(_))
     ));
-    assert!(matches!(bad(&[&yaml.replace("0., 0., 1. ]", "0., 0., 2. ]")]), (Some(_), Problem::NoCameraMatrix(_))));
+    assert!(matches!(
+        bad(&[&yaml.replace("0., 0., 1. ]", "0., 0., 2. ]")]),
+        (Some(_), Problem::NoCameraMatrix(_))
+    ));
     let swapped = yaml.replace("-0.08, 0., 0.06", "0.08, 0., -0.06");
     assert!(matches!(bad(&[&swapped]), (Some(_), Problem::Swapped)));
     let focal = bad(&[&yaml.replace("500., 0.", "-500., 0.")]);
-    assert!(matches!(focal, (Some(l), Problem::Camera(CameraSide::Left, _)) if l == m1), "{focal:?}");
+    assert!(
+        matches!(focal, (Some(l), Problem::Camera(CameraSide::Left, _)) if l == m1),
+        "{focal:?}"
+    );
     assert!(matches!(bad(&[&(yaml.clone() + "T: 3\n")]), (Some(_), Problem::Duplicate(_))));
-    assert!(matches!(bad(&[opencv_xml().replace("0. 501.", "0. x").as_str()]), (Some(8), Problem::NotANumber { .. })));
+    assert!(matches!(
+        bad(&[opencv_xml().replace("0. 501.", "0. x").as_str()]),
+        (Some(8), Problem::NotANumber { .. })
+    ));
     assert!(matches!(bad(&[&KALIBR.replace("radtan", "fov")]), (Some(5), Problem::Model(_))));
     assert!(matches!(bad(&[&KALIBR.replace("pinhole", "omni")]), (Some(3), Problem::Model(_))));
     assert!(matches!(
@@ -428,10 +545,18 @@ fn errors_name_the_line() {
     assert!(matches!(bad(&[EUROC[0]]).1, Problem::FileCount { .. }));
     assert!(matches!(bad(&[EUROC[1], EUROC[0]]), (Some(_), Problem::Swapped)));
     assert!(matches!(bad(&[&opencv_cameras(USUAL), "a: 1"]).1, Problem::NoSize { .. }));
-    assert!(matches!(bad(&[&format!("{IMAGE_SIZE}{}", opencv_cameras(USUAL))]).1, Problem::Missing(_)));
-    for nothing in ["", "hello", "[1, 2]", "%YAML:1.0", "<a/>", "<?xml version=\"1.0\"?><opencv_storage/>"] {
+    assert!(matches!(
+        bad(&[&format!("{IMAGE_SIZE}{}", opencv_cameras(USUAL))]).1,
+        Problem::Missing(_)
+    ));
+    for nothing in
+        ["", "hello", "[1, 2]", "%YAML:1.0", "<a/>", "<?xml version=\"1.0\"?><opencv_storage/>"]
+    {
         assert!(
-            matches!(bad(&[nothing]).1, Problem::UnknownFormat | Problem::Missing(_) | Problem::Syntax(_)),
+            matches!(
+                bad(&[nothing]).1,
+                Problem::UnknownFormat | Problem::Missing(_) | Problem::Syntax(_)
+            ),
             "{nothing}"
         );
     }
@@ -451,13 +576,16 @@ fn harmful_files_are_refused() {
     assert!(matches!(bad(&[&laughs]), (Some(_), Problem::TooManyValues)));
     let itself = bad(&["a: &a [1, *a]\n"]);
     assert!(matches!(itself, (Some(1), Problem::Syntax(_))), "{itself:?}");
-    let entities =
-        "<?xml version=\"1.0\"?>\n<!DOCTYPE a [<!ENTITY x \"xxx\">]>\n<opencv_storage><a>&x;</a></opencv_storage>";
+    let entities = "<?xml version=\"1.0\"?>\n<!DOCTYPE a [<!ENTITY x \"xxx\">]>\n<opencv_storage><a>&x;</a></opencv_storage>";
     assert!(matches!(bad(&[entities]), (Some(2), Problem::Syntax(_))));
-    let deep = format!("<opencv_storage>{}{}</opencv_storage>", "<a>".repeat(50), "</a>".repeat(50));
+    let deep =
+        format!("<opencv_storage>{}{}</opencv_storage>", "<a>".repeat(50), "</a>".repeat(50));
     assert!(matches!(bad(&[&deep]), (Some(1), Problem::TooDeep)));
     let attributes: String = (0..10_000).map(|i| format!(" a{i}=\"\"")).collect();
-    assert!(matches!(bad(&[&format!("<opencv_storage\n{attributes}/>")]), (Some(1), Problem::Syntax(_))));
+    assert!(matches!(
+        bad(&[&format!("<opencv_storage\n{attributes}/>")]),
+        (Some(1), Problem::Syntax(_))
+    ));
     let hidden = format!("<opencv_storage b=\">\"\n{attributes}/>");
     assert!(matches!(bad(&[&hidden]), (Some(1), Problem::Syntax(_))));
     // Took minutes: the parser copies what is in scope.
@@ -493,7 +621,8 @@ fn assert_close(found: [[f64; 3]; 3], expected: [[f64; 3]; 3], bound: f64) {
     }
 }
 
-/// OpenCV's rectification of this rig, as ORB-SLAM2 publishes it for the same calibration (`Examples/Stereo/EuRoC.yaml`).
+/// OpenCV's rectification of this rig, as ORB-SLAM2 publishes it for the same calibration
+/// (`Examples/Stereo/EuRoC.yaml`).
 #[test]
 fn the_euroc_rig_is_the_one_that_others_read_from_it() {
     let Some(root) = frames() else { return };
@@ -504,7 +633,8 @@ fn the_euroc_rig_is_the_one_that_others_read_from_it() {
     assert_eq!(found.format, Format::Euroc);
     assert!((calibration.baseline() - 47.906_393_844_239_01 / 435.204_695_971_459_9).abs() < 1e-6);
     assert_eq!(calibration.camera(CameraSide::Left).focal(), [458.654, 457.296]);
-    let [left, right] = calibration.rectify(Dims { width: 752, height: 480 }, View::default()).unwrap().rotations();
+    let [left, right] =
+        calibration.rectify(Dims { width: 752, height: 480 }, View::default()).unwrap().rotations();
     let orb_left = [
         [0.999_966_347_530_033, -0.001_422_739_138_722_922, 0.008_079_580_483_432_283],
         [0.001_365_741_834_644_127, 0.999_974_176_089_484_7, 0.007_055_629_199_258_132],
@@ -529,23 +659,31 @@ fn an_opencv_file_with_its_own_rectification() {
     // Q[3][2] = 1 / baseline.
     assert!((calibration.baseline() * 9.162_018_819_812_918 - 1.0).abs() < 1e-9);
     let stored = found.stored.expect("R1, R2, P1 and P2 are in the file");
-    assert_eq!((stored.focal, stored.centre), (545.813_181_047_855_2, [339.943_843_841_552_73, 225.400_251_388_549_8]));
+    assert_eq!(
+        (stored.focal, stored.centre),
+        (545.813_181_047_855_2, [339.943_843_841_552_73, 225.400_251_388_549_8])
+    );
     // Our choice of the common direction is OpenCV's, to what its iteration leaves.
     let ours = calibration.rectify(SIZE, View::default()).unwrap();
     let [left, right] = ours.rotations();
     assert_close(left, stored.rotations[0], 1e-6);
     assert_close(right, stored.rotations[1], 1e-6);
     // By the stored rectification, a point in space lies on one row, f B / z apart.
-    let rectified = calibration.rectify_as(SIZE, stored.rotations, stored.focal, stored.centre).unwrap();
+    let rectified =
+        calibration.rectify_as(SIZE, stored.rotations, stored.focal, stored.centre).unwrap();
     for point in [[0.1, -0.2, 1.0], [-0.5, 0.3, 2.0], [1.0, 0.5, 5.0]] {
         let in_right = seen_from_right(&calibration, point);
-        let raw = [(CameraSide::Left, point), (CameraSide::Right, in_right)]
-            .map(|(eye, point)| rectified.rectified(eye, calibration.camera(eye).project(point).unwrap()).unwrap());
+        let raw = [(CameraSide::Left, point), (CameraSide::Right, in_right)].map(|(eye, point)| {
+            rectified.rectified(eye, calibration.camera(eye).project(point).unwrap()).unwrap()
+        });
         let [a, b, c] = stored.rotations[0][2];
         let depth = a * point[0] + b * point[1] + c * point[2];
         assert!((raw[0][1] - raw[1][1]).abs() < 1e-4, "{raw:?}");
         let disparity = raw[0][0] - raw[1][0];
-        assert!((disparity - stored.focal * calibration.baseline() / depth).abs() < 1e-4, "{raw:?}");
+        assert!(
+            (disparity - stored.focal * calibration.baseline() / depth).abs() < 1e-4,
+            "{raw:?}"
+        );
     }
 }
 
@@ -566,13 +704,16 @@ fn real_files_that_are_no_rig_say_what_is_missing() {
     let paths = [folder.join("intrinsics.yml"), pose.path().join("extrinsics.yml")];
     let found = load_rig(&paths, &options).unwrap().rig.calibration;
     assert_eq!(found.camera(CameraSide::Left).focal(), [534.803_268_450_513_1; 2]);
-    assert_eq!(found.camera(CameraSide::Right).centre(), [334.557_445_279_120_15, 242.053_245_733_766]);
+    assert_eq!(
+        found.camera(CameraSide::Right).centre(),
+        [334.557_445_279_120_15, 242.053_245_733_766]
+    );
 }
 
 fn folder_with_pose() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let text =
-        opencv_matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") + &opencv_matrix("T", 3, 1, "-3.33, 0., 0.");
+    let text = opencv_matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.")
+        + &opencv_matrix("T", 3, 1, "-3.33, 0., 0.");
     std::fs::write(folder.path().join("extrinsics.yml"), text).unwrap();
     folder
 }

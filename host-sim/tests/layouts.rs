@@ -1,10 +1,12 @@
-//! Folders of pairs as data sets store them: tiny ones of every layout, real frames laid out anew, and everything that can be wrong.
+//! Folders of pairs as data sets store them: tiny ones of every layout, real frames laid out anew,
+//! and everything that can be wrong.
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb};
 use linestereo::{Dims, HealthFlags, Params, Rig};
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::{
-    Dataset, DisparityFault, FrameError, Layout, LayoutFault, Scene, find_scenes, layouts, load_disparities, load_scene,
+    Dataset, DisparityFault, FrameError, Layout, LayoutFault, Scene, find_scenes, layouts,
+    load_disparities, load_scene,
 };
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
@@ -26,7 +28,10 @@ fn grey() -> DynamicImage {
 }
 
 fn grey_16() -> DynamicImage {
-    ImageBuffer::<Luma<u16>, _>::from_fn(WIDTH, HEIGHT, |x, y| Luma([u16::from(texture(x, y)) * 257])).into()
+    ImageBuffer::<Luma<u16>, _>::from_fn(WIDTH, HEIGHT, |x, y| {
+        Luma([u16::from(texture(x, y)) * 257])
+    })
+    .into()
 }
 
 fn colour() -> DynamicImage {
@@ -35,7 +40,8 @@ fn colour() -> DynamicImage {
 
 /// Truth in steps of 1/`steps` px; 0 = unknown.
 fn steps_8(steps: f32) -> DynamicImage {
-    GrayImage::from_fn(WIDTH, HEIGHT, |x, _| Luma([if x == 0 { 0 } else { (TRUTH * steps) as u8 }])).into()
+    GrayImage::from_fn(WIDTH, HEIGHT, |x, _| Luma([if x == 0 { 0 } else { (TRUTH * steps) as u8 }]))
+        .into()
 }
 
 fn steps_16() -> DynamicImage {
@@ -45,13 +51,18 @@ fn steps_16() -> DynamicImage {
 
 /// The truth as floats: unknown is infinite or not a number.
 fn values(unknown: f32) -> Vec<f32> {
-    (0..WIDTH * HEIGHT).map(|i| if i % WIDTH == 0 { unknown } else { TRUTH + (i / WIDTH) as f32 / 64.0 }).collect()
+    (0..WIDTH * HEIGHT)
+        .map(|i| if i % WIDTH == 0 { unknown } else { TRUTH + (i / WIDTH) as f32 / 64.0 })
+        .collect()
 }
 
 fn pfm(values: &[f32], scale: &str, is_big: bool) -> Vec<u8> {
     let mut bytes = format!("Pf\n{WIDTH} {HEIGHT}\n{scale}\n").into_bytes();
     for row in values.chunks(WIDTH as usize).rev() {
-        bytes.extend(row.iter().flat_map(|value| if is_big { value.to_be_bytes() } else { value.to_le_bytes() }));
+        bytes.extend(
+            row.iter()
+                .flat_map(|value| if is_big { value.to_be_bytes() } else { value.to_le_bytes() }),
+        );
     }
     bytes
 }
@@ -72,7 +83,8 @@ fn npy(kind: &str, shape: &str, data: &[u8]) -> Vec<u8> {
 fn npz(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, bytes) in arrays {
-        let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+        let options = zip::write::SimpleFileOptions::default()
+            .compression_method(zip::CompressionMethod::Deflated);
         archive.start_file(format!("{name}.npy"), options).unwrap();
         archive.write_all(bytes).unwrap();
     }
@@ -145,7 +157,10 @@ fn middlebury_2001_and_2003() {
     ]);
     let found = Dataset::find(set.path()).unwrap();
     assert_eq!(layouts(&found.pairs), [(Layout::Middlebury2001, 3)]);
-    assert_eq!(found.pairs.iter().map(|pair| pair.name.as_str()).collect::<Vec<_>>(), ["map", "tsukuba", "venus"]);
+    assert_eq!(
+        found.pairs.iter().map(|pair| pair.name.as_str()).collect::<Vec<_>>(),
+        ["map", "tsukuba", "venus"]
+    );
     for pair in &found.pairs {
         let scene = pair.load(None, &rectify_raw).unwrap();
         check_truth(&scene, false);
@@ -154,17 +169,35 @@ fn middlebury_2001_and_2003() {
     }
     // 2003: the steps follow from the rows, 375 of them here.
     let tall = |value| {
-        File::Image(GrayImage::from_fn(40, 375, |x, y| Luma([if value > 0 { value } else { texture(x, y) }])).into())
+        File::Image(
+            GrayImage::from_fn(40, 375, |x, y| {
+                Luma([if value > 0 { value } else { texture(x, y) }])
+            })
+            .into(),
+        )
     };
-    let set = folder(&[("im2.png", tall(0)), ("im6.png", tall(0)), ("disp2.png", tall(50)), ("disp6.png", tall(50))]);
+    let set = folder(&[
+        ("im2.png", tall(0)),
+        ("im6.png", tall(0)),
+        ("disp2.png", tall(50)),
+        ("disp6.png", tall(50)),
+    ]);
     let truth = only(&set, Layout::Middlebury2003).truth.unwrap();
-    assert_eq!((truth.disparity(20, 9), truth.is_visible(12, 9), truth.is_visible(13, 9)), (Some(12.5), false, true));
+    assert_eq!(
+        (truth.disparity(20, 9), truth.is_visible(12, 9), truth.is_visible(13, 9)),
+        (Some(12.5), false, true)
+    );
 }
 
 #[test]
 fn middlebury_2005_and_2006() {
     let rows = |value: u8| {
-        File::Image(GrayImage::from_fn(240, 370, |x, y| Luma([if value > 0 { value } else { texture(x, y) }])).into())
+        File::Image(
+            GrayImage::from_fn(240, 370, |x, y| {
+                Luma([if value > 0 { value } else { texture(x, y) }])
+            })
+            .into(),
+        )
     };
     let two_views = folder(&[
         ("Art/view1.png", rows(0)),
@@ -189,10 +222,13 @@ fn middlebury_2005_and_2006() {
     let names: Vec<&str> = found.pairs.iter().map(|pair| pair.name.as_str()).collect();
     assert_eq!(names, ["Art/Illum1/Exp0", "Art/Illum2/Exp1"]);
     assert!(
-        found
-            .pairs
-            .iter()
-            .all(|pair| pair.load(None, &rectify_raw).unwrap().truth.unwrap().disparity(9, 9) == Some(7.0))
+        found.pairs.iter().all(|pair| pair
+            .load(None, &rectify_raw)
+            .unwrap()
+            .truth
+            .unwrap()
+            .disparity(9, 9)
+            == Some(7.0))
     );
 
     // Resized by somebody: nothing says what a grey value is.
@@ -202,25 +238,35 @@ fn middlebury_2005_and_2006() {
         ("disp1.png", File::Image(steps_8(3.0))),
         ("dmin.txt", text("150")),
     ]);
-    let error = Dataset::find(resized.path()).unwrap().pairs[0].load(None, &rectify_raw).unwrap_err();
+    let error =
+        Dataset::find(resized.path()).unwrap().pairs[0].load(None, &rectify_raw).unwrap_err();
     assert!(matches!(error, FrameError::Layout(_, LayoutFault::TruthScale(_))), "{error}");
 }
 
 #[test]
 fn middlebury_2014_and_eth3d() {
-    let images =
-        || [("im0.png", File::Image(colour())), ("im1.png", File::Image(colour())), ("calib.txt", text(CALIB))];
+    let images = || {
+        [
+            ("im0.png", File::Image(colour())),
+            ("im1.png", File::Image(colour())),
+            ("calib.txt", text(CALIB)),
+        ]
+    };
     for unknown in [f32::INFINITY, f32::NAN, f32::NEG_INFINITY] {
         for (scale, is_big) in [("-1.0", false), ("1", true), ("-0.0039", false)] {
             let truth = [("disp0.pfm", File::Bytes(pfm(&values(unknown), scale, is_big)))];
             let set = folder(&images().into_iter().chain(truth).collect::<Vec<_>>());
             let scene = only(&set, Layout::Middlebury2014);
             check_truth(&scene, true);
-            assert_eq!((scene.rig, scene.max_disparity), (Some(Rig::new(400.5, 0.15, 3.0).unwrap()), 30));
+            assert_eq!(
+                (scene.rig, scene.max_disparity),
+                (Some(Rig::new(400.5, 0.15, 3.0).unwrap()), 30)
+            );
         }
     }
     // Version 3 of the benchmark: a mask says what is visible.
-    let mask: DynamicImage = GrayImage::from_fn(WIDTH, HEIGHT, |x, _| Luma([if x < 24 { 128 } else { 255 }])).into();
+    let mask: DynamicImage =
+        GrayImage::from_fn(WIDTH, HEIGHT, |x, _| Luma([if x < 24 { 128 } else { 255 }])).into();
     let truth = || File::Bytes(pfm(&values(f32::INFINITY), "-1", false));
     let benchmark = [("disp0GT.pfm", truth()), ("mask0nocc.png", File::Image(mask.clone()))];
     let set = folder(&images().into_iter().chain(benchmark).collect::<Vec<_>>());
@@ -233,7 +279,12 @@ fn middlebury_2014_and_eth3d() {
         ("two_view_training/forest_1s/im1.png", File::Image(grey())),
         (
             "two_view_training/forest_1s/calib.txt",
-            text(&CALIB.replace("ndisp=30", "ndisp=48").replace("doffs=3", "doffs=0").replace("0 23;", "0 20;")),
+            text(
+                &CALIB
+                    .replace("ndisp=30", "ndisp=48")
+                    .replace("doffs=3", "doffs=0")
+                    .replace("0 23;", "0 20;"),
+            ),
         ),
         ("two_view_training/forest_1s/cameras.txt", text("")),
         ("two_view_training/forest_1s/images.txt", text("")),
@@ -243,7 +294,9 @@ fn middlebury_2014_and_eth3d() {
     let scene = only(&set, Layout::Eth3d);
     check_truth(&scene, true);
     assert_eq!((scene.name.as_str(), scene.max_disparity), ("two_view_training/forest_1s", 16));
-    assert!(!scene.truth.as_ref().unwrap().is_visible(23, 5) && scene.truth.unwrap().is_visible(24, 5));
+    assert!(
+        !scene.truth.as_ref().unwrap().is_visible(23, 5) && scene.truth.unwrap().is_visible(24, 5)
+    );
 }
 
 #[test]
@@ -252,10 +305,23 @@ fn kitti_2012_and_2015() {
         Luma([if x < 24 { 0 } else { (TRUTH * 256.0) as u16 }])
     })
     .into();
-    let rectified = KITTI_2012.replace("P2", "P_rect_02").replace("P3", "P_rect_03").replace("30 0", "44.5 0");
+    let rectified =
+        KITTI_2012.replace("P2", "P_rect_02").replace("P3", "P_rect_03").replace("30 0", "44.5 0");
     for (layout, images, truth, calibration, baseline) in [
-        (Layout::Kitti2012, ["image_0", "image_1"], ["disp_occ", "disp_noc"], ("calib", KITTI_2012), 0.5),
-        (Layout::Kitti2012, ["colored_0", "colored_1"], ["disp_occ", "disp_noc"], ("calib", KITTI_2012), 0.55),
+        (
+            Layout::Kitti2012,
+            ["image_0", "image_1"],
+            ["disp_occ", "disp_noc"],
+            ("calib", KITTI_2012),
+            0.5,
+        ),
+        (
+            Layout::Kitti2012,
+            ["colored_0", "colored_1"],
+            ["disp_occ", "disp_noc"],
+            ("calib", KITTI_2012),
+            0.55,
+        ),
         (
             Layout::Kitti2015,
             ["image_2", "image_3"],
@@ -277,14 +343,19 @@ fn kitti_2012_and_2015() {
         let set = folder(&files);
         let found = Dataset::find(set.path()).unwrap();
         assert_eq!(layouts(&found.pairs), [(layout, 2)]);
-        let names: Vec<_> = found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
+        let names: Vec<_> =
+            found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
         assert_eq!(names, [("training/000007_10", true), ("training/000007_11", false)]);
         let scene = found.pairs[0].load(None, &rectify_raw).unwrap();
         check_truth(&scene, false);
         assert_eq!(scene.rig, Some(Rig::new(400.0, baseline, 0.0).unwrap()));
         let truth = scene.truth.unwrap();
         assert!(!truth.is_visible(23, 5) && truth.is_visible(24, 5));
-        assert_eq!(found.pairs[1].load(None, &rectify_raw).unwrap().max_disparity, 47, "of 48 columns");
+        assert_eq!(
+            found.pairs[1].load(None, &rectify_raw).unwrap().max_disparity,
+            47,
+            "of 48 columns"
+        );
     }
 }
 
@@ -305,11 +376,13 @@ fn euroc_is_rectified_by_its_sensor_files() {
     };
     let files = |root: &str| {
         let images = ["140", "150"].into_iter().flat_map(|time| {
-            ["cam0", "cam1"]
-                .map(|camera| (format!("{root}{camera}/data/{time}3715273262142976.png"), File::Image(slope())))
+            ["cam0", "cam1"].map(|camera| {
+                (format!("{root}{camera}/data/{time}3715273262142976.png"), File::Image(slope()))
+            })
         });
         let sensors = [("cam0", 0.0), ("cam1", 0.1)];
-        let sensors = sensors.map(|(camera, x)| (format!("{root}{camera}/sensor.yaml"), text(&sensor(x))));
+        let sensors =
+            sensors.map(|(camera, x)| (format!("{root}{camera}/sensor.yaml"), text(&sensor(x))));
         images.chain(sensors).collect::<Vec<_>>()
     };
     for root in ["MH_01/mav0/", "MH_01/"] {
@@ -319,12 +392,19 @@ fn euroc_is_rectified_by_its_sensor_files() {
         assert_eq!(layouts(&found.pairs), [(Layout::Euroc, 2)]);
         assert_eq!(found.pairs[0].name, "MH_01/1403715273262142976");
         let scene = found.pairs[0].load(None, &rectify_raw).unwrap();
-        // Without a lens and side by side already: the images as they are, but for less than 1 % of the view, which is cut so that
-        // every pixel has a source (0.2 px along the row, 0.1 px down), for the mesh's 1/32 px and for rounding.
+        // Without a lens and side by side already: the images as they are, but for less than 1 % of
+        // the view, which is cut so that every pixel has a source (0.2 px along the row, 0.1 px
+        // down), for the mesh's 1/32 px and for rounding.
         let (found, drawn) = (f64::from(scene.left.pixels[5]), f64::from(2 * 5 + 40));
-        assert!((found - drawn).abs() <= 2.0 * 0.23 + 3.0 * 0.13 + 1.0 && scene.truth.is_none(), "{found} {drawn}");
+        assert!(
+            (found - drawn).abs() <= 2.0 * 0.23 + 3.0 * 0.13 + 1.0 && scene.truth.is_none(),
+            "{found} {drawn}"
+        );
         let rig = scene.rig_numbers.unwrap();
-        assert!((40.0..40.4).contains(&rig.focal_px) && (rig.baseline_m - 0.1).abs() < 1e-9, "{rig:?}");
+        assert!(
+            (40.0..40.4).contains(&rig.focal_px) && (rig.baseline_m - 0.1).abs() < 1e-9,
+            "{rig:?}"
+        );
 
         fs::remove_file(set.path().join(root).join("cam1/sensor.yaml")).unwrap();
         let error = Dataset::find(set.path()).unwrap_err();
@@ -338,7 +418,8 @@ fn euroc_is_rectified_by_its_sensor_files() {
 #[test]
 fn plain_folders_sequences_and_side_by_side() {
     let array = |kind, data: &[u8]| npz(&[("arr_0", npy(kind, "(20, 48)", data))]);
-    let doubles: Vec<u8> = values(f32::NAN).iter().flat_map(|value| f64::from(*value).to_be_bytes()).collect();
+    let doubles: Vec<u8> =
+        values(f32::NAN).iter().flat_map(|value| f64::from(*value).to_be_bytes()).collect();
     let set = folder(&[
         ("left/2.png", File::Image(grey_16())),
         ("right/2.png", File::Image(grey_16())),
@@ -347,13 +428,19 @@ fn plain_folders_sequences_and_side_by_side() {
         ("left/11.png", File::Image(grey())),
         ("disp/2.npz", File::Bytes(array("<f4", &floats(&values(f32::INFINITY))))),
         ("disp/10.npy", File::Bytes(npy(">f8", "(20, 48)", &doubles))),
-        ("scene.json", text(r#"{"max_disparity":24,"rectified":{"focal_px":100,"baseline_m":0.1}}"#)),
+        (
+            "scene.json",
+            text(r#"{"max_disparity":24,"rectified":{"focal_px":100,"baseline_m":0.1}}"#),
+        ),
     ]);
     let found = Dataset::find(set.path()).unwrap();
     assert_eq!((layouts(&found.pairs), found.alone), (vec![(Layout::CameraFolders, 2)], 1));
     for (pair, name) in found.pairs.iter().zip(["2", "10"]) {
         let scene = pair.load(None, &rectify_raw).unwrap();
-        assert_eq!((scene.name.as_str(), scene.max_disparity, scene.left.pixels[5]), (name, 24, texture(5, 0)));
+        assert_eq!(
+            (scene.name.as_str(), scene.max_disparity, scene.left.pixels[5]),
+            (name, 24, texture(5, 0))
+        );
         assert_eq!(scene.rig, Some(Rig::new(100.0, 0.1, 0.0).unwrap()));
         check_truth(&scene, true);
     }
@@ -370,13 +457,18 @@ fn plain_folders_sequences_and_side_by_side() {
     ]);
     let found = Dataset::find(set.path()).unwrap();
     assert_eq!(layouts(&found.pairs), [(Layout::SidesInNames, 2), (Layout::PairFolder, 1)]);
-    let names: Vec<_> = found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
+    let names: Vec<_> =
+        found.pairs.iter().map(|pair| (pair.name.as_str(), pair.has_truth())).collect();
     assert_eq!(names, [("a/0001", true), ("a/0002", false), ("b", true)]);
     check_truth(&found.pairs[0].load(None, &rectify_raw).unwrap(), false);
     check_truth(&found.pairs[2].load(None, &rectify_raw).unwrap(), true);
 
-    let both: DynamicImage = GrayImage::from_fn(2 * WIDTH + 1, HEIGHT, |x, y| Luma([texture(x, y)])).into();
-    let set = folder(&[("x/1.png", File::Image(both)), ("x/square.png", File::Image(GrayImage::new(48, 48).into()))]);
+    let both: DynamicImage =
+        GrayImage::from_fn(2 * WIDTH + 1, HEIGHT, |x, y| Luma([texture(x, y)])).into();
+    let set = folder(&[
+        ("x/1.png", File::Image(both)),
+        ("x/square.png", File::Image(GrayImage::new(48, 48).into())),
+    ]);
     let scene = only(&set, Layout::SideBySide);
     assert_eq!((scene.left.pixels[47], scene.right.pixels[0]), (texture(47, 0), texture(49, 0)));
 }
@@ -393,7 +485,10 @@ fn truth_of_one_file_and_scale_for_a_scene_file() {
                 ("disp", npy("<f4", "(20, 48)", &floats(&values(f32::INFINITY)))),
             ])),
         ),
-        ("scene.json", text(r#"{"scene":"s","ground_truth":{"file":"d.npz","disparity_scale":1}}"#)),
+        (
+            "scene.json",
+            text(r#"{"scene":"s","ground_truth":{"file":"d.npz","disparity_scale":1}}"#),
+        ),
     ]);
     let scene = only(&set, Layout::SceneJson);
     assert_eq!(scene.name, "s");
@@ -421,16 +516,35 @@ fn damaged_float_files_are_named() {
     let cut = |left: usize| DisparityFault::Truncated { needed: bytes, found: bytes - left as u64 };
     assert_eq!(fault(&good[..good.len() - 1]), cut(1));
     assert_eq!(fault(&good[..good.len() - 700]), cut(700));
-    assert_eq!(fault(&pfm(&values(f32::INFINITY), "1.0", false)), DisparityFault::ByteOrder { says_big: true });
-    assert_eq!(fault(&pfm(&values(f32::INFINITY), "-1.0", true)), DisparityFault::ByteOrder { says_big: false });
+    assert_eq!(
+        fault(&pfm(&values(f32::INFINITY), "1.0", false)),
+        DisparityFault::ByteOrder { says_big: true }
+    );
+    assert_eq!(
+        fault(&pfm(&values(f32::INFINITY), "-1.0", true)),
+        DisparityFault::ByteOrder { says_big: false }
+    );
     for marker in ["0", "0.0", "x", "nan"] {
-        assert_eq!(fault(&pfm(&values(f32::INFINITY), marker, false)), DisparityFault::NoByteOrder(marker.to_owned()));
+        assert_eq!(
+            fault(&pfm(&values(f32::INFINITY), marker, false)),
+            DisparityFault::NoByteOrder(marker.to_owned())
+        );
     }
     for nothing in [f32::INFINITY, f32::NAN] {
-        assert_eq!(fault(&pfm(&vec![nothing; (WIDTH * HEIGHT) as usize], "-1", false)), DisparityFault::NothingKnown);
+        assert_eq!(
+            fault(&pfm(&vec![nothing; (WIDTH * HEIGHT) as usize], "-1", false)),
+            DisparityFault::NothingKnown
+        );
     }
     assert_eq!(fault(b"PF\n1 1\n-1\n000000000000"), DisparityFault::Coloured);
-    for header in ["P5\n1 1\n255\n0", "Pf\n0 1\n-1\n", "Pf\n99999999 99999999\n-1\n", "Pf\n4", "", "Pf\n4 4\n"] {
+    for header in [
+        "P5\n1 1\n255\n0",
+        "Pf\n0 1\n-1\n",
+        "Pf\n99999999 99999999\n-1\n",
+        "Pf\n4",
+        "",
+        "Pf\n4 4\n",
+    ] {
         assert!(matches!(fault(header.as_bytes()), DisparityFault::Header(_)), "{header}");
     }
 }
@@ -439,17 +553,32 @@ fn damaged_float_files_are_named() {
 fn damaged_arrays_are_named() {
     let good = npy("<f4", "(20, 48)", &floats(&values(f32::NAN)));
     assert!(matches!(fault(&good[..good.len() - 4]), DisparityFault::Truncated { .. }));
-    assert!(matches!(fault(&npy("<f4", "(5000, 6000)", &[0; 8])), DisparityFault::Truncated { .. }));
-    assert_eq!(fault(&npy("<f4", "(60000, 60000)", &[0; 8])), DisparityFault::Shape(vec![60_000; 2]));
+    assert!(matches!(
+        fault(&npy("<f4", "(5000, 6000)", &[0; 8])),
+        DisparityFault::Truncated { .. }
+    ));
+    assert_eq!(
+        fault(&npy("<f4", "(60000, 60000)", &[0; 8])),
+        DisparityFault::Shape(vec![60_000; 2])
+    );
     assert_eq!(fault(&npy("<f4", "(99999, 2)", &[0; 8])), DisparityFault::Shape(vec![99_999, 2]));
     assert_eq!(fault(&npy("<f4", "(4,)", &[0; 16])), DisparityFault::Shape(vec![4]));
-    assert_eq!(fault(&npy("<f4", "(2, 1, 2, 1)", &[0; 16])), DisparityFault::Shape(vec![2, 1, 2, 1]));
+    assert_eq!(
+        fault(&npy("<f4", "(2, 1, 2, 1)", &[0; 16])),
+        DisparityFault::Shape(vec![2, 1, 2, 1])
+    );
     assert!(matches!(fault(&npy("<c8", "(2, 1)", &[0; 16])), DisparityFault::ElementType(_)));
     assert!(matches!(fault(b"\x93NUMPY\x01\x00\x05\x00{'a'}"), DisparityFault::Array(_)));
     assert!(matches!(fault(b"PK\x03\x04 and no archive"), DisparityFault::Array(_)));
     assert_eq!(fault(&npz(&[])), DisparityFault::Arrays(vec![]));
     fault(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}");
-    for shape in ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(0, 0)", "(-1, 4)", &"(".repeat(9000)] {
+    for shape in [
+        "(99999999999, 99999999999)",
+        "(65535, 65535, 65535)",
+        "(0, 0)",
+        "(-1, 4)",
+        &"(".repeat(9000),
+    ] {
         fault(&npy("<f4", shape, &[0; 64]));
     }
     let two = npz(&[("a", good.clone()), ("b", good)]);
@@ -463,8 +592,14 @@ fn damaged_arrays_are_named() {
 fn shapes_that_no_array_has_are_no_crash() {
     let set = tempfile::tempdir().unwrap();
     let path = set.path().join("d.npy");
-    let shapes =
-        ["(99999999999, 99999999999)", "(65535, 65535, 65535)", "(65535, 65535)", "(9, 9, 9, 9)", "(0, 0)", "(-1, 4)"];
+    let shapes = [
+        "(99999999999, 99999999999)",
+        "(65535, 65535, 65535)",
+        "(65535, 65535)",
+        "(9, 9, 9, 9)",
+        "(0, 0)",
+        "(-1, 4)",
+    ];
     let mut files: Vec<_> = shapes.iter().map(|shape| npy("<f4", shape, &[0; 64])).collect();
     files.push(npy("<f4", &"(".repeat(9000), &[]));
     files.push(b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}".to_vec());
@@ -478,13 +613,16 @@ fn shapes_that_no_array_has_are_no_crash() {
 fn what_is_missing_or_does_not_fit_is_named() {
     let fault = |files: &[(&str, File)]| {
         let set = folder(files);
-        let error = Dataset::find(set.path()).and_then(|found| found.pairs[0].load(None, &rectify_raw)).unwrap_err();
+        let error = Dataset::find(set.path())
+            .and_then(|found| found.pairs[0].load(None, &rectify_raw))
+            .unwrap_err();
         assert!(error.to_string().contains("; "), "{error}");
         error
     };
     let truth = || File::Bytes(pfm(&values(f32::INFINITY), "-1", false));
     let images = || [("im0.png", File::Image(grey())), ("im1.png", File::Image(grey()))];
-    let with = |rest: Vec<(&'static str, File)>| images().into_iter().chain(rest).collect::<Vec<_>>();
+    let with =
+        |rest: Vec<(&'static str, File)>| images().into_iter().chain(rest).collect::<Vec<_>>();
 
     let error = fault(&with(vec![("disp0.pfm", truth())]));
     assert!(
@@ -507,8 +645,10 @@ fn what_is_missing_or_does_not_fit_is_named() {
         matches!(&error, FrameError::Layout(path, LayoutFault::MissingCalibration(_)) if path.ends_with("dmin.txt")),
         "{error}"
     );
-    let error =
-        fault(&[("image_2/000000_10.png", File::Image(grey())), ("image_3/000000_10.png", File::Image(grey()))]);
+    let error = fault(&[
+        ("image_2/000000_10.png", File::Image(grey())),
+        ("image_3/000000_10.png", File::Image(grey())),
+    ]);
     assert!(
         matches!(&error, FrameError::Layout(path, LayoutFault::MissingCalibration(Layout::Kitti2015)) if path.ends_with("calib_cam_to_cam/000000.txt")),
         "{error}"
@@ -532,8 +672,10 @@ fn what_is_missing_or_does_not_fit_is_named() {
     assert!(matches!(error, FrameError::Layout(_, LayoutFault::NotRecognised)), "{error}");
 }
 
-/// A scene's folder, its layout, its files and what the data set calls them, and what `dmin.txt` says.
-type Renamed = (&'static str, Layout, &'static [(&'static str, &'static str)], Option<&'static str>);
+/// A scene's folder, its layout, its files and what the data set calls them, and what `dmin.txt`
+/// says.
+type Renamed =
+    (&'static str, Layout, &'static [(&'static str, &'static str)], Option<&'static str>);
 
 /// Real scenes, under their data set's own names, are what they are with a `scene.json`.
 #[test]
@@ -549,7 +691,11 @@ fn captured_scenes_in_their_own_layout() {
         (
             "middlebury2001/tsukuba",
             Layout::Middlebury2001,
-            &[("left", "scene1.row3.col3"), ("right", "scene1.row3.col4"), ("gt", "truedisp.row3.col3")],
+            &[
+                ("left", "scene1.row3.col3"),
+                ("right", "scene1.row3.col4"),
+                ("gt", "truedisp.row3.col3"),
+            ],
             None,
         ),
         (
@@ -569,10 +715,16 @@ fn captured_scenes_in_their_own_layout() {
         let Some(source) = captured::folder(name) else { return };
         let set = tempfile::tempdir().unwrap();
         for (from, to) in renamed {
-            if let Some(from) =
-                ["png", "ppm", "jpg"].iter().map(|e| source.join(format!("{from}.{e}"))).find(|path| path.is_file())
+            if let Some(from) = ["png", "ppm", "jpg"]
+                .iter()
+                .map(|e| source.join(format!("{from}.{e}")))
+                .find(|path| path.is_file())
             {
-                fs::copy(&from, set.path().join(to).with_added_extension(from.extension().unwrap())).unwrap();
+                fs::copy(
+                    &from,
+                    set.path().join(to).with_added_extension(from.extension().unwrap()),
+                )
+                .unwrap();
             }
         }
         if let Some(least) = least {
@@ -582,16 +734,21 @@ fn captured_scenes_in_their_own_layout() {
         assert!(found.left == known.left && found.right == known.right, "{name}");
         let [truth, expected] = [found.truth.unwrap(), known.truth.unwrap()];
         let pixels = || {
-            (0..i32::from(truth.dims().height)).flat_map(|y| (0..i32::from(truth.dims().width)).map(move |x| (x, y)))
+            (0..i32::from(truth.dims().height))
+                .flat_map(|y| (0..i32::from(truth.dims().width)).map(move |x| (x, y)))
         };
         assert!(pixels().all(|(x, y)| truth.disparity(x, y) == expected.disparity(x, y)), "{name}");
         if let Some(rig) = known.rig_numbers {
             let numbers = found.rig_numbers.unwrap();
             assert!(
-                (numbers.focal_px - rig.focal_px).abs() < 1e-3 && numbers.baseline_m == rig.baseline_m,
+                (numbers.focal_px - rig.focal_px).abs() < 1e-3
+                    && numbers.baseline_m == rig.baseline_m,
                 "{name}: {numbers:?}"
             );
-            assert!((numbers.offset_px - rig.offset_px).abs() < 1e-9, "{name}: {numbers:?} {rig:?}");
+            assert!(
+                (numbers.offset_px - rig.offset_px).abs() < 1e-9,
+                "{name}: {numbers:?} {rig:?}"
+            );
         }
     }
 }
@@ -608,7 +765,10 @@ fn captured_folders_are_recognised() {
             && found.pairs.iter().all(|pair| pair.layout == Layout::SceneJson && pair.has_truth())
     );
     if let Some(boards) = captured::folder("calibration_boards") {
-        assert_eq!(layouts(&Dataset::find(&boards).unwrap().pairs), [(Layout::SidesInNames, 13 + 28)]);
+        assert_eq!(
+            layouts(&Dataset::find(&boards).unwrap().pairs),
+            [(Layout::SidesInNames, 13 + 28)]
+        );
     }
     if let Some(flights) = captured::folder("tudelft_stereoboard") {
         let found = Dataset::find(&flights).unwrap();
@@ -625,7 +785,8 @@ fn captured_euroc_pairs_are_rectified() {
     for (camera, side) in [("cam0", "left"), ("cam1", "right")] {
         let data = set.path().join("mav0").join(camera).join("data");
         fs::create_dir_all(&data).unwrap();
-        fs::copy(source.join(format!("{camera}_sensor.yaml")), data.with_file_name("sensor.yaml")).unwrap();
+        fs::copy(source.join(format!("{camera}_sensor.yaml")), data.with_file_name("sensor.yaml"))
+            .unwrap();
         for folder in find_scenes(&source).unwrap() {
             let name = format!("{}.png", folder.file_name().unwrap().to_string_lossy());
             fs::copy(folder.join(side).with_extension("png"), data.join(name)).unwrap();

@@ -1,4 +1,5 @@
-//! ChArUco boards and AprilGrids: boards that OpenCV drew, drawn photos of parts of boards, and what is said of wrong ones.
+//! ChArUco boards and AprilGrids: boards that OpenCV drew, drawn photos of parts of boards, and
+//! what is said of wrong ones.
 
 use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
 use crate::support::{refused_with, succeed};
@@ -11,13 +12,18 @@ use linestereo_tests::drawn::Random;
 use std::fs;
 use std::path::Path;
 
-fn charuco(sides: [u8; 2], [square_mm, marker_mm]: [f64; 2], dictionary: &str, legacy: bool) -> Board {
+fn charuco(
+    sides: [u8; 2],
+    [square_mm, marker_mm]: [f64; 2],
+    dictionary: &str,
+    legacy: bool,
+) -> Board {
     let dictionary = Dictionary::named(dictionary).unwrap();
     Board::charuco(sides, square_mm / 1e3, marker_mm / 1e3, dictionary, legacy).unwrap()
 }
 
-/// Boards drawn by OpenCV 5.0.0 (`CharucoBoard::generateImage`, `generateImageMarker` in Kalibr's layout with its squares), px for mm, and
-/// where the first corner is.
+/// Boards drawn by OpenCV 5.0.0 (`CharucoBoard::generateImage`, `generateImageMarker` in Kalibr's
+/// layout with its squares), px for mm, and where the first corner is.
 fn drawn_by_opencv() -> [(&'static str, Board, f64); 3] {
     [
         ("charuco_5x4.png", charuco([5, 4], [40.0, 30.0], "DICT_4X4_50", false), 60.0),
@@ -37,8 +43,9 @@ fn what_is_printed_is_what_opencv_draws() {
         let width = usize::from(image.dims.width);
         let mut drawn = vec![255; image.pixels.len()];
         for [x, y, w, h] in board.black().iter().map(|black| black.map(|m| 1e3 * m)) {
-            let pixels =
-                |from: f64, length: f64| (from + first).round() as usize..(from + first + length).round() as usize;
+            let pixels = |from: f64, length: f64| {
+                (from + first).round() as usize..(from + first + length).round() as usize
+            };
             pixels(y, h).for_each(|row| drawn[row * width..][pixels(x, w)].fill(0));
         }
         assert!(drawn == image.pixels, "{name}");
@@ -83,7 +90,10 @@ fn off(rig: &Calibration, board: &Board, planes: &Planes, pair: &BoardPair) -> V
         let points = &points;
         seen.map(move |(&number, at)| {
             let [x, y] = points[number];
-            let truth = rig.camera(eye).project([0, 1, 2].map(|i| first[i] + x * right[i] + y * down[i])).unwrap();
+            let truth = rig
+                .camera(eye)
+                .project([0, 1, 2].map(|i| first[i] + x * right[i] + y * down[i]))
+                .unwrap();
             (at[0] - truth[0]).powi(2) + (at[1] - truth[1]).powi(2)
         })
     };
@@ -101,21 +111,32 @@ fn parts_of_boards_calibrate_within_three_stated_deviations() {
     for (seed, board) in boards.into_iter().enumerate() {
         let drawn = photos_of(&rig, &board, 12, 20 + seed as u64, 0.4);
         let random = &mut Random(seed as u64);
-        let photos: Vec<[GrayImage; 2]> =
-            drawn.iter().map(|(_, photos)| photos.each_ref().map(|image| worn(image, random))).collect();
+        let photos: Vec<[GrayImage; 2]> = drawn
+            .iter()
+            .map(|(_, photos)| photos.each_ref().map(|image| worn(image, random)))
+            .collect();
         let pairs = found(&board, &photos);
         assert_eq!(pairs.len(), 12, "{board}");
-        let part = pairs.iter().filter(|pair| pair.numbers.iter().any(|numbers| numbers.len() < board.corners()));
+        let part = pairs
+            .iter()
+            .filter(|pair| pair.numbers.iter().any(|numbers| numbers.len() < board.corners()));
         assert!(part.count() >= 6, "{board}: boards are whole");
-        let squares: Vec<f64> =
-            pairs.iter().zip(&drawn).flat_map(|(pair, (planes, _))| off(&rig, &board, planes, pair)).collect();
+        let squares: Vec<f64> = pairs
+            .iter()
+            .zip(&drawn)
+            .flat_map(|(pair, (planes, _))| off(&rig, &board, planes, pair))
+            .collect();
         let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         assert!(rms < 0.1, "{board}: corners are {rms} px off");
         let estimate = estimate(&board, photos[0][0].dims, &pairs, &Options::default()).unwrap();
         assert!(estimate.views.iter().all(|view| view.dropped.is_none()), "{board}");
         let scores = scores(&rig, &estimate);
         let beyond: Vec<_> = scores.iter().filter(|(_, score)| score.abs() > 3.0).collect();
-        println!("{board}: {} corners {rms:.3} px off, RMS {:.3} px, {scores:.1?}", squares.len(), estimate.rms);
+        println!(
+            "{board}: {} corners {rms:.3} px off, RMS {:.3} px, {scores:.1?}",
+            squares.len(),
+            estimate.rms
+        );
         assert!(beyond.is_empty(), "{board}: {beyond:?}");
     }
 }
@@ -124,12 +145,24 @@ fn parts_of_boards_calibrate_within_three_stated_deviations() {
 fn wrong_dictionaries_and_sizes_are_named() {
     let image = opencv("charuco_5x4.png");
     let find = |board: &Board| JunctionFinder.find(&image, board);
-    assert_eq!(find(&charuco([5, 4], [40.0, 30.0], "DICT_6X6_50", false)), Err(NotFound::NoMarkers(12)));
-    assert_eq!(find(&charuco([6, 4], [40.0, 30.0], "DICT_4X4_50", false)), Err(NotFound::OtherLayout));
+    assert_eq!(
+        find(&charuco([5, 4], [40.0, 30.0], "DICT_6X6_50", false)),
+        Err(NotFound::NoMarkers(12))
+    );
+    assert_eq!(
+        find(&charuco([6, 4], [40.0, 30.0], "DICT_4X4_50", false)),
+        Err(NotFound::OtherLayout)
+    );
     let tags = opencv("aprilgrid_3x2.png");
-    assert_eq!(JunctionFinder.find(&tags, &Board::april_grid([4, 2], 0.04, 0.3).unwrap()), Err(NotFound::OtherLayout));
+    assert_eq!(
+        JunctionFinder.find(&tags, &Board::april_grid([4, 2], 0.04, 0.3).unwrap()),
+        Err(NotFound::OtherLayout)
+    );
     let empty = GrayImage { dims: tags.dims, pixels: vec![99; tags.pixels.len()] };
-    assert_eq!(JunctionFinder.find(&empty, &Board::april_grid([3, 2], 0.04, 0.3).unwrap()), Err(NotFound::Nothing));
+    assert_eq!(
+        JunctionFinder.find(&empty, &Board::april_grid([3, 2], 0.04, 0.3).unwrap()),
+        Err(NotFound::Nothing)
+    );
 }
 
 #[test]
@@ -149,15 +182,24 @@ fn the_command_says_what_to_do() {
         "--board charuco:5x4 --square-mm 40 --marker-mm 30 --dictionary DICT_6X6_50",
         &["DICT_6X6_50", "--dictionary"],
     );
-    refused("--board charuco:6x4 --square-mm 40 --marker-mm 30 --dictionary 4X4_50", &["other places", "--board"]);
+    refused(
+        "--board charuco:6x4 --square-mm 40 --marker-mm 30 --dictionary 4X4_50",
+        &["other places", "--board"],
+    );
     refused(
         "--board charuco:5x4 --square-mm 40 --marker-mm 30 --dictionary 4X4",
         &["no dictionary 4X4", "DICT_4X4_50"],
     );
     refused("--board charuco:5x4 --square-mm 40 --marker-mm 30", &["--dictionary"]);
     refused("--board charuco:5x4 --square-mm 40 --dictionary DICT_4X4_50", &["--marker-mm"]);
-    refused("--board charuco:5x4 --square-mm 30 --marker-mm 40 --dictionary DICT_4X4_50", &["a marker's side"]);
-    refused("--board charuco:20x20 --square-mm 40 --marker-mm 30 --dictionary DICT_4X4_50", &["200 markers", "50"]);
+    refused(
+        "--board charuco:5x4 --square-mm 30 --marker-mm 40 --dictionary DICT_4X4_50",
+        &["a marker's side"],
+    );
+    refused(
+        "--board charuco:20x20 --square-mm 40 --marker-mm 30 --dictionary DICT_4X4_50",
+        &["200 markers", "50"],
+    );
     refused("--board aprilgrid:3x2 --tag-mm 30 --spacing 0.3", &["no tags of 36h11"]);
     refused("--board aprilgrid:3x2 --tag-mm 30", &["--spacing"]);
     refused("--board aprilgrid:3x2 --square-mm 30", &["--square-mm is not of an AprilGrid"]);
@@ -168,7 +210,10 @@ fn the_command_says_what_to_do() {
 fn boards_are_printed_in_their_size() {
     let folder = tempfile::tempdir().unwrap();
     let print = |args: &str| {
-        succeed(folder.path(), &["print-board"].into_iter().chain(args.split(' ')).collect::<Vec<_>>());
+        succeed(
+            folder.path(),
+            &["print-board"].into_iter().chain(args.split(' ')).collect::<Vec<_>>(),
+        );
         fs::read_to_string(folder.path().join("board.svg")).unwrap()
     };
     let chessboard = print("9x6 --square-mm 25 --out board.svg");

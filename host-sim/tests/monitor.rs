@@ -1,8 +1,12 @@
-//! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial port, and bad input.
+//! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial
+//! port, and bad input.
 
 use crate::support::{linestereo, refused_with};
 use linestereo::diagnostics::Techniques;
-use linestereo::{Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params, Position};
+use linestereo::{
+    Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params,
+    Position,
+};
 use linestereo_wire::*;
 use serde_json::Value;
 use std::fs;
@@ -29,25 +33,39 @@ pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {
 }
 
 fn found(id: u16) -> Match {
-    let point = |x: u16, y: u16| ImagePosition { x: Position::from_bits(32 * x), y: Position::from_bits(32 * y + 8) };
+    let point = |x: u16, y: u16| ImagePosition {
+        x: Position::from_bits(32 * x),
+        y: Position::from_bits(32 * y + 8),
+    };
     Match {
         ends: [point(id, 10), point(id + 3, 40)],
         disparity: [Disparity::from_num(20), Disparity::from_num(20.25)],
         sigma: Disparity::from_num(0.125),
         confidence: Confidence::from_num(0.95),
         owner: Owner::Left,
-        depth: Some([Depth::from_num(2), if id == 7 { INFINITE_DEPTH } else { Depth::from_num(2 + id / 2) }]),
+        depth: Some([
+            Depth::from_num(2),
+            if id == 7 { INFINITE_DEPTH } else { Depth::from_num(2 + id / 2) },
+        ]),
         depth_sigma: None,
-        techniques: Techniques { feature: None, window: Disparity::from_num(20), census: Disparity::from_num(20.5) },
+        techniques: Techniques {
+            feature: None,
+            window: Disparity::from_num(20),
+            census: Disparity::from_num(20.5),
+        },
     }
 }
 
 /// The packets of a frame: its head, and its segments by tens.
 pub(crate) fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
     let mut core = linestereo::Counts::default();
-    (core.segments_left, core.matched, core.segments_left_dropped) = (40, segments, u16::from(sequence == 1));
+    (core.segments_left, core.matched, core.segments_left_dropped) =
+        (40, segments, u16::from(sequence == 1));
     let times = FrameTimes { waiting_us: 11_000, matching_us: 21_500, port_us: 300 };
-    let head = FrameHead { times, ..FrameHead::new(sequence, 40_000 * u64::from(sequence), DIMS, Health::GOOD, &core) };
+    let head = FrameHead {
+        times,
+        ..FrameHead::new(sequence, 40_000 * u64::from(sequence), DIMS, Health::GOOD, &core)
+    };
     let matches: Vec<Match> = (0..segments).map(found).collect();
     let mut packets = Vec::new();
     send_frame(&head, &matches, &mut |packet| {
@@ -118,7 +136,8 @@ pub(crate) fn damaged_recording() -> (Vec<u8>, usize) {
     bytes.extend(frame(5, 0).concat());
     let last = frame(6, 12);
     bytes.extend([&last[0][..], &last[1], &last[2][..20]].concat());
-    let skipped = second[2].len() + fourth[0].len() + garbage.len() + version.len() + malformed.len() + 20;
+    let skipped =
+        second[2].len() + fourth[0].len() + garbage.len() + version.len() + malformed.len() + 20;
     (bytes, skipped)
 }
 
@@ -144,7 +163,11 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
         bytes.len()
     );
     assert_eq!(text(&output.stdout), expected);
-    assert_eq!(fs::read(folder.path().join("copy.bin")).unwrap(), bytes, "the record is what was read");
+    assert_eq!(
+        fs::read(folder.path().join("copy.bin")).unwrap(),
+        bytes,
+        "the record is what was read"
+    );
 }
 
 #[test]
@@ -154,16 +177,38 @@ fn json_has_one_line_per_complete_frame() {
     fs::write(folder.path().join("run.bin"), &bytes).unwrap();
     let output = monitor(folder.path(), &["run.bin", "--json"]);
     assert!(output.status.success());
-    assert!(text(&output.stderr).contains("frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n"));
-    let lines: Vec<Value> = text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    assert_eq!(lines.iter().map(|line| line["sequence"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 5]);
+    assert!(
+        text(&output.stderr)
+            .contains("frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n")
+    );
+    let lines: Vec<Value> =
+        text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(
+        lines.iter().map(|line| line["sequence"].as_u64().unwrap()).collect::<Vec<_>>(),
+        [1, 5]
+    );
     let first = &lines[0];
     let mut keys: Vec<&String> = first.as_object().unwrap().keys().collect();
     keys.sort();
-    assert_eq!(keys, ["capture_time_us", "clock", "counts", "health", "segments", "sequence", "size", "times_us"]);
+    assert_eq!(
+        keys,
+        [
+            "capture_time_us",
+            "clock",
+            "counts",
+            "health",
+            "segments",
+            "sequence",
+            "size",
+            "times_us"
+        ]
+    );
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
-    assert_eq!(first["times_us"], serde_json::json!({"waiting": 11_000, "matching": 21_500, "port": 300}));
+    assert_eq!(
+        first["times_us"],
+        serde_json::json!({"waiting": 11_000, "matching": 21_500, "port": 300})
+    );
     assert_eq!(first["health"], serde_json::json!({"flags": ["segments_dropped"]}));
     let expected = serde_json::json!({
         "id": 7, "left": [[7.0, 10.25], [10.0, 40.25]], "disparity_px": [20.0, 20.25], "sigma_px": 0.125,
@@ -183,7 +228,8 @@ fn json_has_one_line_per_complete_frame() {
 #[test]
 fn a_file_of_garbage_alone_or_of_nothing_is_refused() {
     let folder = TempDir::new().unwrap();
-    let image: Vec<u8> = (0..50_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let image: Vec<u8> =
+        (0..50_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     fs::write(folder.path().join("image.png"), &image).unwrap();
     fs::write(folder.path().join("empty"), []).unwrap();
     for (file, bytes) in [("image.png", 50_000), ("empty", 0)] {
@@ -219,7 +265,14 @@ struct Board<P> {
 
 impl<P: Read + Write> Board<P> {
     fn new(port: P, deaf: usize) -> Self {
-        Self { port, decoder: Decoder::new(), params: Params::default(), deaf, last_id: None, log: Vec::new() }
+        Self {
+            port,
+            decoder: Decoder::new(),
+            params: Params::default(),
+            deaf,
+            last_id: None,
+            log: Vec::new(),
+        }
     }
 
     /// The next command, or `None` when the host is gone.
@@ -233,7 +286,8 @@ impl<P: Read + Write> Board<P> {
                         return Some(command);
                     }
                 }
-                Err(error) if [ErrorKind::TimedOut, ErrorKind::WouldBlock].contains(&error.kind()) => {}
+                Err(error)
+                    if [ErrorKind::TimedOut, ErrorKind::WouldBlock].contains(&error.kind()) => {}
                 Err(_) => return None,
             }
         }
@@ -264,15 +318,21 @@ impl<P: Read + Write> Board<P> {
                 }
                 Request::Settings => {
                     for (number, value) in [(5, 16.0), (15, 1.0)] {
-                        self.port.write_all(&packet(&Message::Setting(SettingValue { number, value }))).unwrap();
+                        self.port
+                            .write_all(&packet(&Message::Setting(SettingValue { number, value })))
+                            .unwrap();
                     }
                     let slots = [Ok(4), Err(RigFault::Empty)];
-                    self.port.write_all(&packet(&Message::Kept(KeptReport { is_kept: true, slots }))).unwrap();
+                    self.port
+                        .write_all(&packet(&Message::Kept(KeptReport { is_kept: true, slots })))
+                        .unwrap();
                     Outcome::Accepted
                 }
-                Request::Start | Request::Stop | Request::SetRegions(_) | Request::SetClock(_) | Request::Set(_) => {
-                    Outcome::Accepted
-                }
+                Request::Start
+                | Request::Stop
+                | Request::SetRegions(_)
+                | Request::SetClock(_)
+                | Request::Set(_) => Outcome::Accepted,
                 _ => Outcome::Refused(linestereo_wire::Refusal::Unsupported),
             };
             // An answer to somebody else, then the answer.
@@ -289,7 +349,8 @@ impl<P: Read + Write> Board<P> {
     }
 }
 
-/// Requests that a board was sent, its parameters after them, and the commands it would still leave without an answer.
+/// Requests that a board was sent, its parameters after them, and the commands it would still leave
+/// without an answer.
 type Memory = (Vec<Request>, Params, usize);
 
 /// A board behind a connection, which it closes in the end: its address, and its thread.
@@ -313,8 +374,18 @@ fn board(deaf: usize, frames: u32) -> (String, thread::JoinHandle<Memory>) {
 fn a_board_is_described_set_started_and_watched() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(0, 3);
-    let send = ["--send", "describe", "--send", "max_disparity=96", "--send", "cell=24", "--send", "start"];
-    let output = monitor(folder.path(), &[&["--tcp", &address, "--count", "3"], &send[..]].concat());
+    let send = [
+        "--send",
+        "describe",
+        "--send",
+        "max_disparity=96",
+        "--send",
+        "cell=24",
+        "--send",
+        "start",
+    ];
+    let output =
+        monitor(folder.path(), &[&["--tcp", &address, "--count", "3"], &send[..]].concat());
     let shown = text(&output.stdout);
     assert!(output.status.success(), "{shown}{}", text(&output.stderr));
     let lines: Vec<&str> = shown.lines().collect();
@@ -327,7 +398,10 @@ fn a_board_is_described_set_started_and_watched() {
     assert_eq!(lines[1..5], expected);
     assert!(lines[7].starts_with("health: segments_dropped: "), "{shown}");
     assert_eq!(lines[9], "frames: 3 complete, 0 incomplete, 0 lost");
-    assert!(lines[10].contains(" good, 1 framing damaged, 0 checksum wrong"), "the boot loader's line: {shown}");
+    assert!(
+        lines[10].contains(" good, 1 framing damaged, 0 checksum wrong"),
+        "the boot loader's line: {shown}"
+    );
     let (log, params, _) = thread.join().unwrap();
     let update = ParamUpdate { max_disparity: Some(96), cell: Some(24), ..ParamUpdate::default() };
     assert_eq!(log, [Request::Describe, Request::SetParams(update), Request::Start]);
@@ -343,16 +417,25 @@ fn settings_are_shown_and_the_board_follows_this_computers_clock() {
     let (address, thread) = board(0, 1);
     let send = ["--send", "range_m=6", "--send", "settings", "--send", "sync", "--send", "start"];
     let before = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
-    let output = monitor(folder.path(), &[&["--tcp", &address, "--count", "1"], &send[..]].concat());
+    let output =
+        monitor(folder.path(), &[&["--tcp", &address, "--count", "1"], &send[..]].concat());
     let after = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
     let shown = text(&output.stdout);
     assert!(output.status.success(), "{shown}{}", text(&output.stderr));
-    for line in ["accepted: range_m=6\n", "settings (kept; slots: image 4, empty): cell=16 policy=block\n"] {
+    for line in
+        ["accepted: range_m=6\n", "settings (kept; slots: image 4, empty): cell=16 policy=block\n"]
+    {
         assert!(shown.contains(line), "{shown}");
     }
     let (log, ..) = thread.join().unwrap();
-    let [set, Request::Settings, Request::ReadClock, Request::SetClock(offset_us), Request::Describe, Request::Start] =
-        &log[..]
+    let [
+        set,
+        Request::Settings,
+        Request::ReadClock,
+        Request::SetClock(offset_us),
+        Request::Describe,
+        Request::Start,
+    ] = &log[..]
     else {
         panic!("{log:?}")
     };
@@ -364,24 +447,35 @@ fn settings_are_shown_and_the_board_follows_this_computers_clock() {
 fn a_refused_parameter_is_named_and_changes_nothing() {
     let folder = TempDir::new().unwrap();
     let cases = [
-        ("max_disparity=320", "max_disparity is 320, allowed are 8 to 256"),
-        ("min_confidence=0.05", "min_confidence (percent) is 5, allowed are 10 to 99"),
-        ("reach=0", "reach is 0, allowed are 1 to 6"),
+        ("max_disparity=320", "max_disparity is 320 but must be 8 to 256"),
+        ("min_confidence=0.05", "min_confidence (percent) is 5 but must be 10 to 99"),
+        ("reach=0", "reach is 0 but must be 1 to 6"),
     ];
     for (word, says) in cases {
         let (address, thread) = board(0, 0);
-        let args = ["--tcp", &address, "--count", "0", "--send", "cell=24", "--send", word, "--send", "start"];
+        let args = [
+            "--tcp", &address, "--count", "0", "--send", "cell=24", "--send", word, "--send",
+            "start",
+        ];
         let output = monitor(folder.path(), &args);
         assert_eq!(output.status.code(), Some(2));
-        assert_eq!(text(&output.stderr), format!("linestereo: the board refused cell=24 {word}: {says}\n"));
+        assert_eq!(
+            text(&output.stderr),
+            format!("linestereo: the board refused cell=24 {word}: {says}\n")
+        );
         let (log, params, _) = thread.join().unwrap();
         assert_eq!((log.len(), params), (1, Params::default()), "no start after a refusal");
     }
     let (address, thread) = board(0, 0);
     let send = ["--send", "focal_px=0.5", "--send", "baseline_m=0.1"];
-    let output = monitor(folder.path(), &[&["--tcp", &address, "--count", "0"], &send[..]].concat());
+    let output =
+        monitor(folder.path(), &[&["--tcp", &address, "--count", "0"], &send[..]].concat());
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("focal length 0.5 px is outside"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).contains("focal length 0.5 px is outside"),
+        "{}",
+        text(&output.stderr)
+    );
     thread.join().unwrap();
 }
 
@@ -406,7 +500,11 @@ fn a_board_that_never_answers_is_an_error() {
     let (address, thread) = board(usize::MAX, 0);
     let output = monitor(folder.path(), &["--tcp", &address, "--count", "0", "--send", "stop"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).starts_with("linestereo: no answer to stop in 5 s"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr).starts_with("linestereo: no answer to stop in 5 s"),
+        "{}",
+        text(&output.stderr)
+    );
     assert_eq!(usize::MAX - thread.join().unwrap().2, 5, "it was sent five times");
 }
 
@@ -419,7 +517,10 @@ fn a_closed_connection_is_one_line_after_the_summary() {
     assert_eq!(output.status.code(), Some(2));
     let error = text(&output.stderr);
     assert_eq!(error.lines().count(), 1, "{error}");
-    assert!(error.starts_with(&format!("linestereo: the connection to {address} was closed")), "{error}");
+    assert!(
+        error.starts_with(&format!("linestereo: the connection to {address} was closed")),
+        "{error}"
+    );
     let shown = text(&output.stdout);
     assert!(shown.contains("frames: 2 complete, 0 incomplete, 0 lost\n"), "{shown}");
 }
@@ -471,7 +572,11 @@ fn bad_input_gets_one_line() {
     for (args, says) in cases {
         refused_with(folder.path(), &[&["monitor"], args].concat(), &[says]);
     }
-    assert_eq!(fs::read(folder.path().join("run.bin")).unwrap(), frame(1, 1).concat(), "the input is as it was");
+    assert_eq!(
+        fs::read(folder.path().join("run.bin")).unwrap(),
+        frame(1, 1).concat(),
+        "the input is as it was"
+    );
 }
 
 #[test]

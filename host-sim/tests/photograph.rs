@@ -37,14 +37,29 @@ fn image(n: u8, is_right: bool) -> Vec<u8> {
 fn send_photo(stream: &mut TcpStream, command: u16, n: u8, lost: Option<usize>) {
     send(stream, &Message::Answer(Answer { command, outcome: Outcome::Accepted }));
     let [width, height] = SIZE;
-    send(stream, &Message::Photo(PairHead { width, height, capture_time_us: 1, right_capture_time_us: None }));
+    send(
+        stream,
+        &Message::Photo(PairHead {
+            width,
+            height,
+            capture_time_us: 1,
+            right_capture_time_us: None,
+        }),
+    );
     for is_right in [false, true] {
         for (place, piece) in image(n, is_right).chunks(PIXELS_PER_PACKET).enumerate() {
             if lost == Some(place) && is_right {
                 continue;
             }
             let list = heapless::Vec::from_slice(piece).unwrap();
-            send(stream, &Message::Pixels(Pixels { is_right, first: (place * PIXELS_PER_PACKET) as u32, list }));
+            send(
+                stream,
+                &Message::Pixels(Pixels {
+                    is_right,
+                    first: (place * PIXELS_PER_PACKET) as u32,
+                    list,
+                }),
+            );
             // Other messages of a board stand between them.
             send(stream, &Message::Capture(CaptureReport::default()));
         }
@@ -73,7 +88,8 @@ fn pairs_become_files_that_calibrate_reads_behind_those_that_are_there() {
     fs::create_dir(folder.path().join("photos")).unwrap();
     fs::write(folder.path().join("photos/left07.png"), "an older one").unwrap();
     let (address, thread) = board(|stream, command, n| send_photo(stream, command, n, None));
-    let output = linestereo(folder.path(), &["photograph", "photos", "--tcp", &address, "--count", "2"]);
+    let output =
+        linestereo(folder.path(), &["photograph", "photos", "--tcp", &address, "--count", "2"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(thread.join().unwrap(), 2);
     let said = String::from_utf8(output.stdout).unwrap();
@@ -91,11 +107,17 @@ fn pairs_become_files_that_calibrate_reads_behind_those_that_are_there() {
 fn what_fails_is_said_and_leaves_no_half_pair() {
     let folder = TempDir::new().unwrap();
     let no_pair = |stream: &mut TcpStream, command: u16, _: u8| {
-        send(stream, &Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::NoPair) }));
+        send(
+            stream,
+            &Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::NoPair) }),
+        );
     };
     let run = |address: &str| refused(folder.path(), &["photograph", "photos", "--tcp", address]);
     let (address, _) = board(no_pair);
-    assert!(run(&address).contains("photo 1 of 1: the board refused: the cameras delivered no whole pair"));
+    assert!(
+        run(&address)
+            .contains("photo 1 of 1: the board refused: the cameras delivered no complete pair")
+    );
     let (address, _) = board(|stream, command, n| send_photo(stream, command, n, Some(1)));
     assert!(run(&address).contains("pixels were lost on the way"));
     let (address, _) = board(|stream, _, _| {

@@ -1,4 +1,5 @@
-//! Plans of rigs: figures that makers publish, the equations by another way, and wishes that cannot be had.
+//! Plans of rigs: figures that makers publish, the equations by another way, and wishes that cannot
+//! be had.
 
 use linestereo::{Depth, Dims, Disparity, Rig};
 use linestereo_sim::planning::{Focal, RigPlan, USUAL_SIGMA, Wish, suggest};
@@ -19,7 +20,8 @@ fn near_limits_are_those_that_makers_publish() {
     for (range, near) in [(64, 0.528_515_625), (96, 0.352_343_75), (128, 0.264_257_812_5)] {
         assert_near(plan(451.0, VGA, 0.075, range).near_limit(), near, 1e-9);
     }
-    // Luxonis, "Configuring stereo depth": 71.9 degrees are 441.25 px at 640, 882.5 px at 1280; 0.70 m at 95 disparities of 800P.
+    // Luxonis, "Configuring stereo depth": 71.9 degrees are 441.25 px at 640, 882.5 px at 1280;
+    // 0.70 m at 95 disparities of 800P.
     let wide = Dims { width: 1280, height: 800 };
     assert_near(Focal::FieldOfView(71.9).pixels(Dims { width: 640, height: 400 }), 441.25, 0.05);
     let focal = Focal::FieldOfView(71.9).pixels(wide);
@@ -27,7 +29,11 @@ fn near_limits_are_those_that_makers_publish() {
     assert_near(plan(focal, wide, 0.075, 95).near_limit(), 0.70, 0.005);
     // Intel, D435: 90 degrees, 848x480, 50 mm, 126 disparities: 16.8 cm.
     let d435 = Dims { width: 848, height: 480 };
-    assert_near(plan(Focal::FieldOfView(90.0).pixels(d435), d435, 0.05, 126).near_limit(), 0.168, 0.0005);
+    assert_near(
+        plan(Focal::FieldOfView(90.0).pixels(d435), d435, 0.05, 126).near_limit(),
+        0.168,
+        0.0005,
+    );
     // A D435's lens and sensor: 1.93 mm, 3 um.
     assert_near(Focal::Millimetres { focal: 1.93, pixel: 3.0 }.pixels(d435), 643.33, 0.01);
     assert_near(plan(424.0, d435, 0.05, 126).fields_of_view()[0], 90.0, 1e-9);
@@ -35,7 +41,8 @@ fn near_limits_are_those_that_makers_publish() {
 
 #[test]
 fn errors_are_those_of_the_core() {
-    // Result of the board for a disparity and its standard deviation, in steps of 1/64 px and 1/65536 m.
+    // Result of the board for a disparity and its standard deviation, in steps of 1/64 px and
+    // 1/65536 m.
     let rig = Rig::new(451.0, 0.075, 0.0).unwrap();
     let plan = plan(451.0, VGA, 0.075, 96);
     for distance in [0.4, 1.0, 2.5, 6.0] {
@@ -57,7 +64,8 @@ fn errors_are_those_of_the_core() {
 fn overlap_is_what_rays_say() {
     let plan = plan(451.0, VGA, 0.075, 96);
     for distance in [0.1, 0.5, 3.0] {
-        // Which of many rays of the left camera hit a point at this distance that the right one sees.
+        // Which of many rays of the left camera hit a point at this distance that the right one
+        // sees.
         let columns = (0..64_000).map(|i| (f64::from(i) + 0.5) / 100.0);
         let seen = columns.filter(|column| (column - 451.0 * 0.075 / distance) >= 0.0).count();
         assert_near(plan.overlap(distance), seen as f64 / 64_000.0, 1e-4);
@@ -91,8 +99,13 @@ fn what_cannot_be_had_is_said_with_what_to_change() {
     assert_near(found.disparity_near_px, 125.0, 1e-9);
     assert!(!found.within_range);
     let advice = found.advice.join("\n");
-    for part in ["disparity of 125 px", "--max-disparity 128", "nearer than 0.39 m", "allow 9.8 % at 5 m", "to 2.56 m"]
-    {
+    for part in [
+        "disparity of 125 px",
+        "--max-disparity 128",
+        "nearer than 0.39 m",
+        "allow 9.8 % at 5 m",
+        "to 2.56 m",
+    ] {
         assert!(advice.contains(part), "{part} is not in\n{advice}");
     }
     // Each of the ways out is one.
@@ -107,7 +120,9 @@ fn what_cannot_be_had_is_said_with_what_to_change() {
     }
     // A short common view, a long baseline, one that is too short to be built.
     let narrow = Dims { width: 160, height: 120 };
-    assert!(suggest(115.0, narrow, 128, 0.25, &wish).unwrap().advice.join(" ").contains("share 22 %"));
+    assert!(
+        suggest(115.0, narrow, 128, 0.25, &wish).unwrap().advice.join(" ").contains("share 22 %")
+    );
     let long = suggest(230.0, dims, 64, 0.25, &Wish { near: 5.0, far: 40.0, error: 0.05 }).unwrap();
     assert!(long.advice.join(" ").contains("hard to keep rigid"), "{long:?}");
     let short = suggest(230.0, dims, 64, 0.25, &Wish { near: 0.1, far: 0.5, error: 0.05 }).unwrap();
@@ -157,11 +172,13 @@ fn impossible_plans_are_refused_by_name() {
         (230.0, 320, 0.1, 64, 0.0, "deviation of 0 px"),
     ];
     for (focal, width, baseline, range, sigma, says) in plans {
-        let error = RigPlan::new(focal, Dims { width, height: 240 }, baseline, range, sigma).unwrap_err();
+        let error =
+            RigPlan::new(focal, Dims { width, height: 240 }, baseline, range, sigma).unwrap_err();
         assert!(error.to_string().contains(says), "{error}");
     }
     let bad = f64::NAN;
-    let distances = [(0.0, 1.0), (2.0, 1.0), (1.0, f64::INFINITY), (bad, 1.0)].map(|(near, far)| (near, far, 0.05));
+    let distances = [(0.0, 1.0), (2.0, 1.0), (1.0, f64::INFINITY), (bad, 1.0)]
+        .map(|(near, far)| (near, far, 0.05));
     let wishes = distances.map(|wish| (wish, "the distances")).into_iter();
     for ((near, far, error), says) in
         wishes.chain([0.0, 1.0, -0.1, bad].map(|error| ((0.5, 1.0, error), "an error of")))

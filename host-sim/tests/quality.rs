@@ -1,4 +1,5 @@
-//! Depth quality on walls that are known: drawn ones through the command, planes with known errors through its arithmetic.
+//! Depth quality on walls that are known: drawn ones through the command, planes with known errors
+//! through its arithmetic.
 
 use crate::support::{all_refused, json, succeed};
 use linestereo::{Area, Confidence, Dims, Disparity, Point, Rig, Source};
@@ -12,7 +13,8 @@ use tempfile::TempDir;
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const DISTANCE: f64 = 1.5;
 
-/// A folder with pairs of a wall, turned about the vertical axis by an angle of this tangent, whose middle is 1.5 m away.
+/// A folder with pairs of a wall, turned about the vertical axis by an angle of this tangent, whose
+/// middle is 1.5 m away.
 fn wall(tangent: f64, texture: Texture, pairs: u64) -> TempDir {
     let folder = TempDir::new().unwrap();
     let pair = Pair::centred(DIMS, 288.0, 0.12);
@@ -53,7 +55,11 @@ fn assert_near(value: &Value, expected: f64, tolerance: f64) {
 fn a_wall_that_faces_the_cameras_is_good() {
     let folder = wall(0.0, textured(), 4);
     let found = measure(folder.path(), &["--distance", "1.5"]);
-    assert_eq!((found["pairs"].as_u64(), &found["verdict"]), (Some(4), &Value::from("good")), "{found}");
+    assert_eq!(
+        (found["pairs"].as_u64(), &found["verdict"]),
+        (Some(4), &Value::from("good")),
+        "{found}"
+    );
     assert_eq!(found["region"], serde_json::json!([96, 72, 128, 96]));
     assert_near(&found["z_accuracy"], 0.0, 0.003);
     assert_near(&found["distance_m"], DISTANCE, 0.005);
@@ -62,8 +68,11 @@ fn a_wall_that_faces_the_cameras_is_good() {
     // Noise is there, and below the limits of "good".
     assert_near(&found["sub_pixel_rms_px"], 0.11, 0.09);
     assert_near(&found["temporal_noise_px"], 0.07, 0.06);
-    let text = succeed(folder.path(), &["quality", ".", "--distance", "1.5", "--picture", "wall.png"]);
-    for words in ["Z accuracy", "plane-fit RMS", "temporal noise", "verdict: good", "wrote wall.png"] {
+    let text =
+        succeed(folder.path(), &["quality", ".", "--distance", "1.5", "--picture", "wall.png"]);
+    for words in
+        ["Z accuracy", "plane-fit RMS", "temporal noise", "verdict: good", "wrote wall.png"]
+    {
         assert!(text.contains(words), "{words} is missing in:\n{text}");
     }
     assert!(image::open(folder.path().join("wall.png")).unwrap().width() > 900);
@@ -87,7 +96,10 @@ fn a_wrong_distance_is_told_as_disparity() {
     assert_near(&found["disparity_error_px"], 288.0 * 0.12 * (1.0 / 1.6 - 1.0 / 1.5), 0.08);
     assert_eq!(found["verdict"], "poor");
     let text = succeed(folder.path(), &["quality", ".", "--distance", "1.6"]);
-    assert!(text.contains("too near at 1.6 m") && text.contains("px of disparity too much"), "{text}");
+    assert!(
+        text.contains("too near at 1.6 m") && text.contains("px of disparity too much"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -126,11 +138,17 @@ fn figures_are_those_of_the_definitions() {
     let region = Area { left: 64, top: 64, right: 224, bottom: 144 };
     let rig = Rig::new(288.0, 0.12, 0.0).unwrap().centred(DIMS);
     let wall = Wall { region, rig: Some(&rig), distance_m: None };
-    // 20 by 10 cells; each answer 0.25 px off, this way and that; two are wrong, and ten are missing.
+    // 20 by 10 cells; each answer 0.25 px off, this way and that; two are wrong, and ten are
+    // missing.
     let grid = || (0..200_u16).map(|i| (68 + 8 * (i % 20), 68 + 8 * (i / 20)));
     let pair = |sign: f64| -> Vec<Point> {
-        let off = |(x, y): (u16, u16)| if (x / 8 + y / 8) % 2 == 0 { 0.25 * sign } else { -0.25 * sign };
-        grid().skip(10).zip(0..).map(|(at, i)| point(at.0, at.1, if i < 2 { 9.0 } else { off(at) })).collect()
+        let off =
+            |(x, y): (u16, u16)| if (x / 8 + y / 8) % 2 == 0 { 0.25 * sign } else { -0.25 * sign };
+        grid()
+            .skip(10)
+            .zip(0..)
+            .map(|(at, i)| point(at.0, at.1, if i < 2 { 9.0 } else { off(at) }))
+            .collect()
     };
     let (quality, answers) = wall.evaluate(&[pair(1.0), pair(-1.0)]);
     assert_eq!((quality.cells, answers.len()), (200, 190));
@@ -138,7 +156,10 @@ fn figures_are_those_of_the_definitions() {
     assert!((quality.off_plane.unwrap() - 2.0 / 190.0).abs() < 1e-9);
     assert!((quality.sub_pixel_rms_px.unwrap() - 0.25).abs() < 0.005, "{quality:?}");
     // Two values 0.5 px apart: a deviation of 0.5 / sqrt(2).
-    assert!((quality.temporal_noise_px.unwrap() - 0.5 / 2.0_f64.sqrt()).abs() < 1e-6, "{quality:?}");
+    assert!(
+        (quality.temporal_noise_px.unwrap() - 0.5 / 2.0_f64.sqrt()).abs() < 1e-6,
+        "{quality:?}"
+    );
     let middle = 20.0 + 143.5 / 32.0;
     let distance = 288.0 * 0.12 / middle;
     assert!((quality.distance_m.unwrap() / distance - 1.0).abs() < 1e-3);

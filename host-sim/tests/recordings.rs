@@ -1,10 +1,13 @@
-//! Recordings of ROS 2, both ways: against files of the same pixels, and against `rosbags`, which knows the official definitions.
+//! Recordings of ROS 2, both ways: against files of the same pixels, and against `rosbags`, which
+//! knows the official definitions.
 
 use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
 use linestereo_frames::load_gray;
 use linestereo_recordings::mcap::{McapFault, Reader, Record, Writer};
 use linestereo_recordings::ros::cdr;
-use linestereo_recordings::ros::messages::{Detection2D, Detection2DArray, Header, ObjectHypothesisWithPose};
+use linestereo_recordings::ros::messages::{
+    Detection2D, Detection2DArray, Header, ObjectHypothesisWithPose,
+};
 use linestereo_recordings::ros::sent::Stamp;
 use serde_json::{Value, json};
 use std::fs;
@@ -17,7 +20,8 @@ const MS: u64 = 1_000_000;
 
 /// Says so where a package of Python is missing.
 fn has(package: &str) -> bool {
-    let installed = Command::new("python3").args(["-c", &format!("import numpy, {package}")]).output();
+    let installed =
+        Command::new("python3").args(["-c", &format!("import numpy, {package}")]).output();
     let is_there = installed.is_ok_and(|output| output.status.success());
     if !is_there {
         eprintln!("SKIPPED: no {package} in python3; pip install {}", package.replace('_', "-"));
@@ -32,7 +36,8 @@ fn python(folder: &Path, args: &[&str]) -> Option<String> {
         return None;
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings.py");
-    let output = Command::new("python3").arg(script).args(args).current_dir(folder).output().unwrap();
+    let output =
+        Command::new("python3").arg(script).args(args).current_dir(folder).output().unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     Some(String::from_utf8(output.stdout).unwrap())
 }
@@ -109,7 +114,8 @@ fn a_bag_gives_what_its_files_give() {
         ("yuv422_yuy2", "zstd", false),
         ("file", "none", false),
     ] {
-        let (file, suffix) = if encoding == "file" { ("png", "/compressed") } else { ("pgm.raw", "") };
+        let (file, suffix) =
+            if encoding == "file" { ("png", "/compressed") } else { ("pgm.raw", "") };
         let topics = TOPICS.map(|topic| format!("{topic}{suffix}"));
         let job = json!({"pairs": pairs(&DRAWN, file), "encoding": encoding, "compression": compression,
                          "rig": rig(), "topics": topics, "scramble": scramble});
@@ -148,7 +154,10 @@ fn a_recording_of_foxglove_gives_what_its_files_give() {
     let Some(bag) = bag(at, &job) else { return };
     python(at, &["foxglove", "fox.mcap", "job.json"]).unwrap();
     let expected = records(&succeed(at, &[&["sequence", &bag], &known[..]].concat()));
-    assert!(records(&succeed(at, &[&["sequence", "fox.mcap"], &known[..]].concat())) == expected, "raw");
+    assert!(
+        records(&succeed(at, &[&["sequence", "fox.mcap"], &known[..]].concat())) == expected,
+        "raw"
+    );
 }
 
 #[test]
@@ -188,22 +197,38 @@ fn images_are_paired_by_their_times_and_the_rest_is_counted() {
     let job = json!({"pairs": pairs, "encoding": "mono8", "compression": "none", "topics": TOPICS});
     let Some(bag) = bag(folder.path(), &job) else { return };
     let told = |args: &[&str]| {
-        let output = linestereo(folder.path(), &[&["sequence", &bag, "--no-points"], args].concat());
+        let output =
+            linestereo(folder.path(), &[&["sequence", &bag, "--no-points"], args].concat());
         let lines = String::from_utf8(output.stdout.clone()).unwrap();
-        let values: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        let values: Vec<Value> =
+            lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
         (stderr(&output), values)
     };
     let (summary, lines) = told(&[]);
-    assert!(summary.contains("1 frames, 0 failed, 4 images without a partner; layout: MCAP recording"), "{summary}");
-    assert!(summary.contains("paired within 10 ms; no rig by the recording: it has no CameraInfo"), "{summary}");
-    assert_eq!((lines[0]["name"].as_str(), lines[0]["health"]["skew_us"].as_u64()), (Some("1.000000000"), Some(500)));
+    assert!(
+        summary.contains("1 frames, 0 failed, 4 images without a partner; layout: MCAP recording"),
+        "{summary}"
+    );
+    assert!(
+        summary.contains("paired within 10 ms; no rig in the recording: it has no CameraInfo"),
+        "{summary}"
+    );
+    assert_eq!(
+        (lines[0]["name"].as_str(), lines[0]["health"]["skew_us"].as_u64()),
+        (Some("1.000000000"), Some(500))
+    );
     let (summary, lines) = told(&["--pair-window-ms", "12"]);
     assert!(summary.contains("2 frames, 0 failed, 2 images without a partner"), "{summary}");
     assert_eq!(lines[1]["health"]["skew_us"].as_u64(), Some(12_000));
-    assert!(lines[1]["health"]["flags"].as_array().unwrap().contains(&json!("skew")), "{}", lines[1]["health"]);
+    assert!(
+        lines[1]["health"]["flags"].as_array().unwrap().contains(&json!("skew")),
+        "{}",
+        lines[1]["health"]
+    );
     let (summary, _) = told(&["--pair-window-ms", "0.4"]);
     assert!(
-        summary.contains("none of 3 left and 3 right images are within 0.4 ms; give --pair-window-ms"),
+        summary
+            .contains("none of 3 left and 3 right images are within 0.4 ms; give --pair-window-ms"),
         "{summary}"
     );
 }
@@ -225,7 +250,8 @@ fn raw_images_are_rectified_by_their_own_calibration() {
         );
         fs::write(at.join(name), text).unwrap();
     }
-    let expected = records(&succeed(at, &["sequence", "rec", "--rig", "left.yaml", "--rig", "right.yaml"]));
+    let expected =
+        records(&succeed(at, &["sequence", "rec", "--rig", "left.yaml", "--rig", "right.yaml"]));
     let output = linestereo(at, &["sequence", &bag]);
     assert!(stderr(&output).contains("raw, rectified by their CameraInfo"), "{}", stderr(&output));
     assert!(records(core::str::from_utf8(&output.stdout).unwrap()) == expected);
@@ -233,14 +259,20 @@ fn raw_images_are_rectified_by_their_own_calibration() {
 
 /// The drawn pairs as two files of a folder, as `ros2 bag record` splits them.
 fn bag_folder(at: &Path) {
-    let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--with", "images"];
+    let known =
+        ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--with", "images"];
     fs::create_dir(at.join("bag")).unwrap();
-    succeed(at, &[&["sequence", "rec", "--frames", "1..3", "--out", "all.mcap"], &known[..]].concat());
+    succeed(
+        at,
+        &[&["sequence", "rec", "--frames", "1..3", "--out", "all.mcap"], &known[..]].concat(),
+    );
     for (frames, out) in [("0..1", "bag/bag_0.mcap"), ("2..2", "bag/bag_1.mcap")] {
-        succeed(at, &["sequence", "all.mcap", "--frames", frames, "--out", out, "--with", "images"]);
+        succeed(
+            at,
+            &["sequence", "all.mcap", "--frames", frames, "--out", out, "--with", "images"],
+        );
     }
-    let metadata =
-        "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
+    let metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
     fs::write(at.join("bag/metadata.yaml"), metadata).unwrap();
 }
 
@@ -252,16 +284,25 @@ fn a_folder_of_ros_is_one_recording() {
     let expected = records(&succeed(at, &["sequence", "all.mcap", "--max-disparity", "48"]));
     assert_eq!(expected.len(), 3);
     for path in ["bag", "bag/", "./bag"] {
-        assert!(records(&succeed(at, &["sequence", path, "--max-disparity", "48"])) == expected, "{path}");
+        assert!(
+            records(&succeed(at, &["sequence", path, "--max-disparity", "48"])) == expected,
+            "{path}"
+        );
     }
     // Other commands take it, and nothing is written over its files.
     succeed(at, &["report", "bag", "-o", "report.html"]);
-    all_refused(at, &[(&["sequence", "bag", "--out", "bag/bag_1.mcap"], "is one of the files that are read")]);
+    all_refused(
+        at,
+        &[(&["sequence", "bag", "--out", "bag/bag_1.mcap"], "is one of the files that are read")],
+    );
     // Without what ROS says of it it is read where that is clear.
     fs::remove_file(at.join("bag/metadata.yaml")).unwrap();
     all_refused(
         at,
-        &[(&["sequence", "bag"], "it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them")],
+        &[(
+            &["sequence", "bag"],
+            "it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them",
+        )],
     );
     fs::remove_file(at.join("bag/bag_1.mcap")).unwrap();
     assert!(records(&succeed(at, &["sequence", "bag", "--max-disparity", "48"])) == expected[..2]);
@@ -280,7 +321,10 @@ fn other_bags_say_how_they_are_converted() {
     fs::write(at.join("bag/metadata.yaml"), "rosbag2_bagfile_information:\n").unwrap();
     for command in ["sequence", "quality"] {
         let cases: [(&[&str], &str); 5] = [
-            (&[command, "x.db3"], "x.db3: it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`"),
+            (
+                &[command, "x.db3"],
+                "x.db3: it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`",
+            ),
             (&[command, "x.bag"], "x.bag: it is no MCAP file; convert"),
             (&[command, "x.mcap.zstd"], "unpack it with `zstd -d`"),
             (&[command, "bag"], "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`"),
@@ -296,7 +340,11 @@ fn detections(at: &Path, out: &str, topic: &str, stamps: &[u64]) {
     let mut writer = Writer::new(fs::File::create(at.join(out)).unwrap(), "test").unwrap();
     let channel = writer.channel(topic, "vision_msgs/msg/Detection2DArray", "").unwrap();
     let found = |class: &str, center: [f64; 3], id: &str| Detection2D {
-        results: vec![ObjectHypothesisWithPose { class_id: class.to_owned(), score: 0.75, ..Default::default() }],
+        results: vec![ObjectHypothesisWithPose {
+            class_id: class.to_owned(),
+            score: 0.75,
+            ..Default::default()
+        }],
         center,
         size_x: 100.0,
         size_y: 80.0,
@@ -311,7 +359,9 @@ fn detections(at: &Path, out: &str, topic: &str, stamps: &[u64]) {
             found("cup", [200.0, 160.0, 0.0], "9"),
         ];
         let detections = if number + 1 < stamps.len() { all } else { Vec::new() };
-        writer.message(channel, ns, &cdr::write(&Detection2DArray { header, detections }).unwrap()).unwrap();
+        writer
+            .message(channel, ns, &cdr::write(&Detection2DArray { header, detections }).unwrap())
+            .unwrap();
     }
     writer.finish().unwrap();
 }
@@ -321,7 +371,10 @@ fn objects_of_a_recording_are_those_of_their_time() {
     let folder = drawn();
     let at = folder.path();
     let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12"];
-    succeed(at, &[&["sequence", "rec", "--out", "all.mcap", "--with", "images"], &known[..]].concat());
+    succeed(
+        at,
+        &[&["sequence", "rec", "--out", "all.mcap", "--with", "images"], &known[..]].concat(),
+    );
     let boxes = "x0,y0,x1,y1,name\n50,40,150,120,box\n850,40,950,120,out\n150,120,250,200,cup\n";
     fs::write(at.join("boxes.csv"), boxes).unwrap();
     let of_files = records(&succeed(
@@ -341,7 +394,10 @@ fn objects_of_a_recording_are_those_of_their_time() {
     ));
     // Pairs of a folder are 0.1 s apart; the second message is 2 ms late, and so is no other.
     detections(at, "found.mcap", "/yolo/detections", &[100 * MS, 202 * MS, 300 * MS]);
-    let output = linestereo(at, &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap"]);
+    let output = linestereo(
+        at,
+        &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap"],
+    );
     assert!(
         stderr(&output).contains("2 objects skipped, 0 frames whose objects cannot be read\n"),
         "{}",
@@ -351,27 +407,48 @@ fn objects_of_a_recording_are_those_of_their_time() {
     for i in 0..2 {
         assert_eq!(found[i]["objects"], of_files[i]["objects"], "{i}");
         assert!(
-            found[i]["objects"][0]["depth_m"].is_number() && found[i]["objects"][1]["name"] == "cup",
+            found[i]["objects"][0]["depth_m"].is_number()
+                && found[i]["objects"][1]["name"] == "cup",
             "{}",
             found[i]["objects"]
         );
     }
     assert_eq!(found[2]["objects"], json!([]));
     // Messages out, with the places of the objects.
-    let only_objects = ["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap", "--only-objects"];
+    let only_objects = [
+        "sequence",
+        "all.mcap",
+        "--max-disparity",
+        "48",
+        "--objects",
+        "found.mcap",
+        "--only-objects",
+    ];
     let alone = records(&succeed(at, &only_objects));
     succeed(at, &[&only_objects[..], &["--out", "out.mcap"]].concat());
     let placed = placed(&at.join("out.mcap"));
     assert_eq!(placed.len(), 3);
     for (i, line) in alone.iter().enumerate() {
-        let objects: Vec<&Value> =
-            line["objects"].as_array().unwrap().iter().filter(|object| object["depth_m"].is_number()).collect();
+        let objects: Vec<&Value> = line["objects"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|object| object["depth_m"].is_number())
+            .collect();
         assert_eq!(placed[i].len(), objects.len(), "{i}");
-        for (object, (class, score, [x, y, z], [width, height, deep], id)) in objects.into_iter().zip(&placed[i]) {
+        for (object, (class, score, [x, y, z], [width, height, deep], id)) in
+            objects.into_iter().zip(&placed[i])
+        {
             let depth = object["depth_m"].as_f64().unwrap();
-            let (name, track, centre) =
-                if *class == "box" { ("box", "4", [99.5, 79.5]) } else { ("cup", "9", [199.5, 159.5]) };
-            assert_eq!((object["name"].as_str(), &**id, *score, *deep), (Some(name), track, 0.75, 0.0));
+            let (name, track, centre) = if *class == "box" {
+                ("box", "4", [99.5, 79.5])
+            } else {
+                ("cup", "9", [199.5, 159.5])
+            };
+            assert_eq!(
+                (object["name"].as_str(), &**id, *score, *deep),
+                (Some(name), track, 0.75, 0.0)
+            );
             for (value, expected) in [
                 (z, depth),
                 (x, (centre[0] - 159.5) * depth / 288.0),
@@ -379,7 +456,10 @@ fn objects_of_a_recording_are_those_of_their_time() {
                 (width, 100.0 * depth / 288.0),
                 (height, 80.0 * depth / 288.0),
             ] {
-                assert!((value - expected).abs() < 2e-3 * depth, "{name} of {i}: {value} is not {expected}");
+                assert!(
+                    (value - expected).abs() < 2e-3 * depth,
+                    "{name} of {i}: {value} is not {expected}"
+                );
             }
         }
     }
@@ -388,14 +468,27 @@ fn objects_of_a_recording_are_those_of_their_time() {
             &["sequence", "all.mcap", "--objects", "boxes.csv"],
             "give their topic, as in --objects /detections, or a recording of them",
         ),
-        (&["sequence", "all.mcap", "--objects", "/yolo"], "it has no topic of vision_msgs/msg/Detection2DArray"),
-        (&["sequence", "all.mcap", "--objects", "all.mcap"], "it has no topic of vision_msgs/msg/Detection2DArray"),
+        (
+            &["sequence", "all.mcap", "--objects", "/yolo"],
+            "it has no topic of vision_msgs/msg/Detection2DArray",
+        ),
+        (
+            &["sequence", "all.mcap", "--objects", "all.mcap"],
+            "it has no topic of vision_msgs/msg/Detection2DArray",
+        ),
     ];
     all_refused(at, &cases);
     // No message within the window of a pair: counted, and not those of another time.
     detections(at, "late.mcap", "/a", &[111 * MS, 400 * MS]);
-    let output = linestereo(at, &["sequence", "all.mcap", "--objects", "late.mcap", "--max-disparity", "48"]);
-    assert!(stderr(&output).contains("3 frames without a file or a message of objects"), "{}", stderr(&output));
+    let output = linestereo(
+        at,
+        &["sequence", "all.mcap", "--objects", "late.mcap", "--max-disparity", "48"],
+    );
+    assert!(
+        stderr(&output).contains("3 frames without a file or a message of objects"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 type Placed = (String, f64, [f64; 3], [f64; 3], String);
@@ -404,20 +497,28 @@ type Placed = (String, f64, [f64; 3], [f64; 3], String);
 fn placed(path: &Path) -> Vec<Vec<Placed>> {
     type Result = (String, f64, [f64; 7], [[f64; 18]; 2]);
     type Detection = (Header, Vec<Result>, [f64; 7], [f64; 3], String);
+    let one = |(_, results, pose, size, id): Detection| {
+        let (class, score, of_result, _) = results.into_iter().next().unwrap();
+        assert_eq!(of_result, pose);
+        (class, score, [pose[0], pose[1], pose[2]], size, id)
+    };
+    let of_message = |message: &Vec<u8>| -> Vec<Placed> {
+        let (_, list): (Header, Vec<Detection>) = cdr::read(message).unwrap();
+        list.into_iter().map(one).collect()
+    };
+    messages(path, "/linestereo/detections").iter().map(of_message).collect()
+}
+
+/// The messages of a topic, in the order of the file.
+fn messages(path: &Path, topic: &str) -> Vec<Vec<u8>> {
     let mut reader = Reader::open(path).unwrap();
     let (mut channel_id, mut found) = (None, Vec::new());
     reader
-        .scan(|record, _| -> core::result::Result<(), McapFault> {
+        .scan(|record, _| -> Result<(), McapFault> {
             match record {
-                Record::Channel(channel) if channel.topic == "/linestereo/detections" => channel_id = Some(channel.id),
+                Record::Channel(channel) if channel.topic == topic => channel_id = Some(channel.id),
                 Record::Message { header, data } if Some(header.channel_id) == channel_id => {
-                    let (_, list): (Header, Vec<Detection>) = cdr::read(&data).unwrap();
-                    let one = |(_, results, pose, size, id): Detection| {
-                        let (class, score, of_result, _) = results.into_iter().next().unwrap();
-                        assert_eq!(of_result, pose);
-                        (class, score, [pose[0], pose[1], pose[2]], size, id)
-                    };
-                    found.push(list.into_iter().map(one).collect());
+                    found.push(data.into_owned());
                 }
                 _ => {}
             }
@@ -427,6 +528,36 @@ fn placed(path: &Path) -> Vec<Vec<Placed>> {
     found
 }
 
+/// Width of the cloud, and bytes of its points.
+fn cloud_size(message: &[u8]) -> (u32, usize) {
+    type Field = (String, u32, u8, u32);
+    type Cloud = (Header, u32, u32, Vec<Field>, bool, u32, u32, Vec<u8>, bool);
+    let (_, _, width, _, _, _, _, data, _): Cloud = cdr::read(message).unwrap();
+    (width, data.len())
+}
+
+#[test]
+fn the_cloud_of_exchanged_images_has_no_points() {
+    let folder = with_drawn_pairs();
+    let at = folder.path();
+    fs::create_dir(at.join("exchanged")).unwrap();
+    for (from, to) in [("left.png", "right.png"), ("right.png", "left.png")] {
+        fs::copy(at.join("rec/1").join(from), at.join("exchanged").join(to)).unwrap();
+    }
+    let clouds = |name: &str| {
+        let rig = ["--focal-px", "288", "--baseline-m", "0.12"];
+        let output = linestereo(at, &[&["sequence", name, "--out", "out.mcap"][..], &rig].concat());
+        let clouds = messages(&at.join("out.mcap"), "/linestereo/points");
+        let sizes: Vec<_> = clouds.iter().map(|cloud| cloud_size(cloud)).collect();
+        (output.status.code(), sizes)
+    };
+    let (code, sizes) = clouds("rec/1");
+    assert_eq!((code, sizes.len()), (Some(0), 1));
+    let (width, bytes) = sizes[0];
+    assert!(width > 5000 && bytes == 16 * width as usize, "{width} points in {bytes} bytes");
+    assert_eq!(clouds("exchanged"), (Some(2), vec![(0, 0)]));
+}
+
 #[test]
 fn a_topic_of_the_recording_itself_gives_its_objects() {
     let folder = drawn();
@@ -434,12 +565,17 @@ fn a_topic_of_the_recording_itself_gives_its_objects() {
     let mut job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "compression": "none", "rig": rig(), "topics": TOPICS});
     job["detections"] = json!({"topic": "/boxes", "boxes": [[100, 80, 100, 80, "box"], [200, 160, 100, 80, "cup"]]});
     let Some(bag) = bag(at, &job) else { return };
-    fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n50,40,150,120,box\n150,120,250,200,cup\n").unwrap();
+    fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n50,40,150,120,box\n150,120,250,200,cup\n")
+        .unwrap();
     let known = ["--max-disparity", "48"];
-    let of_files = ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12", "--objects", "boxes.csv"];
+    let of_files =
+        ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12", "--objects", "boxes.csv"];
     let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
     for path in [bag.as_str(), "bag"] {
-        let found = records(&succeed(at, &[&["sequence", path, "--objects", "/boxes"], &known[..]].concat()));
+        let found = records(&succeed(
+            at,
+            &[&["sequence", path, "--objects", "/boxes"], &known[..]].concat(),
+        ));
         assert!(found == expected, "{path}");
     }
     all_refused(at, &[(&["sequence", "bag", "--objects", "/cats"], "is in /cats, but in /boxes")]);
@@ -449,16 +585,41 @@ fn a_topic_of_the_recording_itself_gives_its_objects() {
 fn what_is_written_is_read_again() {
     let folder = drawn();
     let at = folder.path();
-    let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--disparity-offset-px", "1.5"];
+    let known = [
+        "--max-disparity",
+        "48",
+        "--focal-px",
+        "288",
+        "--baseline-m",
+        "0.12",
+        "--disparity-offset-px",
+        "1.5",
+    ];
     let expected = records(&succeed(at, &[&["sequence", "rec"], &known[..]].concat()));
-    succeed(at, &[&["sequence", "rec", "--out", "a.mcap", "--with", "images"], &known[..]].concat());
+    succeed(
+        at,
+        &[&["sequence", "rec", "--out", "a.mcap", "--with", "images"], &known[..]].concat(),
+    );
     assert!(records(&succeed(at, &["sequence", "a.mcap", "--max-disparity", "48"])) == expected);
     // Some frames alone, into a recording again, of a name in other letters.
     succeed(
         at,
-        &["sequence", "a.mcap", "--frames", "0..1", "--max-disparity", "48", "--out", "b.MCAP", "--with", "images"],
+        &[
+            "sequence",
+            "a.mcap",
+            "--frames",
+            "0..1",
+            "--max-disparity",
+            "48",
+            "--out",
+            "b.MCAP",
+            "--with",
+            "images",
+        ],
     );
-    assert!(records(&succeed(at, &["sequence", "b.MCAP", "--max-disparity", "48"])) == expected[..2]);
+    assert!(
+        records(&succeed(at, &["sequence", "b.MCAP", "--max-disparity", "48"])) == expected[..2]
+    );
     // Other commands find its pairs too.
     succeed(at, &["report", "a.mcap", "-o", "report.html"]);
 }
@@ -467,19 +628,28 @@ fn what_is_written_is_read_again() {
 fn messages_hold_the_numbers_of_the_lines() {
     let folder = drawn();
     let at = folder.path();
-    let args = ["sequence", "rec/1", "--max-disparity", "48", "--objects", "rec/1/objects.png", "--out"];
+    let args =
+        ["sequence", "rec/1", "--max-disparity", "48", "--objects", "rec/1/objects.png", "--out"];
     succeed(at, &[&args[..], &["lines.jsonl"]].concat());
     succeed(at, &[&args[..], &["out.mcap", "--with", "images,disparity"]].concat());
     let Some(text) = python(at, &["read", "out.mcap"]) else { return };
     let all: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-    let on = |topic: &str| all.iter().find(|line| line["topic"] == format!("/linestereo/{topic}")).unwrap();
-    let line: Value = serde_json::from_str(&fs::read_to_string(at.join("lines.jsonl")).unwrap()).unwrap();
-    let near = |a: &Value, b: f64, limit: f64| assert!((a.as_f64().unwrap() - b).abs() <= limit, "{a} is not {b}");
+    let on = |topic: &str| {
+        all.iter().find(|line| line["topic"] == format!("/linestereo/{topic}")).unwrap()
+    };
+    let line: Value =
+        serde_json::from_str(&fs::read_to_string(at.join("lines.jsonl")).unwrap()).unwrap();
+    let near = |a: &Value, b: f64, limit: f64| {
+        assert!((a.as_f64().unwrap() - b).abs() <= limit, "{a} is not {b}")
+    };
     let (f, baseline, [cx, cy]) = (288.0, 0.12, [159.5, 119.5]);
 
     let points = line["points"].as_array().unwrap();
     let cloud = on("points");
-    assert_eq!((cloud["message"]["width"].as_u64(), points.len() > 5000), (Some(points.len() as u64), true));
+    assert_eq!(
+        (cloud["message"]["width"].as_u64(), points.len() > 5000),
+        (Some(points.len() as u64), true)
+    );
     assert_eq!(cloud["message"]["header"]["frame_id"], "left_camera_optical_frame");
     for (point, found) in points.iter().zip(cloud["points"].as_array().unwrap()) {
         let [x, y, d] = [0, 1, 2].map(|i| point[i].as_f64().unwrap());
@@ -493,7 +663,10 @@ fn messages_hold_the_numbers_of_the_lines() {
     let segments = line["segments"].as_array().unwrap();
     let marker = &on("segments")["message"];
     let ends = marker["points"].as_array().unwrap();
-    assert_eq!((ends.len(), segments.len() > 50, marker["type"].as_u64()), (2 * segments.len(), true, Some(5)));
+    assert_eq!(
+        (ends.len(), segments.len() > 50, marker["type"].as_u64()),
+        (2 * segments.len(), true, Some(5))
+    );
     for (segment, (ends, colours)) in
         segments.iter().zip(ends.chunks(2).zip(marker["colors"].as_array().unwrap().chunks(2)))
     {
@@ -505,7 +678,8 @@ fn messages_hold_the_numbers_of_the_lines() {
         }
     }
 
-    let objects = line["objects"].as_array().unwrap().iter().filter(|object| !object["depth_m"].is_null());
+    let objects =
+        line["objects"].as_array().unwrap().iter().filter(|object| !object["depth_m"].is_null());
     let objects: Vec<&Value> = objects.collect();
     let markers = on("objects")["message"]["markers"].as_array().unwrap();
     assert_eq!(
@@ -519,9 +693,15 @@ fn messages_hold_the_numbers_of_the_lines() {
     }
 
     let status = &on("health")["message"]["status"][0];
-    let value = |key: &str| status["values"].as_array().unwrap().iter().find(|value| value["key"] == key).unwrap();
-    let flags: Vec<&str> =
-        line["health"]["flags"].as_array().unwrap().iter().map(|flag| flag.as_str().unwrap()).collect();
+    let value = |key: &str| {
+        status["values"].as_array().unwrap().iter().find(|value| value["key"] == key).unwrap()
+    };
+    let flags: Vec<&str> = line["health"]["flags"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|flag| flag.as_str().unwrap())
+        .collect();
     let message = if flags.is_empty() { "good".to_owned() } else { flags.join(", ") };
     assert_eq!(
         (status["message"].as_str(), status["level"].as_u64()),
@@ -533,7 +713,8 @@ fn messages_hold_the_numbers_of_the_lines() {
     assert_eq!(disparity["message"]["image"]["encoding"], "32FC1");
     let mut expected = vec![-1.0; 320 * 240];
     for point in points {
-        expected[(320 * point[1].as_u64().unwrap() + point[0].as_u64().unwrap()) as usize] = point[2].as_f64().unwrap();
+        expected[(320 * point[1].as_u64().unwrap() + point[0].as_u64().unwrap()) as usize] =
+            point[2].as_f64().unwrap();
     }
     assert_eq!(disparity["disparities"], json!(expected));
     near(&disparity["message"]["f"], f, 0.0);
@@ -541,7 +722,10 @@ fn messages_hold_the_numbers_of_the_lines() {
 
     let image = load_gray(&at.join("rec/1/left.png")).unwrap();
     assert_eq!(on("left/image_rect")["message"]["data"], json!(image.pixels));
-    assert_eq!(on("left/camera_info")["message"]["p"], json!([f, 0.0, cx, 0.0, 0.0, f, cy, 0.0, 0.0, 0.0, 1.0, 0.0]));
+    assert_eq!(
+        on("left/camera_info")["message"]["p"],
+        json!([f, 0.0, cx, 0.0, 0.0, f, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
+    );
     let right = on("right/camera_info");
     near(&right["message"]["p"][3], -f * baseline, 1e-9);
     near(&right["message"]["k"][2], cx, 0.0);
@@ -561,7 +745,10 @@ fn options_of_recordings_are_refused_where_there_is_none() {
         (&["sequence", "rec", "--pair-window-ms", "3"], "for an .mcap file"),
         (&["sequence", "rec", "--out", "a.jsonl", "--with", "images"], "give --out FILE.mcap"),
         (&["sequence", "a.mcap", "--side-by-side"], "a topic for each camera"),
-        (&["sequence", "a.mcap", "--objects", "rec/1/objects.png"], "are messages of vision_msgs/msg/Detection2DArray"),
+        (
+            &["sequence", "a.mcap", "--objects", "rec/1/objects.png"],
+            "are messages of vision_msgs/msg/Detection2DArray",
+        ),
         (&["sequence", "a.mcap", "--out", "a.mcap"], "are the same; write to another file"),
         (
             &["sequence", "a.mcap", "--left-topic", "/a", "--right-topic", "/b"],

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6 px.
+/// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6
+/// px.
 pub(crate) const RIG: &str = "\
 version = 1
 [left]
@@ -27,7 +28,10 @@ translation_m = [-0.07, 0.0, 0.0]
 fn folder() -> TempDir {
     let folder = with_rig(RIG);
     for kind in ["boxes", "cards"] {
-        succeed(folder.path(), &["scene", "--kind", kind, "--size", "320x240", &format!("raw/{kind}")]);
+        succeed(
+            folder.path(),
+            &["scene", "--kind", kind, "--size", "320x240", &format!("raw/{kind}")],
+        );
     }
     folder
 }
@@ -40,19 +44,29 @@ fn size(path: &Path) -> (u32, u32) {
 fn a_pair_becomes_two_images_and_a_picture() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let pair = ["rectify", "raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml", "--size", "160x120"];
+    let pair = [
+        "rectify",
+        "raw/boxes/left.png",
+        "raw/boxes/right.png",
+        "--rig",
+        "rig.toml",
+        "--size",
+        "160x120",
+    ];
     let out = ["--out-left", "l.png", "--out-right", "r.png", "--picture", "rows.png"];
     let text = succeed(folder.path(), &[&pair[..], &out].concat());
     assert!(text.starts_with("320x240 rectified to 160x120, focal length "), "{text}");
     assert!(
-        text.contains("valid 100.0 % and 100.0 %; raw rows held at once ") && text.contains("wrote rows.png"),
+        text.contains("valid 100.0 % and 100.0 %; raw rows held at once ")
+            && text.contains("wrote rows.png"),
         "{text}"
     );
     assert_eq!([size(&at("l.png")), size(&at("r.png"))], [(160, 120); 2]);
     assert_eq!(size(&at("rows.png")), (2 * 160 + 4, 2 * 120 + 4));
 
     // All of the view: corners without a source are black, and less of the rows is valid.
-    let text = succeed(folder.path(), &[&pair[..], &["--out-left", "all.png", "--alpha", "1"]].concat());
+    let text =
+        succeed(folder.path(), &[&pair[..], &["--out-left", "all.png", "--alpha", "1"]].concat());
     assert!(!text.contains("valid 100"), "{text}");
     let all = image::open(at("all.png")).unwrap().into_luma8();
     assert_eq!(all.get_pixel(0, 0).0, [0]);
@@ -70,15 +84,28 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
         }
     }
     // Drawn without a lens: by this rig their rows do not match.
-    let json = |args: &[&str]| json_of_any(folder.path(), &[&["run"], args, &["--json", "-"]].concat());
+    let json =
+        |args: &[&str]| json_of_any(folder.path(), &[&["run"], args, &["--json", "-"]].concat());
     let raw = json(&["raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml"]);
     let rectified = json(&["done/boxes/left.png", "done/boxes/right.png"]);
     assert!(raw["counts"]["matched"].as_u64() > Some(10), "{}", raw["counts"]);
     assert_eq!((&raw["counts"], &raw["points"]), (&rectified["counts"], &rectified["points"]));
-    let half = json(&["raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml", "--raw-width", "160"]);
+    // Half of the size, by a rig as the pair is drawn: without lenses, not rolled.
+    let even = RIG.replace("-0.1", "0.0").replace("0.0349", "0.0");
+    fs::write(folder.path().join("even.toml"), even).unwrap();
+    let half = json(&[
+        "raw/boxes/left.png",
+        "raw/boxes/right.png",
+        "--rig",
+        "even.toml",
+        "--raw-width",
+        "160",
+    ]);
     assert_eq!(half["size"], serde_json::json!([160, 120]));
     assert!(half["segments"][0]["depth_m"][0].is_f64());
-    assert!(raw["segments"][0]["depth_m"][0].is_f64() && rectified["segments"][0]["depth_m"].is_null());
+    assert!(
+        raw["segments"][0]["depth_m"][0].is_f64() && rectified["segments"][0]["depth_m"].is_null()
+    );
 }
 
 #[test]
@@ -100,11 +127,17 @@ fn images_say_the_size_that_a_file_of_opencv_does_not() {
     fs::write(folder.path().join("rig.yml"), text.concat()).unwrap();
     let pair = ["raw/boxes/left.png", "raw/boxes/right.png"];
     let points = |rig: &str, more: &[&str]| {
-        json_of_any(folder.path(), &[&["run"], &pair[..], &["--rig", rig, "--json", "-"], more].concat())["points"]
+        json_of_any(
+            folder.path(),
+            &[&["run"], &pair[..], &["--rig", rig, "--json", "-"], more].concat(),
+        )["points"]
             .clone()
     };
     assert_eq!(points("rig.yml", &[]), points("rig.toml", &[]));
-    assert_eq!(points("rig.yml", &["--size", "160x120"]), points("rig.toml", &["--size", "160x120"]));
+    assert_eq!(
+        points("rig.yml", &["--size", "160x120"]),
+        points("rig.toml", &["--size", "160x120"])
+    );
     let rectify = [&["rectify"], &pair[..], &["--rig", "rig.yml", "--picture", "p.png"]].concat();
     assert!(succeed(folder.path(), &rectify).starts_with("320x240 rectified to 320x240"));
     succeed(folder.path(), &["rectify", "raw", "--rig", "rig.yml", "--out", "done"]);
@@ -116,9 +149,12 @@ fn images_say_the_size_that_a_file_of_opencv_does_not() {
     succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "160x120", "small"]);
     let small = ["run", "small/left.png", "small/right.png", "--rig", "rig.yml"];
     let error = refused(folder.path(), &small);
-    assert!(error.contains("of about 320x240") && error.contains("of another size"), "{error}");
+    assert!(error.contains("of about 320x240") && error.contains("another image size"), "{error}");
     let error = refused(folder.path(), &["flash-image", "rig.yml", "rig.bin"]);
-    assert!(error.contains("linestereo convert-rig FILES --size 320x240 --out rig.toml"), "{error}");
+    assert!(
+        error.contains("linestereo convert-rig FILES --size 320x240 --out rig.toml"),
+        "{error}"
+    );
     succeed(folder.path(), &["convert-rig", "rig.yml", "--size", "320x240", "--out", "said.toml"]);
     succeed(folder.path(), &["flash-image", "said.toml", "rig.bin"]);
 }
@@ -132,15 +168,27 @@ fn what_cannot_be_rectified_is_one_clear_line() {
     fs::write(folder.path().join("none.toml"), "version = 1").unwrap();
     let rig = ["--rig", "rig.toml"];
     let cases: [(&[&str], &[&str], &str); 10] = [
-        (&["rectify", left, left, "--picture", "p.png", "--raw-width", "320"], &rig, "give 16 to less than the 320"),
+        (
+            &["rectify", left, left, "--picture", "p.png", "--raw-width", "320"],
+            &rig,
+            "give 16 to less than the 320",
+        ),
         (&["rectify", left, left], &[], "--rig"),
         (&["rectify", left], &rig, "RIGHT"),
         (&["rectify", left, left], &rig, "give --out-left and --out-right, or --picture"),
         (&["rectify", left, left, "--picture", "p.png"], &["--rig", "none.toml"], "none.toml"),
         (&["rectify", left, left, "--picture", "p.png", "--alpha", "2"], &rig, "correct --alpha"),
-        (&["rectify", left, "small/left.png", "--picture", "p.png"], &rig, "give two images of one size"),
-        (&["rectify", "small/left.png", "small/right.png", "--picture", "p.png"], &rig, "raw images of 320x240"),
-        (&["rectify", "empty", "--out", "p"], &rig, "no pair in a layout that is known"),
+        (
+            &["rectify", left, "small/left.png", "--picture", "p.png"],
+            &rig,
+            "give two images of one size",
+        ),
+        (
+            &["rectify", "small/left.png", "small/right.png", "--picture", "p.png"],
+            &rig,
+            "raw images of 320x240",
+        ),
+        (&["rectify", "empty", "--out", "p"], &rig, "no pair was found in any known layout"),
         (&["run", left, left, "--size", "160x120"], &[], "--rig"),
     ];
     for (args, rig, says) in cases {

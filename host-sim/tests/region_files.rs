@@ -1,8 +1,11 @@
-//! Files of detectors: every form gives the same regions, and what is wrong with one object costs nothing else.
+//! Files of detectors: every form gives the same regions, and what is wrong with one object costs
+//! nothing else.
 
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, Span};
-use linestereo_frames::regions::{Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load};
+use linestereo_frames::regions::{
+    Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load,
+};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -38,7 +41,8 @@ fn boxed(left: u16, top: u16, right: u16, bottom: u16) -> Pixels {
 /// The pixels as a drawing of the whole image.
 fn drawn(object: &Object, dims: Dims) -> String {
     let region = object.region(dims).unwrap();
-    let row = |y| (0..dims.width).map(move |x| if region.contains(x.into(), y) { '#' } else { '.' });
+    let row =
+        |y| (0..dims.width).map(move |x| if region.contains(x.into(), y) { '#' } else { '.' });
     (0..i32::from(dims.height)).flat_map(|y| row(y).chain(['\n'])).collect()
 }
 
@@ -70,11 +74,13 @@ fn boxes_are_the_same_in_every_form() {
     ];
     for (name, contents) in files {
         let objects = folder.load(name, contents).unwrap();
-        let found: Vec<_> = objects.list.iter().map(|object| (object.label, object.pixels.clone())).collect();
+        let found: Vec<_> =
+            objects.list.iter().map(|object| (object.label, object.pixels.clone())).collect();
         assert_eq!(found, expected, "{name}");
         assert_eq!(objects.skipped, Skipped::default(), "{name}");
         let names: Vec<_> = objects.list.iter().map(|object| object.name.as_deref()).collect();
-        let expected = if name == "results.json" { [None, None] } else { [Some("cup"), Some("book")] };
+        let expected =
+            if name == "results.json" { [None, None] } else { [Some("cup"), Some("book")] };
         assert_eq!(names, expected, "{name}");
     }
 }
@@ -97,7 +103,12 @@ fn masks_are_the_same_in_every_form() {
     ];
     for (name, contents) in files {
         let objects = folder.load(name, contents).unwrap();
-        assert_eq!((objects.list.len(), objects.skipped.objects()), (1, 0), "{name}: {:?}", objects.skipped);
+        assert_eq!(
+            (objects.list.len(), objects.skipped.objects()),
+            (1, 0),
+            "{name}: {:?}",
+            objects.skipped
+        );
         assert_eq!(objects.list[0].label, 0);
         drawings.push(drawn(&objects.list[0], GIVEN));
     }
@@ -107,7 +118,9 @@ fn masks_are_the_same_in_every_form() {
         assert_eq!(objects.list[0].label, value);
         drawings.push(drawn(&objects.list[0], GIVEN));
     }
-    let row = |inside| if inside { format!("...##{}\n", ".".repeat(35)) } else { format!("{}\n", ".".repeat(40)) };
+    let row = |inside| {
+        if inside { format!("...##{}\n", ".".repeat(35)) } else { format!("{}\n", ".".repeat(40)) }
+    };
     let expected: String = (0..20).map(|y| row((2..6).contains(&y))).collect();
     for drawing in drawings {
         assert_eq!(drawing, expected);
@@ -115,7 +128,9 @@ fn masks_are_the_same_in_every_form() {
 }
 
 fn coco_mask(counts: &str) -> String {
-    format!(r#"[{{"segmentation": {{"size": [20, 40], "counts": {counts}}}, "bbox": [0, 0, 1, 1]}}]"#)
+    format!(
+        r#"[{{"segmentation": {{"size": [20, 40], "counts": {counts}}}, "bbox": [0, 0, 1, 1]}}]"#
+    )
 }
 
 /// A 16-bit PGM.
@@ -130,7 +145,9 @@ fn image_of(width: u32, height: u32, value: impl Fn(u32, u32) -> u16) -> Vec<u8>
 fn boxes_and_masks_follow_the_image() {
     let folder = Folder::new();
     let half = Dims { width: 20, height: 10 };
-    let load = |name: &str, contents: &[u8]| load(&folder.file(name, contents), None, frame(half)).unwrap();
+    let load = |name: &str, contents: &[u8]| {
+        load(&folder.file(name, contents), None, frame(half)).unwrap()
+    };
     let objects = load("a.csv", b"x0,y0,x1,y1\n4,5,14,15\n6,6,6.2,6.2\n39.9,19.9,50,50\n");
     let pixels: Vec<_> = objects.list.into_iter().map(|object| object.pixels).collect();
     // To the nearest border; what has an area keeps a pixel.
@@ -153,8 +170,14 @@ fn what_is_wrong_with_one_object_skips_it() {
     let table = "x0,y0,x1,y1,label\n1,1,5,5,8\n40,0,50,9,\n-9,0,0,9,\n3,3,3,9,\n5,3,2,9,\n1,2,x,4,\n1,2\nNaN,1,2,3,\n1,1,9,9,70000\n2,2,4,4,\n";
     let objects = folder.load("a.csv", table).unwrap();
     assert_eq!(objects.list.iter().map(|object| object.label).collect::<Vec<_>>(), [8, 9]);
-    assert_eq!(objects.skipped, Skipped { outside: 2, empty: 2, unreadable: 4, ..Skipped::default() });
-    assert_eq!(objects.skipped.summary(), "objects skipped: 2 outside of the image, 2 without area, 4 unreadable\n");
+    assert_eq!(
+        objects.skipped,
+        Skipped { outside: 2, empty: 2, unreadable: 4, ..Skipped::default() }
+    );
+    assert_eq!(
+        objects.skipped.summary(),
+        "objects skipped: 2 outside of the image, 2 without area, 4 unreadable\n"
+    );
 
     let masks = [
         r#"[62, 4, 16, 4, 713]"#,
@@ -165,21 +188,34 @@ fn what_is_wrong_with_one_object_skips_it() {
         "[62, 4, 16, 4, 714]",
         "[800]",
     ];
-    let list: Vec<String> = masks.map(|counts| coco_mask(counts).trim_matches(['[', ']']).to_owned()).into();
+    let list: Vec<String> =
+        masks.map(|counts| coco_mask(counts).trim_matches(['[', ']']).to_owned()).into();
     let other_size = coco_mask("[800]").replace("[20, 40]", "[40, 20]");
     let json = format!("[{}, {}]", list.join(", "), other_size.trim_matches(['[', ']']));
     let objects = folder.load("a.json", &json).unwrap();
     assert_eq!(objects.list.iter().map(|object| object.label).collect::<Vec<_>>(), [5], "{json}");
-    assert_eq!(objects.skipped, Skipped { broken_mask: 5, empty: 1, mask_size: 1, ..Skipped::default() });
+    assert_eq!(
+        objects.skipped,
+        Skipped { broken_mask: 5, empty: 1, mask_size: 1, ..Skipped::default() }
+    );
 
     folder.file("classes.txt", "cup\n");
-    let objects =
-        folder.load("b.txt", "0 0.5 0.5 0.1 0.1\n7 0.5 0.5 0.1 0.1\n0 2 2 0.1 0.1\ncup 0.5 0.5 0.1 0.1\n").unwrap();
-    assert_eq!(objects.list.iter().map(|object| object.name.as_deref()).collect::<Vec<_>>(), [Some("cup"), None]);
-    assert_eq!(objects.skipped, Skipped { outside: 1, unreadable: 1, unknown_class: 1, ..Skipped::default() });
-    let json =
-        r#"{"categories": [{"id": 1, "name": "cup"}], "annotations": [{"category_id": 2, "bbox": [1, 1, 5, 5]}]}"#;
-    assert_eq!(folder.load("c.json", json).unwrap().skipped, Skipped { unknown_class: 1, ..Skipped::default() });
+    let objects = folder
+        .load("b.txt", "0 0.5 0.5 0.1 0.1\n7 0.5 0.5 0.1 0.1\n0 2 2 0.1 0.1\ncup 0.5 0.5 0.1 0.1\n")
+        .unwrap();
+    assert_eq!(
+        objects.list.iter().map(|object| object.name.as_deref()).collect::<Vec<_>>(),
+        [Some("cup"), None]
+    );
+    assert_eq!(
+        objects.skipped,
+        Skipped { outside: 1, unreadable: 1, unknown_class: 1, ..Skipped::default() }
+    );
+    let json = r#"{"categories": [{"id": 1, "name": "cup"}], "annotations": [{"category_id": 2, "bbox": [1, 1, 5, 5]}]}"#;
+    assert_eq!(
+        folder.load("c.json", json).unwrap().skipped,
+        Skipped { unknown_class: 1, ..Skipped::default() }
+    );
 }
 
 #[test]
@@ -199,7 +235,11 @@ fn what_is_wrong_with_the_file_is_said() {
         ("a.json", "{\"annotations\": 3}", "no list of annotations"),
         ("a.json", "3", "no list of annotations"),
         ("a.json", r#"{"annotations": [], "categories": [{"id": "x"}]}"#, "categories"),
-        ("a.json", r#"[{"image_id": 1, "bbox": [1,1,2,2]}, {"image_id": 2, "bbox": [1,1,2,2]}]"#, "2 images"),
+        (
+            "a.json",
+            r#"[{"image_id": 1, "bbox": [1,1,2,2]}, {"image_id": 2, "bbox": [1,1,2,2]}]"#,
+            "2 images",
+        ),
         (
             "a.json",
             r#"{"images": [{"id": 1, "width": 80, "height": 40}], "annotations": [{"image_id": 1, "bbox": [1,1,2,2]}]}"#,
@@ -211,11 +251,17 @@ fn what_is_wrong_with_the_file_is_said() {
         ("a.png", "no image", "not a readable image"),
     ] {
         let text = error(name, contents);
-        assert!(text.contains(part) && text.contains(name) && text.contains("; "), "{contents}: {text}");
+        assert!(
+            text.contains(part) && text.contains(name) && text.contains("; "),
+            "{contents}: {text}"
+        );
     }
     let mask = image_of(41, 20, |_, _| 1);
     let error = load(&folder.file("mask.png", mask), None, frame(GIVEN)).unwrap_err();
-    assert!(matches!(error, ObjectsError::MaskSize { mask: Dims { width: 41, height: 20 }, .. }), "{error}");
+    assert!(
+        matches!(error, ObjectsError::MaskSize { mask: Dims { width: 41, height: 20 }, .. }),
+        "{error}"
+    );
     let error = load(Path::new("missing.json"), None, frame(GIVEN)).unwrap_err();
     assert!(matches!(error, ObjectsError::Read(..)), "{error}");
 }

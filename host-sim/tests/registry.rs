@@ -1,4 +1,5 @@
-//! Packages with real pairs: what is checked of a package file before anything of it is laid out. The packages here are made up.
+//! Packages with real pairs: what is checked of a package file before anything of it is laid out.
+//! The packages here are made up.
 
 use linestereo_frames::SceneInfo;
 use linestereo_sim::registry::{Package, Way, packages, parsed};
@@ -25,8 +26,12 @@ fn package(way: &str, sums: [&str; 3]) -> Package {
     parsed(&list).unwrap().remove(0)
 }
 
-const FILES: [(&str, &str); 4] =
-    [("data/l.png", "left image"), ("data/r.png", "right image"), ("data/t.npz", "truth"), ("code.py", "evil()")];
+const FILES: [(&str, &str); 4] = [
+    ("data/l.png", "left image"),
+    ("data/r.png", "right image"),
+    ("data/t.npz", "truth"),
+    ("code.py", "evil()"),
+];
 
 fn wheel(path: &Path, files: &[(&str, &str)]) {
     let mut archive = zip::ZipWriter::new(fs::File::create(path).unwrap());
@@ -40,9 +45,19 @@ fn wheel(path: &Path, files: &[(&str, &str)]) {
 fn check_laid_out(package: &Package, out: &Path) {
     assert!(package.is_laid_out(out));
     let read = |path: &str| fs::read_to_string(out.join("set").join(path)).unwrap();
-    assert_eq!([read("a/left.png"), read("a/right.png"), read("b/gt.npz")], ["left image", "right image", "truth"]);
-    assert_eq!([read("a/scene.json"), read("b/scene.json")], [r#"{"scene":"a"}"#, r#"{"scene":"b"}"#]);
-    assert_eq!(fs::read_dir(out.join("set/a")).unwrap().count(), 3, "what nobody asked for stays in the package");
+    assert_eq!(
+        [read("a/left.png"), read("a/right.png"), read("b/gt.npz")],
+        ["left image", "right image", "truth"]
+    );
+    assert_eq!(
+        [read("a/scene.json"), read("b/scene.json")],
+        [r#"{"scene":"a"}"#, r#"{"scene":"b"}"#]
+    );
+    assert_eq!(
+        fs::read_dir(out.join("set/a")).unwrap().count(),
+        3,
+        "what nobody asked for stays in the package"
+    );
 }
 
 #[test]
@@ -68,8 +83,11 @@ fn a_debian_package_is_checked_and_laid_out() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    let (tree, file, out) =
-        (folder.path().join("tree"), folder.path().join("pairs_1_all.deb"), folder.path().join("out"));
+    let (tree, file, out) = (
+        folder.path().join("tree"),
+        folder.path().join("pairs_1_all.deb"),
+        folder.path().join("out"),
+    );
     for (name, content) in FILES {
         let path = tree.join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -95,7 +113,10 @@ fn nothing_is_laid_out_that_is_not_what_it_should_be() {
     let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
     let fails = |says: &str| {
         let error = package("pip", SUMS).lay_out(&file, &out).unwrap_err().to_string();
-        assert!(error.contains("pairs-1.whl") && error.contains("; ") && error.contains(says), "{error}");
+        assert!(
+            error.contains("pairs-1.whl") && error.contains("; ") && error.contains(says),
+            "{error}"
+        );
     };
     fails("cannot read");
     fs::write(&file, "no archive").unwrap();
@@ -111,8 +132,14 @@ fn nothing_is_laid_out_that_is_not_what_it_should_be() {
 fn the_list_is_whole() {
     let folder = tempfile::tempdir().unwrap();
     let all = packages();
-    let ways: Vec<_> = all.iter().map(|package| (package.name.as_str(), package.way, package.scenes.len())).collect();
-    assert_eq!(ways, [("scikit-image", Way::Pip, 1), ("stereodemo", Way::Pip, 12), ("opencv-doc", Way::Apt, 2)]);
+    let ways: Vec<_> = all
+        .iter()
+        .map(|package| (package.name.as_str(), package.way, package.scenes.len()))
+        .collect();
+    assert_eq!(
+        ways,
+        [("scikit-image", Way::Pip, 1), ("stereodemo", Way::Pip, 12), ("opencv-doc", Way::Apt, 2)]
+    );
     for (file, name) in [
         ("scikit_image-0.26.0-cp311-cp311-manylinux_2_28_x86_64.whl", "scikit-image"),
         ("a/stereodemo-0.7-py3-none-any.whl", "stereodemo"),
@@ -121,13 +148,22 @@ fn the_list_is_whole() {
         assert_eq!(Package::of_file(Path::new(file)).unwrap().name, name);
     }
     for file in ["numpy-2.0.whl", "stereodemos-1.whl", ""] {
-        assert!(Package::of_file(Path::new(file)).unwrap_err().to_string().contains("none of the packages"), "{file}");
+        assert!(
+            Package::of_file(Path::new(file))
+                .unwrap_err()
+                .to_string()
+                .contains("none of the packages"),
+            "{file}"
+        );
     }
     for scene in all.iter().flat_map(|package| &package.scenes) {
         let path = folder.path().join("scene.json");
         fs::write(&path, scene.info()).unwrap();
         let info = SceneInfo::load(&path).unwrap();
         assert!(scene.folder.ends_with(info.scene.as_deref().unwrap()), "{}", scene.folder);
-        assert_eq!(info.rig(&path, 1.0).unwrap().is_none(), scene.folder.starts_with("calibration_boards"));
+        assert_eq!(
+            info.rig(&path, 1.0).unwrap().is_none(),
+            scene.folder.starts_with("calibration_boards")
+        );
     }
 }

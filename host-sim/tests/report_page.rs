@@ -1,10 +1,12 @@
-//! The report page in a browser: what it shows is what the run gave. Without a browser these tests say so and pass.
+//! The report page in a browser: what it shows is what the run gave. Without a browser these tests
+//! say so and pass.
 
+use crate::support::pole;
 use linestereo::{Area, Dims, Params, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
 use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_sim::explain::{CurveLog, Rejected, SegmentTexts};
+use linestereo_sim::explain::{CurveLog, Rejected, TestTexts};
 use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup};
 use linestereo_sim::results::listing;
@@ -19,26 +21,30 @@ struct Run {
     result: FrameResult,
     rejected: Vec<Rejected>,
     objects: Vec<(Object, listing::Object)>,
-    tests: SegmentTexts,
+    tests: TestTexts,
 }
 
 fn run(seed: u64) -> Run {
     let rendering = rendered(Kind::Boxes, DIMS, 1.0, seed);
+    run_of([rendering.left, rendering.right])
+}
+
+fn run_of(images: [GrayImage; 2]) -> Run {
     let rig = Rig::new(300.0, 0.1, 0.0).unwrap();
     let params = Params { rig: Some(rig), ..Params::default() };
     let mut engine = Engine::new(&params, DIMS).unwrap();
     let mut log = CurveLog::outcomes_only();
-    let views = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
+    let views = (images[0].view().unwrap(), images[1].view().unwrap());
     let result = engine.run_next(views, None, &mut log).unwrap();
     let rejected = log.rejected(engine.matched().candidates());
     let area = Area { left: 40, top: 30, right: 200, bottom: 200 };
     let object = Object { label: 5, name: Some("<box>".to_owned()), pixels: Pixels::Box(area) };
-    let depths = engine.objects(&[object.region(DIMS).unwrap()], true);
+    let depths = engine.objects(&[object.region(DIMS).unwrap()]);
     let objects = vec![(object, listing::Object::new(&depths[0], Some("<box>")))];
     let mut log = CurveLog::default();
     engine.run_observed(views.0, views.1, &mut log).unwrap();
-    let tests = SegmentTexts::new(&log, &mut engine, &params, &result);
-    Run { images: [rendering.left, rendering.right], result, rejected, objects, tests }
+    let tests = TestTexts::new(&log, &mut engine, &params, &result);
+    Run { images, result, rejected, objects, tests }
 }
 
 #[test]
@@ -47,7 +53,12 @@ fn every_rejected_segment_is_logged_with_its_reason() {
         let run = run(seed);
         for reason in Rejection::ALL {
             let logged = run.rejected.iter().filter(|lost| lost.reason == reason).count();
-            assert_eq!(logged, usize::from(run.result.counts.rejected(reason)), "seed {seed}, {}", reason.name());
+            assert_eq!(
+                logged,
+                usize::from(run.result.counts.rejected(reason)),
+                "seed {seed}, {}",
+                reason.name()
+            );
         }
         assert!(!run.rejected.is_empty() && !run.result.matches.is_empty());
     }
@@ -63,15 +74,23 @@ fn page(runs: &[Run]) -> String {
     let mut page = Page::new(setup);
     for (run, index) in runs.iter().zip(0..) {
         let Run { images, result, rejected, objects, tests } = run;
-        page.push(&PageFrame { name: format!("frame {index}"), images, result, rejected, objects, tests }).unwrap();
+        page.push(&PageFrame {
+            name: format!("frame {index}"),
+            images,
+            result,
+            rejected,
+            objects,
+            tests,
+        })
+        .unwrap();
     }
     page.push_error("frame 2", "right.png is damaged");
     page.html().unwrap()
 }
 
-/// A visitor: moves the pointer, presses keys, pushes buttons, and writes down what the page says, a line each.
-const VISITOR: &str = r##"
-<script>
+/// Steps of visitors: they move the pointer, press keys, push buttons, and write down what the page
+/// says, a line each.
+const TOOLS: &str = r##"
 const notes = [];
 const note = (name, value) => notes.push(`${name}: ${String(value).replace(/\s+/g, " ").trim()}`);
 addEventListener("error", event => note("error", event.message));
@@ -85,6 +104,15 @@ const move = (side, x, y, type = "pointermove", pointerType = "mouse") => {
 };
 const key = (side, key) => $(side).dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
 const shown = kind => document.querySelectorAll(`#left svg .${kind}`).length;
+const done = () => {
+  const out = document.createElement("pre");
+  out.id = "notes";
+  out.textContent = notes.join("\n");
+  document.body.append(out);
+};
+"##;
+
+const VISITOR: &str = r##"
 addEventListener("load", () => {
   note("summary", $("summary").textContent);
   note("left size", $("left").querySelector("img").naturalWidth + "x" + $("left").querySelector("img").naturalHeight);
@@ -132,23 +160,55 @@ addEventListener("load", () => {
   note("again", `${$("frame-name").textContent}; ${document.querySelector("main").hidden}`);
   note("width", document.documentElement.scrollWidth <= innerWidth);
   note("requests", performance.getEntriesByType("resource").filter(entry => !entry.name.startsWith("data:")).length);
-  const out = document.createElement("pre");
-  out.id = "notes";
-  out.textContent = notes.join("\n");
-  document.body.append(out);
+  done();
 });
-</script>
 "##;
 
-fn visited(browser: &Browser, html: &str, flags: &[&str]) -> Vec<(String, String)> {
+/// Points at every bar in both images, and goes to the first one by keys.
+const VISITOR_OF_BARS: &str = r##"
+addEventListener("load", () => {
+  const { segments, bars } = data[0], title = () => document.querySelector("#details h3")?.textContent;
+  note("summary", $("summary").textContent);
+  note("bars", `${shown("outline")} ${document.querySelectorAll("#right svg .outline").length}`);
+  let pointed = 0;
+  bars.forEach(([x0, y0, x1, y1, width, d0, d1], id) => {
+    move("left", (x0 + x1 + width) / 2, (y0 + y1) / 2);
+    pointed += title() === `Bar ${id}`;
+    move("left", -400, -400, "pointerdown");
+    move("right", (x0 + x1 + width - d0 - d1) / 2, (y0 + y1) / 2);
+    pointed += title() === `Bar ${id}`;
+  });
+  note("pointed", pointed);
+  key("left", "Escape");
+  for (let i = 0; i <= segments.length; i++) key("left", "ArrowRight");
+  note("by keys", title());
+  for (const name of ["disparity", "depth", "confidence", "width", "tests"]) note(name, field(name));
+  $("show-matched").click();
+  note("hidden", shown("outline"));
+  done();
+});
+"##;
+
+fn visited(browser: &Browser, html: &str, visitor: &str, flags: &[&str]) -> Vec<(String, String)> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("page.html");
-    std::fs::write(&file, html.replace("</body>", &format!("{VISITOR}</body>"))).unwrap();
+    std::fs::write(
+        &file,
+        html.replace("</body>", &format!("<script>{TOOLS}{visitor}</script></body>")),
+    )
+    .unwrap();
     let document = browser.document(&file, flags).unwrap();
-    let notes = document.split_once("<pre id=\"notes\">").map(|(_, rest)| rest.split("</pre>").next().unwrap());
-    let notes = notes.unwrap_or_else(|| panic!("the visitor did not come to an end: {}", head(&document)));
+    let notes = document
+        .split_once("<pre id=\"notes\">")
+        .map(|(_, rest)| rest.split("</pre>").next().unwrap());
+    let notes =
+        notes.unwrap_or_else(|| panic!("the visitor did not come to an end: {}", head(&document)));
     let plain = notes.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
-    plain.lines().filter_map(|line| line.split_once(": ")).map(|(a, b)| (a.to_owned(), b.to_owned())).collect()
+    plain
+        .lines()
+        .filter_map(|line| line.split_once(": "))
+        .map(|(a, b)| (a.to_owned(), b.to_owned()))
+        .collect()
 }
 
 fn head(text: &str) -> String {
@@ -158,7 +218,10 @@ fn head(text: &str) -> String {
 fn browser() -> Option<Browser> {
     let browser = Browser::find();
     if browser.is_none() {
-        eprintln!("SKIPPED: no browser; install chromium (cargo xtask setup does), or name one in LINESTEREO_BROWSER");
+        eprintln!(
+            "SKIPPED: no browser; install chromium (cargo xtask setup does), or name one in \
+             LINESTEREO_BROWSER"
+        );
     }
     browser
 }
@@ -171,7 +234,7 @@ fn a_visitor_sees_what_the_run_gave() {
     let Run { result, rejected, objects, .. } = &runs[0];
     // Also as narrow as a phone is.
     for flags in [&[][..], &["--window-size=500,1200"]] {
-        let notes = visited(&browser, &html, flags);
+        let notes = visited(&browser, &html, VISITOR, flags);
         let said = |name: &str| {
             let found = notes.iter().find(|(given, _)| given == name);
             found.unwrap_or_else(|| panic!("nothing about {name} in {notes:?}")).1.as_str()
@@ -179,15 +242,25 @@ fn a_visitor_sees_what_the_run_gave() {
         assert!(notes.iter().all(|(name, _)| name != "error"), "{notes:?}");
         let counts = |result: &FrameResult| {
             let counts = &result.counts;
-            format!("{} of {} segments matched, {} points", counts.matched, counts.segments_left, counts.points)
+            format!(
+                "{} of {} segments matched, {} points, {} bars",
+                counts.matched,
+                counts.segments_left,
+                counts.points,
+                result.bars.len()
+            )
         };
         assert!(said("summary").ends_with(&counts(result)), "{notes:?}");
         assert_eq!(said("left size"), "320x240");
         let matched = result.matches.len();
         assert_eq!(said("segments"), format!("{matched} {matched}"));
         assert!(said("hint").starts_with("Point at a segment"));
-        let pointed: Vec<usize> = said("pointed").split(' ').map(|count| count.parse().unwrap()).collect();
-        assert!(pointed.iter().all(|&count| count <= matched && 10 * count >= 9 * matched), "{pointed:?} of {matched}");
+        let pointed: Vec<usize> =
+            said("pointed").split(' ').map(|count| count.parse().unwrap()).collect();
+        assert!(
+            pointed.iter().all(|&count| count <= matched && 10 * count >= 9 * matched),
+            "{pointed:?} of {matched}"
+        );
         assert_eq!((said("nothing"), said("escape")), (said("hint"), said("hint")));
         assert_eq!((said("first key"), said("second key")), ("Segment 0", "Segment 1"));
 
@@ -197,36 +270,84 @@ fn a_visitor_sees_what_the_run_gave() {
             [a, b] => format!("{a} to {b}"),
         };
         let px = |value: f64| format!("{value:.2} px");
-        assert_eq!(close(said("disparity")), close(&range(first.disparity.map(|d| d.to_num()), &px)));
+        assert_eq!(
+            close(said("disparity")),
+            close(&range(first.disparity.map(|d| d.to_num()), &px))
+        );
         let metres = |value: f64| format!("{value:.3} m");
-        assert_eq!(close(said("depth")), close(&range(first.depth.unwrap().map(|z| z.to_num()), &metres)));
+        assert_eq!(
+            close(said("depth")),
+            close(&range(first.depth.unwrap().map(|z| z.to_num()), &metres))
+        );
         let sure = (first.confidence.to_num::<f64>() * 1e3).round() / 1e3;
-        let percent = if sure > 0.999 { "above 99.9 %".to_owned() } else { format!("{:.1} %", 100.0 * sure) };
+        let percent =
+            if sure > 0.999 { "above 99.9 %".to_owned() } else { format!("{:.1} %", 100.0 * sure) };
         assert_eq!(said("confidence"), percent);
-        let tests = runs[0].tests.of(first.ends).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(tests.starts_with("search disparities ") && said("tests") == tests, "{tests}: {notes:?}");
+        let tests =
+            runs[0].tests.of(first.ends).unwrap().split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            tests.starts_with("search disparities ") && said("tests") == tests,
+            "{tests}: {notes:?}"
+        );
         assert!(said("uncertainty").starts_with("± ") && said("uncertainty").ends_with(" m"));
         assert_eq!(close(said("window")), close(&px(first.techniques.window.to_num())));
         assert_eq!(close(said("census")), close(&px(first.techniques.census.to_num())));
-        assert!(["left side", "right side", "both sides", "above", "below"].contains(&said("owner")));
+        assert!(
+            ["left side", "right side", "both sides", "above", "below"].contains(&said("owner"))
+        );
         assert_eq!(said("highlights"), "3"); // both images and from above
 
         let placed = result.matches.iter().filter(|found| found.depth.is_some()).count();
         let top: Vec<&str> = said("top").split(' ').collect();
         assert!(top[0].parse::<usize>().unwrap() * 10 >= placed * 9, "{top:?}");
-        assert_eq!((top[1], top[2]), ("true", if objects[0].1.depth_m.is_some() { "1" } else { "0" }));
+        assert_eq!(
+            (top[1], top[2]),
+            ("true", if objects[0].1.depth_m.is_some() { "1" } else { "0" })
+        );
         assert!(said("objects").starts_with("<box>"), "{}", said("objects"));
 
         assert_eq!(said("rejected"), rejected.len().to_string());
         let reason = rejected[0].reason;
-        assert_eq!(said("one reason"), format!("{} {}", reason.name(), result.counts.rejected(reason)));
-        assert!(said("why").starts_with(&format!("Rejected: {}", reason.name().replace('_', " "))), "{}", said("why"));
+        assert_eq!(
+            said("one reason"),
+            format!("{} {}", reason.name(), result.counts.rejected(reason))
+        );
+        assert!(
+            said("why").starts_with(&format!("Rejected: {}", reason.name().replace('_', " "))),
+            "{}",
+            said("why")
+        );
         assert_eq!(said("second").split("; ").next(), Some("2 of 3: frame 1"));
         assert!(said("second").ends_with(&counts(&runs[1].result)));
         assert_eq!(said("third"), "right.png is damaged; true");
         assert_eq!(said("again"), "1 of 3: frame 0; false");
         assert_eq!((said("width"), said("requests")), ("true", "0"));
     }
+}
+
+#[test]
+fn a_visitor_sees_bars() {
+    let Some(browser) = browser() else { return };
+    let run = run_of(pole(5, 24, 2));
+    let bars = &run.result.bars;
+    let notes = visited(&browser, &page(core::slice::from_ref(&run)), VISITOR_OF_BARS, &[]);
+    let said = |name: &str| &*notes.iter().find(|(given, _)| given == name).unwrap().1;
+    assert!(!bars.is_empty() && notes.iter().all(|(name, _)| name != "error"), "{notes:?}");
+    assert!(said("summary").ends_with(&format!(" points, {} bars", bars.len())), "{notes:?}");
+    assert_eq!(said("bars"), format!("{0} {0}", bars.len()));
+    // In both images, unless a segment or another bar crosses it there.
+    let pointed: usize = said("pointed").parse().unwrap();
+    assert!(pointed <= 2 * bars.len() && 5 * pointed >= 8 * bars.len(), "{notes:?}");
+    assert_eq!((said("by keys"), said("hidden")), ("Bar 0", "0"));
+    let disparity: f64 = said("disparity").split(' ').next().unwrap().parse().unwrap();
+    assert!((disparity - 24.0).abs() <= 1.0, "{notes:?}");
+    // 300 px and 0.1 m.
+    let depth: f64 = said("depth").split(' ').next().unwrap().parse().unwrap();
+    assert!((depth * disparity - 30.0).abs() < 0.1, "{notes:?}");
+    assert_eq!(close(said("width")), close(&format!("{:.2}", bars[0].width())));
+    let tests: Vec<&str> = run.tests.of_bar(&bars[0]).unwrap().split_whitespace().collect();
+    assert_eq!(said("tests"), tests.join(" "));
+    assert!(said("tests").contains("probability passed"), "{notes:?}");
 }
 
 /// Numbers of a text to one decimal: halves are rounded one way here and the other way there.
@@ -248,7 +369,7 @@ fn a_page_without_a_rig_says_what_is_missing() {
         result: &result,
         rejected: &rejected,
         objects: &[],
-        tests: &SegmentTexts::default(),
+        tests: &TestTexts::default(),
     })
     .unwrap();
     let folder = tempfile::tempdir().unwrap();

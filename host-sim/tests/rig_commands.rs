@@ -25,7 +25,11 @@ fn a_rig_goes_through_every_format_and_comes_back() {
     let folder = with_rig(RIG);
     let at = folder.path();
     let said = succeed(at, &["convert-rig", "rig.toml"]);
-    assert!(said.contains("rig.toml: 640x480, baseline 0.1000 m") && said.contains("focal 500.00 501.00 px"), "{said}");
+    assert!(
+        said.contains("rig.toml: 640x480, baseline 0.1000 m")
+            && said.contains("focal 500.00 501.00 px"),
+        "{said}"
+    );
     let mut last = vec!["rig.toml".to_owned()];
     for (format, names) in [
         ("opencv-yaml", &["a.yml"][..]),
@@ -50,8 +54,12 @@ fn a_rig_goes_through_every_format_and_comes_back() {
             .collect::<Vec<_>>()
     };
     assert_eq!(lines(RIG), lines(&fs::read_to_string(at.join("again.toml")).unwrap()));
-    let summary =
-        |name| succeed(at, &["convert-rig", name]).lines().find(|line| line.contains("pose")).map(str::to_owned);
+    let summary = |name| {
+        succeed(at, &["convert-rig", name])
+            .lines()
+            .find(|line| line.contains("pose"))
+            .map(str::to_owned)
+    };
     assert_eq!(summary("rig.toml"), summary("again.toml"));
 }
 
@@ -68,7 +76,10 @@ fn wrong_conversions_leave_no_file_and_say_why() {
         (&["convert-rig", "none.yml"], "none.yml: cannot be read"),
         (&["convert-rig", "rig.toml", "--translation-unit", "inch"], "give m, mm"),
         (&["convert-rig", "bad.yml"], "bad.yml, line "),
-        (&["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"], "no place for the lens coefficient k3"),
+        (
+            &["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"],
+            "no place for the lens coefficient k3",
+        ),
     ];
     all_refused(at, &cases);
     assert_eq!(fs::read_dir(at).unwrap().count(), 3);
@@ -78,16 +89,42 @@ fn wrong_conversions_leave_no_file_and_say_why() {
 fn a_plan_is_printed_and_listed() {
     let folder = with_rig(RIG);
     let at = folder.path();
-    let oak = ["plan-rig", "--focal-px", "451", "--size", "640x480", "--baseline-m", "0.075", "--max-disparity", "96"];
+    let oak = [
+        "plan-rig",
+        "--focal-px",
+        "451",
+        "--size",
+        "640x480",
+        "--baseline-m",
+        "0.075",
+        "--max-disparity",
+        "96",
+    ];
     let said = succeed(at, &oak);
-    assert!(said.contains("near limit 0.352 m") && said.contains("below 5 % up to 6.76 m"), "{said}");
+    assert!(
+        said.contains("near limit 0.352 m") && said.contains("below 5 % up to 6.76 m"),
+        "{said}"
+    );
     let json = json(at, &[&oak[..], &["--json", "-"]].concat());
     assert!((json["near_limit_m"].as_f64().unwrap() - 0.352_343_75).abs() < 1e-9);
     assert!(json["suggestion"].is_null() && json["table"].as_array().unwrap().len() > 5);
     // 1.93 mm / 3 um, 848 px: 643 px, 66.8 degrees.
-    let lens = ["plan-rig", "--focal-mm", "1.93", "--pixel-um", "3", "--size", "848x480", "--range", "0.5..4"];
+    let lens = [
+        "plan-rig",
+        "--focal-mm",
+        "1.93",
+        "--pixel-um",
+        "3",
+        "--size",
+        "848x480",
+        "--range",
+        "0.5..4",
+    ];
     let said = succeed(at, &lens);
-    assert!(said.contains("focal length 643.3 px") && said.contains("a baseline of 31.1 mm at least"), "{said}");
+    assert!(
+        said.contains("focal length 643.3 px") && said.contains("a baseline of 31.1 mm at least"),
+        "{said}"
+    );
     let given = succeed(at, &[&lens[..], &["--baseline-m", "0.02"]].concat());
     assert!(given.contains("with the one given, 7.8 % at 4 m: not reached"), "{given}");
 }
@@ -101,7 +138,10 @@ fn wrong_plans_say_what_to_give() {
         (&["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"], "--pixel-um"),
         (&["plan-rig", "--focal-px", "300", "--range", "4..1"], "two rising distances"),
         (&["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"], "1 to 150"),
-        (&["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"], "range of 320"),
+        (
+            &["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"],
+            "range of 320",
+        ),
         (&["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"], "error of 0 %"),
     ];
     all_refused(folder.path(), &cases);

@@ -1,6 +1,8 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
-use crate::support::{all_refused, json, json_of_any, linestereo, refused, stderr, succeed, with_scene};
+use crate::support::{
+    all_refused, json, json_of_any, linestereo, refused, stderr, succeed, with_scene,
+};
 use serde_json::Value;
 use std::fs;
 use tempfile::TempDir;
@@ -41,19 +43,24 @@ fn the_scene_file_beside_a_pair_is_used_and_named() {
     let reduced = [&pair[..], &["--max-disparity", "16"]].concat();
     let said = succeed(at, &reduced);
     assert!(
-        said.contains("is not used: cards/scene.json: the calibration is of images of 160x120, these are 64x48"),
+        said.contains("is not used: cards/scene.json: the calibration is for images of 160x120,"),
         "{said}"
     );
     assert!(!said.contains("depths from"), "{said}");
     let named = refused(at, &[&reduced[..], &["--scene", "cards/scene.json"]].concat());
-    assert!(named.contains("images of 160x120, these are 64x48") && named.contains("--width"), "{named}");
+    assert!(
+        named.contains("images of 160x120, but these are 64x48") && named.contains("--width"),
+        "{named}"
+    );
     let error = stderr(&linestereo(at, &["sequence", "cards", "--max-disparity", "16"]));
-    assert!(error.contains("images of 160x120, these are 64x48"), "{error}");
+    assert!(error.contains("images of 160x120, but these are 64x48"), "{error}");
     // One of another program.
     fs::write(at.join("cards/scene.json"), "{\"nodes\": []}").unwrap();
     let said = succeed(at, &reduced);
     assert!(
-        said.starts_with("the scene.json beside the pair is not used: cards/scene.json is not a scene file"),
+        said.starts_with(
+            "the scene.json beside the pair is not used: cards/scene.json is not a scene file"
+        ),
         "{said}"
     );
 }
@@ -68,12 +75,24 @@ fn what_is_infinitely_far_has_minus_the_offset_as_its_disparity() {
         for (from, to) in [("left.png", "right.png"), ("right.png", "left.png")] {
             fs::copy(at.join("cards").join(from), at.join("pair").join(to)).unwrap();
         }
-        let pair =
-            ["run", "pair/left.png", "pair/right.png", "--min-disparity=-30", "--max-disparity", "16", "--json", "-"];
+        let pair = [
+            "run",
+            "pair/left.png",
+            "pair/right.png",
+            "--min-disparity=-30",
+            "--max-disparity",
+            "16",
+            "--json",
+            "-",
+        ];
         json_of_any(at, &[&pair[..], options].concat())["health"]["flags"].to_string()
     };
     let rig = ["--focal-px", "150", "--baseline-m", "0.06"];
-    assert!(flags(&[]).contains("beyond_infinity") && flags(&rig).contains("beyond_infinity"), "{}", flags(&rig));
+    assert!(
+        flags(&[]).contains("beyond_infinity") && flags(&rig).contains("beyond_infinity"),
+        "{}",
+        flags(&rig)
+    );
     let squinting = flags(&[&rig[..], &["--disparity-offset-px", "32"]].concat());
     assert!(!squinting.contains("beyond_infinity"), "{squinting}");
     fs::write(at.join("squint.json"), "{\"disparity_zero_px\": -32}").unwrap();
@@ -85,26 +104,46 @@ fn what_is_infinitely_far_has_minus_the_offset_as_its_disparity() {
 fn json_has_the_promised_keys_and_shapes() {
     let folder = cards();
     let json = json(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
-    assert_eq!(keys(&json), ["counts", "health", "points", "segments", "size"]);
+    assert_eq!(keys(&json), ["bars", "counts", "health", "points", "segments", "size"]);
     assert_eq!(json["size"], serde_json::json!([160, 120]));
     let segments = json["segments"].as_array().unwrap();
     assert!(!segments.is_empty());
     for (id, segment) in segments.iter().enumerate() {
-        let expected = ["confidence", "depth_m", "disparity_px", "id", "left", "owner", "sigma_px", "techniques"];
+        let expected = [
+            "confidence",
+            "depth_m",
+            "disparity_px",
+            "id",
+            "left",
+            "owner",
+            "sigma_px",
+            "techniques",
+        ];
         assert_eq!(keys(segment), expected);
         assert_eq!(segment["id"], id);
         assert_eq!(keys(&segment["techniques"]), ["census", "feature", "window"]);
         assert!(["left", "right", "both"].contains(&segment["owner"].as_str().unwrap()));
         for end in [0, 1] {
-            assert!(segment["left"][end][0].is_f64() && segment["left"][end][1].is_f64(), "{segment}");
-            assert!(segment["disparity_px"][end].is_f64() && segment["depth_m"][end].is_f64(), "{segment}");
+            assert!(
+                segment["left"][end][0].is_f64() && segment["left"][end][1].is_f64(),
+                "{segment}"
+            );
+            assert!(
+                segment["disparity_px"][end].is_f64() && segment["depth_m"][end].is_f64(),
+                "{segment}"
+            );
         }
         assert!((0.0..=1.0).contains(&segment["confidence"].as_f64().unwrap()));
     }
     for point in json["points"].as_array().unwrap() {
-        assert!(point[0].is_u64() && point[1].is_u64() && point[2].is_f64() && point[3].is_f64(), "{point}");
+        assert!(
+            point[0].is_u64() && point[1].is_u64() && point[2].is_f64() && point[3].is_f64(),
+            "{point}"
+        );
     }
-    let count = |name: &str| json["counts"][name].as_u64().unwrap_or_else(|| panic!("{name} is not counted"));
+    let count = |name: &str| {
+        json["counts"][name].as_u64().unwrap_or_else(|| panic!("{name} is not counted"))
+    };
     let rejected: u64 = linestereo::Rejection::ALL.iter().map(|reason| count(reason.name())).sum();
     assert_eq!(count("segments_left"), count("matched") + rejected);
     assert_eq!(count("matched") as usize, segments.len());
@@ -125,7 +164,10 @@ fn json_has_the_promised_keys_and_shapes() {
     ];
     assert_eq!(keys(health), named);
     assert_eq!(health["flags"], serde_json::json!([]));
-    assert!(health["skew_us"].is_null() && health["row_drift_px"].is_null(), "a single file has neither: {health}");
+    assert!(
+        health["skew_us"].is_null() && health["row_drift_px"].is_null(),
+        "a single file has neither: {health}"
+    );
     assert_eq!(keys(&health["left"]), ["black", "detail", "level", "view", "white"]);
     // The rows are level: known as well as the samples say themselves, who are few.
     let rows = |name: &str| health["rows"][name].as_f64().unwrap();
@@ -138,7 +180,9 @@ fn without_a_rig_there_are_no_metres() {
     let folder = cards();
     fs::remove_file(folder.path().join("cards/scene.json")).unwrap();
     let json = json(folder.path(), &["run", "cards/left.png", "cards/right.png", "--json", "-"]);
-    assert!(json["segments"].as_array().unwrap().iter().all(|segment| segment["depth_m"].is_null()));
+    assert!(
+        json["segments"].as_array().unwrap().iter().all(|segment| segment["depth_m"].is_null())
+    );
 }
 
 #[test]
@@ -157,7 +201,9 @@ fn files_are_written_and_named() {
 fn bad_input_gets_one_line_and_leaves_no_file() {
     let folder = cards();
     let write = |name: &str, width: u32, height: u32, grey: u8| {
-        image::GrayImage::from_pixel(width, height, image::Luma([grey])).save(folder.path().join(name)).unwrap();
+        image::GrayImage::from_pixel(width, height, image::Luma([grey]))
+            .save(folder.path().join(name))
+            .unwrap();
     };
     write("tiny.png", 1, 1, 9);
     write("flat.png", 160, 120, 90);
@@ -167,7 +213,8 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
     fs::copy(folder.path().join("cards/left.png"), folder.path().join("left.png")).unwrap();
     let before = fs::read_dir(folder.path()).unwrap().count();
     let left = "left.png";
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 13] = [
+        (&["run", left, left, "--on", "BOARD"], "unexpected argument '--on'"),
         (&["run", left, "missing.png"], "missing.png"),
         (&["run", left, "other.png"], "size"),
         (&["run", left, "text.png"], "text.png"),
@@ -186,12 +233,15 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
         all_refused(folder.path(), &[(&args, says)]);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{args:?} left a file");
     }
-    refused(folder.path(), &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat());
+    refused(
+        folder.path(),
+        &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat(),
+    );
     assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
 }
 
-/// The pair of a scene as cameras deliver it that are exchanged, mirrored, or hang upside down; and
-/// one with nothing in it.
+/// The pair of a scene as cameras deliver it that are exchanged or mirrored, of which one or both
+/// hang upside down; and one with nothing in it.
 fn with_bad_pairs() -> TempDir {
     let folder = with_scene("demo", "320x240", "good");
     let at = folder.path();
@@ -200,7 +250,11 @@ fn with_bad_pairs() -> TempDir {
     let soft = image::GrayImage::from_fn(320, 240, |x, _| image::Luma([60 + (x / 2) as u8]));
     for (name, pair) in [
         ("exchanged", [right.clone(), left.clone()]),
-        ("mirrored", [image::imageops::flip_horizontal(&left), image::imageops::flip_horizontal(&right)]),
+        (
+            "mirrored",
+            [image::imageops::flip_horizontal(&left), image::imageops::flip_horizontal(&right)],
+        ),
+        ("turned", [image::imageops::rotate180(&left), image::imageops::rotate180(&right)]),
         ("upside_down", [image::imageops::rotate180(&left), right]),
         ("empty", [soft.clone(), soft]),
     ] {
@@ -212,7 +266,7 @@ fn with_bad_pairs() -> TempDir {
     folder
 }
 
-const BAD: [&str; 4] = ["exchanged", "mirrored", "upside_down", "empty"];
+const BAD: [&str; 5] = ["exchanged", "mirrored", "turned", "upside_down", "empty"];
 
 #[test]
 fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
@@ -233,18 +287,53 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
         fs::remove_file(at.join("out.json")).unwrap();
         let report = linestereo(at, &["report", &left, &right, "-o", "page.html"]);
         assert_eq!(report.status.code(), Some(2), "{name}: {}", stderr(&report));
-        assert!(at.join("page.html").is_file() && stderr(&report).contains("no pair can be used"), "{name}");
+        assert!(
+            at.join("page.html").is_file() && stderr(&report).contains("no pair can be used"),
+            "{name}"
+        );
         let sequence = linestereo(at, &["sequence", name, "--out", "lines.jsonl"]);
         assert_eq!(sequence.status.code(), Some(2), "{name}: {}", stderr(&sequence));
-        assert!(at.join("lines.jsonl").is_file() && stderr(&sequence).contains("no frame can be used"), "{name}");
+        assert!(
+            at.join("lines.jsonl").is_file() && stderr(&sequence).contains("no frame can be used"),
+            "{name}"
+        );
     }
     // Some of many are counted, and are no failure.
     let output = linestereo(at, &["sequence", ".", "--out", "lines.jsonl"]);
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        output.status.success() && told.contains("4 frames are not fit to be used, or nothing is matched in them"),
+        output.status.success()
+            && told.contains("5 frames are not fit to be used, or nothing is matched in them"),
         "{told}"
     );
+}
+
+/// Files of points are written all the same, and hold none.
+#[test]
+fn files_of_points_of_exchanged_images_are_empty() {
+    let folder = with_bad_pairs();
+    let at = folder.path();
+    let rig = ["--focal-px", "288", "--baseline-m", "0.12"];
+    // Vertices of the PLY file, points of the PCD file, and lines after the head of the latter.
+    let clouds = |name: &str| {
+        let [left, right] = ["left.png", "right.png"].map(|side| format!("{name}/{side}"));
+        let files = ["--ply", "cloud.ply", "--pcd", "cloud.pcd"];
+        let output = linestereo(at, &[&["run", &left, &right][..], &rig, &files].concat());
+        let text = |file: &str| fs::read_to_string(at.join(file)).unwrap();
+        let number = |text: &str, key: &str| -> usize {
+            let line = text.lines().find_map(|line| line.strip_prefix(key));
+            line.unwrap_or_else(|| panic!("{name}: no {key}")).parse().unwrap()
+        };
+        let (ply, pcd) = (text("cloud.ply"), text("cloud.pcd"));
+        let listed = pcd.lines().skip_while(|line| *line != "DATA ascii").skip(1).count();
+        let counts = [number(&ply, "element vertex "), number(&pcd, "POINTS "), listed];
+        (output.status.code(), counts)
+    };
+    let (code, [vertices, points, listed]) = clouds("good");
+    assert!(code == Some(0) && vertices > 5000 && points > 5000 && listed == points);
+    for name in ["exchanged", "mirrored", "turned", "upside_down"] {
+        assert_eq!(clouds(name), (Some(2), [0; 3]), "{name}");
+    }
 }
 
 #[test]
@@ -256,9 +345,12 @@ fn a_narrow_pair_is_searched_as_far_as_it_can_be_and_that_is_said() {
     let output = linestereo(at, &run);
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(String::from_utf8_lossy(&output.stdout).contains("disparities below 63: "));
-    assert!(stderr(&output).contains("disparities below 63 are searched: images of 64x48 have no more"));
+    assert!(stderr(&output).contains("disparities below 63 are searched, as images of 64x48"));
     // A range that is asked for is not changed.
-    all_refused(at, &[(&[&run[..], &["--max-disparity", "64"]].concat(), "64 does not fit an image of 64x48")]);
+    all_refused(
+        at,
+        &[(&[&run[..], &["--max-disparity", "64"]].concat(), "64 does not fit an image of 64x48")],
+    );
     assert!(stderr(&linestereo(at, &[&run[..], &["--max-disparity", "32"]].concat())).is_empty());
 }
 
@@ -267,16 +359,31 @@ fn sectors_are_listed_drawn_and_told() {
     let folder = cards();
     let extra = ["--sectors", "--fan", "fan.png", "--mavlink", "told.bin"];
     let text = succeed(folder.path(), &[&PAIR[..], &extra].concat());
-    assert!(text.contains("sectors of 5 degrees, up to 10 m\n") && text.contains("wrote told.bin\n"), "{text}");
+    assert!(
+        text.contains("sectors of 5 degrees, up to 10 m\n") && text.contains("wrote told.bin\n"),
+        "{text}"
+    );
     let json = json(folder.path(), &[&PAIR[..], &["--sectors", "--json", "-"]].concat());
     let sectors = json["sectors"].as_array().unwrap();
     assert_eq!(sectors.len(), 72);
+    // Both forms of an option with two values.
+    let spelled = ["--sectors", "--sector-heights=-0.5", "2", "--json", "-"];
+    assert_eq!(
+        self::json(folder.path(), &[&PAIR[..], &spelled].concat())["sectors"]
+            .as_array()
+            .unwrap()
+            .len(),
+        72
+    );
     let state = |index: usize| sectors[index]["state"].as_str().unwrap();
     assert!((10..63).all(|index| state(index) == "outside"));
     assert!((0..72).any(|index| state(index) == "obstacle"), "{json}");
     let told = fs::read(folder.path().join("told.bin")).unwrap();
     // HEARTBEAT, then OBSTACLE_DISTANCE with the same distances.
-    assert_eq!((told.len(), told[0], told[7], told[21], told[28]), (21 + 179, 0xfd, 0, 0xfd, 330_u16.to_le_bytes()[0]));
+    assert_eq!(
+        (told.len(), told[0], told[7], told[21], told[28]),
+        (21 + 179, 0xfd, 0, 0xfd, 330_u16.to_le_bytes()[0])
+    );
     for (index, sector) in sectors.iter().enumerate() {
         let at = 21 + 10 + 8 + 2 * index;
         let cm = u16::from_le_bytes([told[at], told[at + 1]]);
@@ -300,7 +407,7 @@ fn sectors_without_sense_are_refused() {
         (&["run", "left.png", "right.png", "--sectors"], "--focal-px and --baseline-m"),
         (
             &with(&["--sectors", "--sector-range", "1000"]),
-            "linestereo: range (m) is 1000, allowed are 0.1 to 600; change --sector-range\n",
+            "linestereo: range (m) is 1000 but must be 0.1 to 600; change --sector-range\n",
         ),
         (&with(&["--sectors", "--sector-heights", "2", "1"]), "change --sector-heights\n"),
         (&with(&["--policy", "silent"]), "--mavlink"),

@@ -2,14 +2,18 @@
 
 use linestereo::{Dims, Owner};
 use linestereo_frames::load_scene;
-use linestereo_sim::scene::{self, DisparityPlane, EdgeCase, Kind, Pair, Pattern, Rendering, Scene, Sensor, Texture};
+use linestereo_sim::scene::{
+    self, DisparityPlane, EdgeCase, Kind, Pair, Pattern, Rendering, Scene, Sensor, Texture,
+};
 use std::collections::BTreeSet;
 
 const DIMS: Dims = Dims { width: 64, height: 32 };
 
 /// Column, row and place in the list of every pixel.
 fn pixels() -> impl Iterator<Item = (f64, f64, usize)> {
-    (0..32_u8).flat_map(|y| (0..64_u8).map(move |x| (f64::from(x), f64::from(y), usize::from(y) * 64 + usize::from(x))))
+    (0..32_u8).flat_map(|y| {
+        (0..64_u8).map(move |x| (f64::from(x), f64::from(y), usize::from(y) * 64 + usize::from(x)))
+    })
 }
 
 /// One unbounded grained plane.
@@ -17,7 +21,11 @@ fn plane_scene(plane: DisparityPlane, offset_px: f64) -> Scene {
     let pair = Pair { disparity_offset_px: offset_px, ..Pair::centred(DIMS, 64.0, 0.1) };
     let metres_per_pixel = pair.depth(plane.disparity) / pair.focal_px;
     let texture = Texture::grained(Pattern::Blank(128.0), 100.0, 3.0 * metres_per_pixel, 7);
-    Scene { pair, surfaces: vec![plane.surface(&pair, [3.0, 1.0], texture, 1)], objects: vec!["plane"] }
+    Scene {
+        pair,
+        surfaces: vec![plane.surface(&pair, [3.0, 1.0], texture, 1)],
+        objects: vec!["plane"],
+    }
 }
 
 fn render(scene: &Scene) -> Rendering {
@@ -47,11 +55,18 @@ fn slanted_planes_have_linear_disparity() {
         let rendering = render(&plane_scene(plane, 0.0));
         for (x, y, i) in pixels() {
             let expected = plane.disparity_at(x, y);
-            assert!((f64::from(rendering.disparity[i]) - expected).abs() < 1e-5, "{slope:?} at {x}, {y}");
+            assert!(
+                (f64::from(rendering.disparity[i]) - expected).abs() < 1e-5,
+                "{slope:?} at {x}, {y}"
+            );
             assert_eq!(rendering.labels[i], 1);
             let seen_at = x - expected;
             if (seen_at + 0.5).abs() > 1e-6 && (seen_at - 63.5).abs() > 1e-6 {
-                assert_eq!(rendering.visible[i], seen_at > -0.5 && seen_at < 63.5, "{slope:?} at {x}, {y}");
+                assert_eq!(
+                    rendering.visible[i],
+                    seen_at > -0.5 && seen_at < 63.5,
+                    "{slope:?} at {x}, {y}"
+                );
             }
         }
     }
@@ -70,7 +85,9 @@ fn border(row: &[u8], [first, second]: [f64; 2]) -> f64 {
 
 #[test]
 fn edges_lie_where_they_are_said_to_lie_in_both_images() {
-    for (owner, slope) in [(Owner::Both, [0.0; 2]), (Owner::Left, [0.02, 0.0]), (Owner::Right, [0.03, -0.05])] {
+    for (owner, slope) in
+        [(Owner::Both, [0.0; 2]), (Owner::Left, [0.02, 0.0]), (Owner::Right, [0.03, -0.05])]
+    {
         for direction in [[0.0, 1.0], [1.0, 4.0], [-1.0, 3.0]] {
             let case = edge_case(owner, direction, slope);
             let rendering = render(&case.scene(DIMS));
@@ -80,9 +97,13 @@ fn edges_lie_where_they_are_said_to_lie_in_both_images() {
                 let (left, right) = (border(left, case.greys), border(right, case.greys));
                 let expected = 32.3 + (y as f64 - 16.0) * direction[0] / direction[1];
                 let disparity = case.plane.disparity_at(expected, y as f64);
-                // A step of the lattice, and half a grey of rounding in each of up to three mixed pixels.
+                // A step of the lattice, and half a grey of rounding in each of up to three mixed
+                // pixels.
                 assert!((left - expected).abs() < 0.03, "{case:?}: {left} instead of {expected}");
-                assert!((left - right - disparity).abs() < 0.05, "{case:?}: {left} - {right} is not {disparity}");
+                assert!(
+                    (left - right - disparity).abs() < 0.05,
+                    "{case:?}: {left} - {right} is not {disparity}"
+                );
             }
         }
     }
@@ -100,11 +121,18 @@ fn the_owner_is_the_plane_in_front() {
                     continue;
                 }
                 let in_front = if owner == Owner::Left { side < 0.0 } else { side > 0.0 };
-                assert_eq!(rendering.labels[i], if in_front { 1 } else { 2 }, "{case:?} at {x}, {y}");
+                assert_eq!(
+                    rendering.labels[i],
+                    if in_front { 1 } else { 2 },
+                    "{case:?} at {x}, {y}"
+                );
                 let grey = case.greys[usize::from(side > 0.0)];
-                assert!(side.abs() < 1.0 || (f64::from(rendering.left.pixels[i]) - grey).abs() <= 0.5);
+                assert!(
+                    side.abs() < 1.0 || (f64::from(rendering.left.pixels[i]) - grey).abs() <= 0.5
+                );
             }
-            let first_side = if case.is_near_horizontal() { case.side(32.3, 0.0) } else { case.side(0.0, 16.0) };
+            let first_side =
+                if case.is_near_horizontal() { case.side(32.3, 0.0) } else { case.side(0.0, 16.0) };
             assert!(first_side < 0.0, "{case:?}");
         }
     }
@@ -119,7 +147,8 @@ fn hidden_is_what_the_front_covers_in_the_right_image() {
             let in_front = if owner == Owner::Left { x <= 32.3 } else { x >= 32.3 };
             let seen_at = x - if in_front { 10.4 } else { 4.0 };
             let edge = 32.3 - 10.4;
-            let covered = !in_front && if owner == Owner::Left { seen_at <= edge } else { seen_at >= edge };
+            let covered =
+                !in_front && if owner == Owner::Left { seen_at <= edge } else { seen_at >= edge };
             assert_eq!(rendering.visible[i], seen_at >= -0.5 && !covered, "{owner:?} column {x}");
         }
     }
@@ -150,20 +179,29 @@ fn the_sensor_does_what_it_says() {
         assert!(shifted.abs_diff(*grey) <= 1);
     }
 
-    let darker = scene::render(&scene, DIMS, &Sensor { gain: 0.5, bias: 10.0, ..Sensor::default() });
+    let darker =
+        scene::render(&scene, DIMS, &Sensor { gain: 0.5, bias: 10.0, ..Sensor::default() });
     assert_eq!(darker.left, clean.left);
     for (dark, bright) in darker.right.pixels.iter().zip(&clean.right.pixels) {
         assert!((f64::from(*dark) - (0.5 * f64::from(*bright) + 10.0)).abs() <= 0.76);
     }
 
     let flat = EdgeCase { greys: [128.0; 2], ..edge_case(Owner::Both, [0.0, 1.0], [0.0; 2]) };
-    let noisy = scene::render(&flat.scene(DIMS), DIMS, &Sensor { noise: 5.0, seed: 3, ..Sensor::default() });
+    let noisy = scene::render(
+        &flat.scene(DIMS),
+        DIMS,
+        &Sensor { noise: 5.0, seed: 3, ..Sensor::default() },
+    );
     assert_ne!(noisy.left, noisy.right);
     for image in [&noisy.left, &noisy.right] {
         let count = image.pixels.len() as f64;
         let mean = image.pixels.iter().map(|&grey| f64::from(grey)).sum::<f64>() / count;
-        let variance = image.pixels.iter().map(|&grey| (f64::from(grey) - mean).powi(2)).sum::<f64>() / count;
-        assert!((mean - 128.0).abs() < 0.4 && (variance.sqrt() - 5.0).abs() < 0.3, "{mean} {variance}");
+        let variance =
+            image.pixels.iter().map(|&grey| (f64::from(grey) - mean).powi(2)).sum::<f64>() / count;
+        assert!(
+            (mean - 128.0).abs() < 0.4 && (variance.sqrt() - 5.0).abs() < 0.3,
+            "{mean} {variance}"
+        );
     }
 }
 
@@ -179,9 +217,14 @@ fn the_same_seed_gives_the_same_bytes() {
         assert!(labels.iter().all(|&label| usize::from(label) <= built.objects.len()));
         let bytes = left.pixels.into_iter().chain(right.pixels).chain(labels);
         let bytes = bytes.chain(visible.into_iter().map(u8::from));
-        let bytes = bytes.chain(disparity.into_iter().flat_map(|d| ((d * 256.0) as u16).to_le_bytes()));
+        let bytes =
+            bytes.chain(disparity.into_iter().flat_map(|d| ((d * 256.0) as u16).to_le_bytes()));
         let fnv_1a = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
-        digests.push_str(&format!("{:<10} {:016x}\n", kind.name(), bytes.fold(0xcbf2_9ce4_8422_2325, fnv_1a)));
+        digests.push_str(&format!(
+            "{:<10} {:016x}\n",
+            kind.name(),
+            bytes.fold(0xcbf2_9ce4_8422_2325, fnv_1a)
+        ));
     }
     let expected = "\
 demo       2c5ac6e99efad993
@@ -192,7 +235,10 @@ boxes      42c7e1e13ae95819
 blank      86721c9145c52f3e
 repetition 594dd979ab673a5f
 ";
-    assert_eq!(digests, expected, "\nif the change is meant, take over the digests on the left:\n{digests}");
+    assert_eq!(
+        digests, expected,
+        "\nif the change is meant, take over the digests on the left:\n{digests}"
+    );
 }
 
 #[test]
@@ -205,7 +251,10 @@ fn a_folder_reads_back_as_it_was_rendered() {
         std::fs::write(folder.path().join(name), contents).unwrap();
     }
     let read = load_scene(folder.path(), None).unwrap();
-    assert_eq!((read.name.as_str(), &read.left, &read.right), ("demo", &rendering.left, &rendering.right));
+    assert_eq!(
+        (read.name.as_str(), &read.left, &read.right),
+        ("demo", &rendering.left, &rendering.right)
+    );
     assert_eq!(read.rig, Some(built.pair.rig().unwrap()));
     assert_eq!(read.max_disparity, 16);
     let truth = read.truth.unwrap();

@@ -8,7 +8,9 @@ use tempfile::TempDir;
 fn without_arguments_it_shows_a_room_and_writes_a_picture() {
     let folder = TempDir::new().unwrap();
     let text = succeed(folder.path(), &[]);
-    for word in ["probability", "near card", "Segments: ", "Points: ", "Picture: linestereo-demo.png"] {
+    for word in
+        ["probability", "near card", "Segments: ", "Points: ", "Picture: linestereo-demo.png"]
+    {
         assert!(text.contains(word), "{word:?} is not in\n{text}");
     }
     assert!(image::open(folder.path().join("linestereo-demo.png")).unwrap().width() >= 320);
@@ -22,11 +24,13 @@ fn rendered_scenes_can_be_matched() {
     succeed(folder.path(), &["scene", "--kind", "all", "--size", "160x120", "--noise", "2", "out"]);
     for line in list.lines() {
         let name = line.split_whitespace().next().unwrap();
-        for file in ["left.png", "right.png", "gt.png", "visible.png", "objects.png", "scene.json"] {
+        for file in ["left.png", "right.png", "gt.png", "visible.png", "objects.png", "scene.json"]
+        {
             assert!(folder.path().join("out").join(name).join(file).is_file(), "{name}/{file}");
         }
     }
-    let pair = ["run", "out/cards/left.png", "out/cards/right.png", "--scene", "out/cards/scene.json"];
+    let pair =
+        ["run", "out/cards/left.png", "out/cards/right.png", "--scene", "out/cards/scene.json"];
     assert!(!succeed(folder.path(), &pair).is_empty());
 }
 

@@ -1,4 +1,5 @@
-//! Videos: the same records as of the image files they were made of, by our readers and by ffmpeg; and all that may be wrong with them.
+//! Videos: the same records as of the image files they were made of, by our readers and by ffmpeg;
+//! and all that may be wrong with them.
 
 use crate::rectify::RIG;
 use crate::support::{all_refused, linestereo, refused, stderr, succeed, with_drawn_pairs};
@@ -27,7 +28,8 @@ fn drawn() -> TempDir {
 }
 
 fn pairs(folder: &Path) -> Vec<[GrayImage; 2]> {
-    let image = |number: &str, side: &str| load_gray(&folder.join("rec").join(number).join(side)).unwrap();
+    let image =
+        |number: &str, side: &str| load_gray(&folder.join("rec").join(number).join(side)).unwrap();
     NUMBERS.iter().map(|number| [image(number, "left.png"), image(number, "right.png")]).collect()
 }
 
@@ -70,7 +72,9 @@ fn with_y4m(folder: &Path) {
 
 /// Lines without what files and videos call their frames.
 fn records(text: &str) -> Vec<String> {
-    text.lines().map(|line| line.split_once("\"size\"").unwrap_or_else(|| panic!("{line}")).1.to_owned()).collect()
+    text.lines()
+        .map(|line| line.split_once("\"size\"").unwrap_or_else(|| panic!("{line}")).1.to_owned())
+        .collect()
 }
 
 fn of(folder: &Path, args: &[&str]) -> Vec<String> {
@@ -81,7 +85,12 @@ fn of(folder: &Path, args: &[&str]) -> Vec<String> {
 #[track_caller]
 fn ffmpeg(folder: &Path, args: &str) -> bool {
     let args: Vec<&str> = args.split(' ').collect();
-    match Command::new("ffmpeg").args(["-nostdin", "-v", "error", "-y"]).args(args).current_dir(folder).output() {
+    match Command::new("ffmpeg")
+        .args(["-nostdin", "-v", "error", "-y"])
+        .args(args)
+        .current_dir(folder)
+        .output()
+    {
         Ok(output) => {
             assert!(output.status.success(), "{}", stderr(&output));
             true
@@ -143,9 +152,16 @@ fn a_video_is_input_like_any_other() {
     let known = ["--focal-px", "288", "--baseline-m", "0.12"];
     let said = succeed(
         at,
-        &[&["sequence", "left.y4m", "right.y4m", "--out", "a.mcap", "--with", "images"], &known[..]].concat(),
+        &[
+            &["sequence", "left.y4m", "right.y4m", "--out", "a.mcap", "--with", "images"],
+            &known[..],
+        ]
+        .concat(),
     );
-    assert!(said.contains("3 frames, 0 failed, 0 images without a partner; layout: video"), "{said}");
+    assert!(
+        said.contains("3 frames, 0 failed, 0 images without a partner; layout: video"),
+        "{said}"
+    );
     let again = succeed(at, &["sequence", "a.mcap", "--no-points"]);
     assert!(again.contains("\"name\":\"0.033333333\""), "{again}");
     for input in [&["both.y4m"][..], &["left.y4m", "right.y4m"]] {
@@ -156,13 +172,19 @@ fn a_video_is_input_like_any_other() {
     all_refused(
         at,
         &[
-            (&["sequence", "both.y4m", "--objects", "rec/1/left.png"], "which a video has not"),
+            (&["sequence", "both.y4m", "--objects", "rec/1/left.png"], "and a video has neither"),
             (&["sequence", "both.y4m", "--out", "both.y4m"], "the same; write to another"),
             (&["sequence", "left.y4m", "rec"], "rec is no video; of two paths both are videos"),
             (&["sequence", "rec/1/left.png", "rec/1/right.png"], "left.png is no video"),
-            (&["sequence", "left.y4m", "right.y4m", "--side-by-side"], "--side-by-side is for one video"),
+            (
+                &["sequence", "left.y4m", "right.y4m", "--side-by-side"],
+                "--side-by-side is for one video",
+            ),
             (&["sequence", "both.y4m", "--frames", "3..9"], "none of the 3 pairs in both.y4m"),
-            (&["sequence", "both.y4m", "--left-topic", "a", "--right-topic", "b"], "are for an .mcap file"),
+            (
+                &["sequence", "both.y4m", "--left-topic", "a", "--right-topic", "b"],
+                "are for an .mcap file",
+            ),
             (&["sequence", "none.y4m"], "none.y4m: it cannot be read"),
             (&["sequence"], "required"),
             (&["sequence", "both.y4m", "--camera", "/dev/null"], "cannot be used with"),
@@ -182,7 +204,9 @@ fn the_shorter_of_two_videos_ends_them() {
     assert!(said.contains("2 frames, 0 failed, 1 images without a partner"), "{said}");
     assert!(said.contains("right.y4m: cut off inside frame 2, which is left out"), "{said}");
     assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == of(at, &["rec"])[..2]);
-    assert!(succeed(at, &["quality", "left.y4m", "right.y4m"]).contains("1 frames of the longer video"));
+    assert!(
+        succeed(at, &["quality", "left.y4m", "right.y4m"]).contains("1 frames of the longer video")
+    );
 }
 
 #[test]
@@ -197,7 +221,10 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
             return;
         }
         let path = format!("./{name}");
-        assert!(of(at, &["--", if name.starts_with('-') { name } else { &path }]) == expected, "{name}");
+        assert!(
+            of(at, &["--", if name.starts_with('-') { name } else { &path }]) == expected,
+            "{name}"
+        );
     }
     for side in ["left", "right"] {
         ffmpeg(at, &format!("-i {side}.y4m -c:v ffv1 {side}.mkv"));
@@ -208,7 +235,10 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
     // Frames that are stored in another order than they are shown: each once, in its place.
     ffmpeg(at, "-stream_loop 3 -i both.y4m -c:v mpeg4 -bf 2 -qscale:v 2 lossy.mp4");
     fs::create_dir(at.join("decoded")).unwrap();
-    ffmpeg(at, "-i lossy.mp4 -sws_flags bicubic+accurate_rnd+bitexact -pix_fmt gray decoded/%d.png");
+    ffmpeg(
+        at,
+        "-i lossy.mp4 -sws_flags bicubic+accurate_rnd+bitexact -pix_fmt gray decoded/%d.png",
+    );
     let decoded = of(at, &["decoded", "--side-by-side"]);
     assert!(decoded.len() == 12 && of(at, &["lossy.mp4"]) == decoded);
     // JPEG files one behind the other, which have no times.
@@ -219,10 +249,15 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
     let decoded = of(at, &["jpegs", "--side-by-side"]);
     assert!(decoded.len() == 3 && of(at, &["both.mjpeg"]) == decoded);
     // Frames at times of their own: each once.
-    ffmpeg(at, "-stream_loop 3 -i both.y4m -vf setpts=N*(N+1)*1000 -fps_mode vfr -c:v ffv1 long.mkv");
+    ffmpeg(
+        at,
+        "-stream_loop 3 -i both.y4m -vf setpts=N*(N+1)*1000 -fps_mode vfr -c:v ffv1 long.mkv",
+    );
     let names = |video: &str| {
         let lines = succeed(at, &["sequence", video, "--no-points"]);
-        let name = |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap()["name"].to_string();
+        let name = |line: &str| {
+            serde_json::from_str::<serde_json::Value>(line).unwrap()["name"].to_string()
+        };
         lines.lines().map(name).collect::<Vec<_>>()
     };
     assert_eq!(names("both.mkv"), ["\"0.000\"", "\"0.033\"", "\"0.067\""]);
@@ -236,13 +271,19 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
     fs::write(at.join("list.mkv"), "ffconcat version 1.0\nfile both.mkv\n").unwrap();
     fs::write(at.join("cut.mkv"), &fs::read(at.join("both.mkv")).unwrap()[..400]).unwrap();
     for name in ["sound.mkv", "text.mkv", "list.mkv", "cut.mkv"] {
-        assert!(refused(at, &["sequence", name]).contains(&format!("{name}: ffmpeg cannot read it (")), "{name}");
+        assert!(
+            refused(at, &["sequence", name]).contains(&format!("{name}: ffmpeg cannot read it (")),
+            "{name}"
+        );
     }
     assert!(refused(at, &["sequence", "http://127.0.0.1:9/x.mp4"]).contains("it cannot be read"));
     let whole = fs::read(at.join("both.mkv")).unwrap();
     fs::write(at.join("part.mkv"), &whole[..whole.len() * 9 / 10]).unwrap();
     let said = succeed(at, &["sequence", "part.mkv", "--out", "x.jsonl"]);
-    assert!(said.contains("2 frames, 0 failed") && said.contains("part.mkv: ffmpeg says: "), "{said}");
+    assert!(
+        said.contains("2 frames, 0 failed") && said.contains("part.mkv: ffmpeg says: "),
+        "{said}"
+    );
     assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == expected[..2]);
     ffmpeg(at, "-i both.y4m -vf crop=639:240:0:0:exact=1 -c:v ffv1 odd.mkv");
     assert!(refused(at, &["sequence", "odd.mkv"]).contains("odd.mkv: its width 639 is odd"));
@@ -270,8 +311,14 @@ fn hostile_heads_are_refused() {
         (y4m(&long, &frame, 0), "its first line has no end"),
         (y4m("W64 H48 Cmono", &[], 0), "it holds no whole frame"),
         (y4m("W64 H96 Cmono", &frame, 0), "it holds no whole frame"),
-        (y4m("W64 H48 Cmono", &frame, 9), "it holds no whole frame|frame 1 does not begin with FRAME"),
-        ([y4m("W64 H48 Cmono", &frame, 0), vec![b'x'; 5000]].concat(), "frame 1 does not begin with FRAME"),
+        (
+            y4m("W64 H48 Cmono", &frame, 9),
+            "it holds no whole frame|frame 1 does not begin with FRAME",
+        ),
+        (
+            [y4m("W64 H48 Cmono", &frame, 0), vec![b'x'; 5000]].concat(),
+            "frame 1 does not begin with FRAME",
+        ),
         (y4m("W63 H48 Cmono", &[vec![7; 63 * 48]], 0), "its width 63 is odd"),
     ];
     for (bytes, says) in cases {
@@ -314,16 +361,17 @@ fn change(random: &mut Random, from: &[u8]) -> Vec<u8> {
 #[test]
 fn mutated_videos_are_read_or_refused() {
     let folder = TempDir::new().unwrap();
-    let noise: Vec<u8> = (0..32 * 16_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let noise: Vec<u8> =
+        (0..32 * 16_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     let video = y4m("W32 H16 F30:1 C420jpeg", &[noise.clone(), noise], 256);
     let path = folder.path().join("x.y4m");
     let (mut random, mut outcomes) = (Random(5), [0; 3]);
     for _ in 0..1500 {
         fs::write(&path, change(&mut random, &video)).unwrap();
         let found = Footage::open(&path, false, || false);
-        let loaded = found
-            .as_ref()
-            .map(|found| found.pairs.iter().filter(|pair| load_images(&pair.images, None).is_ok()).count());
+        let loaded = found.as_ref().map(|found| {
+            found.pairs.iter().filter(|pair| load_images(&pair.images, None).is_ok()).count()
+        });
         outcomes[match loaded {
             Ok(pairs) if pairs >= 2 => 0,
             Ok(_) => 1,
@@ -344,8 +392,7 @@ fn with_fake(folder: &Path, script: &str) {
     fs::write(folder.join("x.mp4"), "x").unwrap();
 }
 
-const LISTS: &str =
-    "case \"$*\" in *framecrc*) for i in 0 1 2 3 4 5; do echo \"0, $i, $i, 1, 9, 0x0\"; done; exit 0;; esac\n";
+const LISTS: &str = "case \"$*\" in *framecrc*) for i in 0 1 2 3 4 5; do echo \"0, $i, $i, 1, 9, 0x0\"; done; exit 0;; esac\n";
 
 /// Calls the program with the fake before other programs.
 #[cfg(unix)]
@@ -371,23 +418,38 @@ fn an_ffmpeg_that_fails_is_named() {
     let folder = TempDir::new().unwrap();
     let at = folder.path();
     let cases = [
-        ("echo first >&2; echo \"x.mp4: [h264 @ 0x55ab] \\033[2Jno key\" >&2; exit 1", "(x.mp4: [h264]"),
+        (
+            "echo first >&2; echo \"x.mp4: [h264 @ 0x55ab] \\033[2Jno key\" >&2; exit 1",
+            "(x.mp4: [h264]",
+        ),
         ("exit 3", "ffmpeg cannot read it (exit status: 3)"),
         ("kill -9 $$", "ffmpeg cannot read it (signal: 9"),
-        ("cat /dev/zero", "does not write what it was asked for (no list of packets)"),
-        ("yes rubbish", "does not write what it was asked for (no list of packets)"),
+        ("cat /dev/zero", "the output of ffmpeg is not as requested (no list of packets)"),
+        ("yes rubbish", "the output of ffmpeg is not as requested (no list of packets)"),
         ("yes '0, 1, 1, 1, 9, 0x0'", "it has more than 524288 frames"),
-        ("head -c 100000000 /dev/zero >&2; echo >&2; echo end >&2; exit 1", "ffmpeg cannot read it (end)"),
+        (
+            "head -c 100000000 /dev/zero >&2; echo >&2; echo end >&2; exit 1",
+            "ffmpeg cannot read it (end)",
+        ),
     ];
     for (script, says) in cases {
         fake_refused(at, script, says);
     }
     let cases = [
         ("echo no decoder >&2; exit 1", "ffmpeg cannot read it (no decoder)"),
-        ("cat /dev/zero", "does not write what it was asked for (no Y4M)"),
-        ("echo YUV4MPEG2 W1000000000 H1000000000; cat /dev/zero", "frames of 1000000000x1000000000 px"),
-        ("echo YUV4MPEG2 W64 H48 Cmono; yes", "does not write what it was asked for (no frame of Y4M)"),
-        ("echo YUV4MPEG2 W64 H48 Cmono; echo FRAME; echo x; echo lost >&2", "ffmpeg cannot read it (lost)"),
+        ("cat /dev/zero", "the output of ffmpeg is not as requested (no Y4M)"),
+        (
+            "echo YUV4MPEG2 W1000000000 H1000000000; cat /dev/zero",
+            "frames of 1000000000x1000000000 px",
+        ),
+        (
+            "echo YUV4MPEG2 W64 H48 Cmono; yes",
+            "the output of ffmpeg is not as requested (no frame of Y4M)",
+        ),
+        (
+            "echo YUV4MPEG2 W64 H48 Cmono; echo FRAME; echo x; echo lost >&2",
+            "ffmpeg cannot read it (lost)",
+        ),
     ];
     for (script, says) in cases {
         fake_refused(at, &format!("{LISTS}{script}"), says);
@@ -408,7 +470,13 @@ fn is_gone(pid: &Path) -> bool {
     let pid = fs::read_to_string(pid).unwrap();
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(5) {
-        if !Command::new("kill").args(["-0", pid.trim()]).stderr(Stdio::null()).status().unwrap().success() {
+        if !Command::new("kill")
+            .args(["-0", pid.trim()])
+            .stderr(Stdio::null())
+            .status()
+            .unwrap()
+            .success()
+        {
             return true;
         }
         std::thread::sleep(Duration::from_millis(20));
@@ -422,7 +490,11 @@ fn is_gone(pid: &Path) -> bool {
 fn an_ffmpeg_that_never_ends_is_ended() {
     let folder = TempDir::new().unwrap();
     let start = Instant::now();
-    fake_refused(folder.path(), "echo $$ > pid; exec sleep 1000", "ffmpeg gave nothing for 15 s and was ended");
+    fake_refused(
+        folder.path(),
+        "echo $$ > pid; exec sleep 1000",
+        "ffmpeg wrote nothing for 15 s and was stopped",
+    );
     assert!(start.elapsed() < Duration::from_secs(25), "{:?}", start.elapsed());
     assert!(is_gone(&folder.path().join("pid")));
 }
@@ -436,7 +508,8 @@ fn with_camera(folder: &Path, frames: &str) {
     let frame = (both.len() - head) / 3;
     fs::write(folder.join("head"), &both[..head]).unwrap();
     for index in 0..3 {
-        fs::write(folder.join(format!("frame{index}")), &both[head + frame * index..][..frame]).unwrap();
+        fs::write(folder.join(format!("frame{index}")), &both[head + frame * index..][..frame])
+            .unwrap();
     }
     with_fake(folder, &format!("{LISTS}echo \"$*\" > args; echo $$ > pid; cat head; {frames}"));
 }
@@ -447,8 +520,12 @@ fn a_camera_gives_pairs_until_their_number_is_reached() {
     let folder = drawn();
     let at = folder.path();
     with_camera(at, "while :; do cat frame0 frame1 frame2; done");
-    let args = ["sequence", "--camera", "/dev/null", "--camera-size", "640x240", "--camera-fps", "30"];
-    let output = faked(at, &[&args[..], &["--camera-format", "mjpeg", "--frames", "1..3"]].concat()).output().unwrap();
+    let args =
+        ["sequence", "--camera", "/dev/null", "--camera-size", "640x240", "--camera-fps", "30"];
+    let output =
+        faked(at, &[&args[..], &["--camera-format", "mjpeg", "--frames", "1..3"]].concat())
+            .output()
+            .unwrap();
     assert!(output.status.success(), "{}", stderr(&output));
     let expected = of(at, &["rec"]);
     let found = records(&String::from_utf8_lossy(&output.stdout));
@@ -461,19 +538,36 @@ fn a_camera_gives_pairs_until_their_number_is_reached() {
     assert!(is_gone(&at.join("pid")));
     // Pulled out.
     with_camera(at, "cat frame0 frame1; echo No such device >&2; exit 1");
-    let output = faked(at, &["sequence", "--camera", "/dev/null", "--out", "x.jsonl"]).output().unwrap();
+    let output =
+        faked(at, &["sequence", "--camera", "/dev/null", "--out", "x.jsonl"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && said.contains("2 frames, 0 failed"), "{said} {}", stderr(&output));
-    assert!(said.contains("it ended behind 2 frames; /dev/null: ffmpeg says: No such device"), "{said}");
+    assert!(
+        output.status.success() && said.contains("2 frames, 0 failed"),
+        "{said} {}",
+        stderr(&output)
+    );
+    assert!(
+        said.contains("it ended behind 2 frames; /dev/null: ffmpeg says: No such device"),
+        "{said}"
+    );
     assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == expected[..2]);
     all_refused(
         at,
         &[
-            (&["sequence", "--camera", "/dev/video987"], "/dev/video987: there is no camera (No such file"),
+            (
+                &["sequence", "--camera", "/dev/video987"],
+                "/dev/video987: there is no camera (No such file",
+            ),
             (&["sequence", "--camera", "both.y4m"], "both.y4m: it is no camera; give its device"),
-            (&["sequence", "--camera", "/dev/null", "--camera-size", "9"], "give width and height of both views"),
+            (
+                &["sequence", "--camera", "/dev/null", "--camera-size", "9"],
+                "give width and height of both views",
+            ),
             (&["sequence", "--camera", "/dev/null", "--camera-format", "a b"], "give a name"),
-            (&["sequence", "--camera", "/dev/null", "--objects", "a.csv"], "which a camera has not"),
+            (
+                &["sequence", "--camera", "/dev/null", "--objects", "a.csv"],
+                "and a camera has neither",
+            ),
         ],
     );
 }
@@ -493,7 +587,13 @@ fn an_interrupted_camera_or_video_keeps_what_is_done() {
             std::thread::sleep(Duration::from_millis(20));
         }
         fs::remove_file(at.join("third")).unwrap();
-        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        assert!(
+            Command::new("kill")
+                .args(["-INT", &child.id().to_string()])
+                .status()
+                .unwrap()
+                .success()
+        );
         let output = child.wait_with_output().unwrap();
         assert!(is_gone(&at.join("pid")));
         output

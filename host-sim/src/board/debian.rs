@@ -1,4 +1,5 @@
-//! A toolchain made of Debian's packages: the installed compiler, with `core` for boards beside its own libraries.
+//! A toolchain made of Debian's packages: the installed compiler, with `core` for boards beside its
+//! own libraries.
 //!
 //! ```text
 //! <cache>/linestereo/rustc-<version>/bin/rustc                       the installed compiler, told to look here
@@ -6,7 +7,8 @@
 //!                                    lib/rustlib/<target>/lib        core and alloc, one such folder per target
 //! ```
 //!
-//! Each part is made beside it and renamed into place, under a lock of its own: what is there is whole, and targets are made side by side.
+//! Each part is made beside it and renamed into place, under a lock of its own: what is there is
+//! whole, and targets are made side by side.
 
 use crate::programs::{packages, process};
 use anyhow::{Context, Result, bail};
@@ -37,7 +39,8 @@ pub(super) fn toolchain(target: &str) -> Result<PathBuf> {
     if source().is_none() || !Path::new(CARGO).is_file() || linker().is_none() {
         packages::install("a board build", &PACKAGES)?;
     }
-    let (version, source) = source().context("the source of Debian's rustc is not where it should be")?;
+    let (version, source) =
+        source().context("the source of Debian's rustc is not where it should be")?;
     let linker = linker().context("Debian's lld is not where it should be")?;
     let cache = cache()?;
     fs::create_dir_all(&cache).with_context(|| format!("cannot make {}", cache.display()))?;
@@ -89,28 +92,36 @@ fn linker() -> Option<PathBuf> {
 fn cache() -> Result<PathBuf> {
     let base = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
     let base = base.or_else(|| std::env::home_dir().map(|home| home.join(".cache")));
-    Ok(base.context("there is no home folder for a compiler; set XDG_CACHE_HOME")?.join("linestereo"))
+    Ok(base
+        .context("there is no home folder for a compiler; set XDG_CACHE_HOME")?
+        .join("linestereo"))
 }
 
-/// A folder that looks like an installed toolchain: the installed libraries, the linker, and a compiler that looks there.
+/// A folder that looks like an installed toolchain: the installed libraries, the linker, and a
+/// compiler that looks there.
 fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
     let host = process::first_line(Command::new(RUSTC).args(["--print", "host-tuple"]))
         .context("Debian's rustc does not run")?;
-    let installed =
-        process::first_line(Command::new(RUSTC).args(["--print", "sysroot"])).context("Debian's rustc does not run")?;
+    let installed = process::first_line(Command::new(RUSTC).args(["--print", "sysroot"]))
+        .context("Debian's rustc does not run")?;
     let libraries = folder.join("lib/rustlib").join(&host);
     fs::create_dir_all(libraries.join("bin"))?;
     fs::create_dir_all(folder.join("bin"))?;
-    symlink(Path::new(&installed).join("lib/rustlib").join(&host).join("lib"), libraries.join("lib"))?;
+    symlink(
+        Path::new(&installed).join("lib/rustlib").join(&host).join("lib"),
+        libraries.join("lib"),
+    )?;
     symlink(linker, libraries.join("bin/rust-lld"))?;
-    let script = format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{}\" \"$@\"\n", final_folder.display());
+    let script =
+        format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{}\" \"$@\"\n", final_folder.display());
     let rustc = folder.join("bin/rustc");
     fs::write(&rustc, script)?;
     make_readable(&rustc)?;
     make_readable(folder)
 }
 
-/// For everybody, and a program can be run: what is made as a temporary folder is its maker's alone.
+/// For everybody, and a program can be run: what is made as a temporary folder is its maker's
+/// alone.
 #[cfg(unix)]
 fn make_readable(path: &Path) -> Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -122,7 +133,8 @@ fn make_readable(_: &Path) -> Result<()> {
     bail!("Debian's packages need a Unix")
 }
 
-/// Builds `core` and `alloc` for a target from Debian's source by an empty package, into the folder `lib` of `folder`.
+/// Builds `core` and `alloc` for a target from Debian's source by an empty package, into the folder
+/// `lib` of `folder`.
 fn build_core(folder: &Path, source: &Path, target: &str) -> Result<()> {
     let package = tempfile::tempdir()?;
     let at = |name: &str| package.path().join(name);
@@ -142,13 +154,15 @@ fn build_core(folder: &Path, source: &Path, target: &str) -> Result<()> {
         }))
         .env("PATH", "/usr/bin:/bin")
         .env("RUSTC", RUSTC)
-        // Building the library is an unstable option of cargo; what is built is the compiler's own library.
+        // Building the library is an unstable option of cargo; what is built is the compiler's own
+        // library.
         .env("RUSTC_BOOTSTRAP", "1")
         // For link-time optimisation through the library.
         .env("RUSTFLAGS", "-Cembed-bitcode=yes");
     let outcome = process::run(&mut command, CORE_LIMIT)?;
     if !outcome.status.success() {
-        let reason = outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
+        let reason =
+            outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
         bail!("core cannot be built from {}: {reason}", source.display());
     }
     let libraries = folder.join("lib");
@@ -156,8 +170,11 @@ fn build_core(folder: &Path, source: &Path, target: &str) -> Result<()> {
     let mut found = 0;
     for entry in fs::read_dir(at("target").join(target).join("release/deps"))? {
         let path = entry?.path();
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let wanted = ["libcore-", "liballoc-", "libcompiler_builtins-"].iter().any(|start| name.starts_with(start));
+        let name =
+            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let wanted = ["libcore-", "liballoc-", "libcompiler_builtins-"]
+            .iter()
+            .any(|start| name.starts_with(start));
         if wanted && name.ends_with(".rlib") {
             fs::copy(&path, libraries.join(&name))?;
             found += 1;

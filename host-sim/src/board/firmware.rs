@@ -58,9 +58,9 @@ impl<'a> Images<'a> {
 
     /// Builds them as they are flashed; their paths are in the order of their names.
     ///
-    /// All boards share one folder, so that what they have in common is built once. Calls side by side wait for each other: cargo
-    /// leaves a program's file at one place for all boards, from where it is copied. What this process has built before is not looked
-    /// at again.
+    /// All boards share one folder, so that what they have in common is built once. Calls side by
+    /// side wait for each other: cargo leaves a program's file at one place for all boards, from
+    /// where it is copied. What this process has built before is not looked at again.
     pub fn build(&self, toolchain: &Toolchain, board: &Board) -> Result<Vec<PathBuf>> {
         static BUILT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
         let mut built = BUILT.lock().unwrap_or_else(PoisonError::into_inner);
@@ -77,7 +77,10 @@ impl<'a> Images<'a> {
         let mut command = toolchain.cargo();
         command.arg("build");
         self.finish(&mut command, &target, board)?;
-        run(&mut command, &format!("cannot build {} for {}", self.programs.join(", "), board.name))?;
+        run(
+            &mut command,
+            &format!("cannot build {} for {}", self.programs.join(", "), board.name),
+        )?;
         for (program, elf) in self.programs.iter().zip(&elfs) {
             // Renamed into place: another process may be running the one before it.
             let copy = tempfile::NamedTempFile::new_in(&folder)?;
@@ -89,8 +92,8 @@ impl<'a> Images<'a> {
         Ok(elfs)
     }
 
-    /// Has clippy read them and their package's library as the board builds them: much of both is for boards only, and nothing on a PC
-    /// sees it. Warnings are errors.
+    /// Has clippy read them and their package's library as the board builds them: much of both is
+    /// for boards only, and nothing on a PC sees it. Warnings are errors.
     pub fn lint(&self, toolchain: &Toolchain, board: &Board) -> Result<()> {
         let mut command = toolchain.clippy()?;
         self.finish(&mut command, &target_folder(toolchain)?, board)?;
@@ -106,10 +109,19 @@ impl<'a> Images<'a> {
             Logs::Rtt => Some("log-rtt"),
         };
         let features = [board.name].into_iter().chain(logs).chain(self.features.iter().copied());
-        let features: Vec<String> = features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
+        let features: Vec<String> =
+            features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
         command
             .current_dir(top()?)
-            .args(["--quiet", "--profile", PROFILE, "--locked", "-p", self.package, "--no-default-features"])
+            .args([
+                "--quiet",
+                "--profile",
+                PROFILE,
+                "--locked",
+                "-p",
+                self.package,
+                "--no-default-features",
+            ])
             .args(["--config", INLINING])
             .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
             .arg(target)
@@ -170,16 +182,18 @@ fn target_folder(toolchain: &Toolchain) -> Result<PathBuf> {
     Ok(std::path::absolute(target)?.join(format!("boards-{}", toolchain.way)))
 }
 
-/// LLVM copies less code into its callers: functions marked `#[inline]` up to a cost of 30 instead of 325, others up to 120 instead of 225 (at "s" 50, as
-/// ever). Less flash for under 1 % of instructions (docs/design.md); what is hot and small says `#[inline(always)]`. Added to the flags of
-/// `.cargo/config.toml`.
+/// LLVM copies less code into its callers: functions marked `#[inline]` up to a cost of 30,
+/// where its default is 325, others up to 120 (225; at "s" 50). Less flash for under 1 % of
+/// instructions (docs/design.md); what is hot and small says `#[inline(always)]`. Added to the
+/// flags of `.cargo/config.toml`.
 const INLINING: &str = "target.'cfg(target_os = \"none\")'.rustflags = \
     [\"-Cllvm-args=-inlinehint-threshold=30\", \"-Cllvm-args=-inlinedefault-threshold=120\"]";
 
 fn run(command: &mut Command, what: &str) -> Result<()> {
     let outcome = process::run(command, LIMIT)?;
     if !outcome.status.success() {
-        let error = outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
+        let error =
+            outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
         eprintln!("{}", outcome.stderr);
         bail!("{what}: {error}");
     }

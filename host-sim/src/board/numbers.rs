@@ -1,7 +1,9 @@
-//! Costs of the built-in pairs on a board, and its digests beside the PC's: as a table, and as a file that its owner sends.
+//! Costs of the built-in pairs on a board, and its digests beside the PC's: as a table, and as a
+//! file that its owner sends.
 //!
-//! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the instructions are those that QEMU
-//! counted for the same pairs on the same kind of processor), and of each pair the first stage whose digest is another.
+//! In: what the program `selftest` says. Out: cycles by pair and stage, cycles per instruction (the
+//! instructions are those that QEMU counted for the same pairs on the same kind of processor), and
+//! of each pair the first stage whose digest is another.
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
@@ -13,9 +15,11 @@ use linestereo_wire::{CaseReport, Hello, MachineReport, Silicon};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Instructions of each built-in pair on the emulated boards whose processors real boards have, by board and pair.
+/// Instructions of each built-in pair on the emulated boards whose processors real boards have, by
+/// board and pair.
 const INSTRUCTIONS: &str = include_str!("instructions.toml");
-/// The core's clock by its own counter may differ so much from the one it was set to: both come from one oscillator.
+/// The core's clock by its own counter may differ so much from the one it was set to: both come
+/// from one oscillator.
 const CLOCK_TOLERANCE: f64 = 0.01;
 
 /// Answers of a board.
@@ -98,25 +102,37 @@ impl BoardNumbers {
     /// Of what a board said: of every pair.
     pub fn new(hello: &Hello, machine: &MachineReport, reports: &[CaseReport]) -> Result<Self> {
         let board = Board::named(&hello.board).with_context(|| {
-            format!("this program knows no board {}; build it and the firmware from one checkout", hello.board)
+            format!(
+                "this program knows no board {}; build it and the firmware from one checkout",
+                hello.board
+            )
         })?;
         let is_in_cycles = machine.unit == "cycles";
         let counted = instructions(&board)?.filter(|_| is_in_cycles);
         let mut pairs = BTreeMap::new();
         for (number, (case, expected)) in Case::all(&board).zip(digests::of(&board)).enumerate() {
             let name = case.to_string();
-            let report = reports.iter().find(|report| usize::from(report.case) == number && *report.name == *name);
+            let report = reports
+                .iter()
+                .find(|report| usize::from(report.case) == number && *report.name == *name);
             let report = report.with_context(|| format!("the board said nothing of {name}"))?;
             let differs_in = first_difference(&report.digests, expected);
             let counted = counted.as_ref().and_then(|(_, counted)| counted.get(&name)).copied();
             pairs.insert(name, PairNumbers::new(report, differs_in, counted));
         }
-        let ratios: Vec<f64> = pairs.values().filter_map(|pair| pair.cycles_per_instruction).collect();
-        let per_instruction = upper_median(ratios.clone(), f64::total_cmp).zip(counted).map(|(median, (of, _))| {
-            let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-            let range = [least, ratios.iter().copied().fold(0.0, f64::max)];
-            PerInstruction { median, range, assumed: assumed(&board), instructions: of.to_owned() }
-        });
+        let ratios: Vec<f64> =
+            pairs.values().filter_map(|pair| pair.cycles_per_instruction).collect();
+        let per_instruction =
+            upper_median(ratios.clone(), f64::total_cmp).zip(counted).map(|(median, (of, _))| {
+                let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+                let range = [least, ratios.iter().copied().fold(0.0, f64::max)];
+                PerInstruction {
+                    median,
+                    range,
+                    assumed: assumed(&board),
+                    instructions: of.to_owned(),
+                }
+            });
         Ok(Self {
             board: board.name.to_owned(),
             processor: board.processor.to_owned(),
@@ -131,7 +147,9 @@ impl BoardNumbers {
 
     /// The pairs whose digests are not the PC's, each with the first stage.
     pub fn wrong(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.pairs.iter().filter_map(|(name, pair)| Some((name.as_str(), pair.differs_in.as_deref()?)))
+        self.pairs
+            .iter()
+            .filter_map(|(name, pair)| Some((name.as_str(), pair.differs_in.as_deref()?)))
     }
 
     /// Doubts about the costs, a line each.
@@ -144,7 +162,8 @@ impl BoardNumbers {
         if let Some(silicon) = &self.silicon {
             let measured = silicon.measured_hz as f64 / f64::from(silicon.core_hz.max(1));
             if (measured - 1.0).abs() > CLOCK_TOLERANCE {
-                let [set, found] = [u64::from(silicon.core_hz), silicon.measured_hz].map(|hz| hz as f64 / 1e6);
+                let [set, found] =
+                    [u64::from(silicon.core_hz), silicon.measured_hz].map(|hz| hz as f64 / 1e6);
                 doubts
                     .push(format!("the core was set to {set:.1} MHz and runs at {found:.1} MHz by the board's clock"));
             }
@@ -172,20 +191,33 @@ impl BoardNumbers {
                 on(silicon.data_cache),
             );
         }
-        let _ = write!(text, "\n{:27} {:>9} {:>8} {:>6}", format!("thousand {}", self.unit), "total", "ms", "c/i");
+        let _ = write!(
+            text,
+            "\n{:27} {:>9} {:>8} {:>6}",
+            format!("thousand {}", self.unit),
+            "total",
+            "ms",
+            "c/i"
+        );
         for stage in Stage::ALL {
             let _ = write!(text, " {:>11}", stage.name());
         }
         for (name, pair) in &self.pairs {
-            let ratio = pair.cycles_per_instruction.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
+            let ratio =
+                pair.cycles_per_instruction.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
             let ms = f64::from(pair.time_us) / 1e3;
             let _ = write!(text, "\n{name:27} {:>9} {ms:>8.1} {ratio:>6}", pair.total / 1000);
             for stage in Stage::ALL {
-                let _ = write!(text, " {:>11}", pair.by_stage.get(stage.name()).map_or(0, |cost| cost / 1000));
+                let _ = write!(
+                    text,
+                    " {:>11}",
+                    pair.by_stage.get(stage.name()).map_or(0, |cost| cost / 1000)
+                );
             }
         }
         text.push('\n');
-        if let Some(PerInstruction { median, range: [low, high], assumed, instructions }) = &self.cycles_per_instruction
+        if let Some(PerInstruction { median, range: [low, high], assumed, instructions }) =
+            &self.cycles_per_instruction
         {
             let [from, to] = assumed;
             let _ = writeln!(
@@ -198,7 +230,10 @@ impl BoardNumbers {
 
     /// A file, which [`BoardNumbers::parse`] reads.
     pub fn file(&self) -> Result<String> {
-        Ok(format!("# Built-in pairs on a board, by `linestereo bench-board`.\n\n{}", toml::to_string(self)?))
+        Ok(format!(
+            "# Built-in pairs on a board, by `linestereo bench-board`.\n\n{}",
+            toml::to_string(self)?
+        ))
     }
 
     /// Of the text of a file.
@@ -232,21 +267,30 @@ impl PairNumbers {
             segments: report.segments,
             differs_in: differs_in.map(str::to_owned),
             // Three places say more than any two runs have in common.
-            cycles_per_instruction: instructions.map(|count| (1e3 * total as f64 / count as f64).round() / 1e3),
-            by_stage: Stage::ALL.into_iter().map(|stage| stage.name().to_owned()).zip(report.costs).collect(),
+            cycles_per_instruction: instructions
+                .map(|count| (1e3 * total as f64 / count as f64).round() / 1e3),
+            by_stage: Stage::ALL
+                .into_iter()
+                .map(|stage| stage.name().to_owned())
+                .zip(report.costs)
+                .collect(),
             digests: report.digests.iter().map(|digest| format!("{digest:08x}")).collect(),
         }
     }
 }
 
-/// Cycles per instruction that the boards' pages assume: of llvm-mca for a Cortex-M7, a guess for others.
+/// Cycles per instruction that the boards' pages assume: of llvm-mca for a Cortex-M7, a guess for
+/// others.
 fn assumed(board: &Board) -> [f64; 2] {
     if board.processor == "Cortex-M7" { [0.7, 1.1] } else { [1.0, 1.3] }
 }
 
-/// Instructions of each built-in pair on the emulated board that has this board's processor, and the name of that board.
+/// Instructions of each built-in pair on the emulated board that has this board's processor, and
+/// the name of that board.
 fn instructions(board: &Board) -> Result<Option<(&'static str, BTreeMap<String, u64>)>> {
-    let Some(twin) = Board::emulated().find(|twin| twin.processor == board.processor) else { return Ok(None) };
+    let Some(twin) = Board::emulated().find(|twin| twin.processor == board.processor) else {
+        return Ok(None);
+    };
     let mut boards: BTreeMap<String, BTreeMap<String, u64>> = toml::from_str(INSTRUCTIONS)?;
     Ok(boards.remove(twin.name).map(|counted| (twin.name, counted)))
 }

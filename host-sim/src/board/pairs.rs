@@ -1,4 +1,5 @@
-//! Pairs to a board and results back: the program `replay` in QEMU, fed with the packets that a host sends over a port.
+//! Pairs to a board and results back: the program `replay` in QEMU, fed with the packets that a
+//! host sends over a port.
 
 use super::firmware::{self, Logs};
 use super::toolchain::Toolchain;
@@ -12,8 +13,8 @@ use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use linestereo_frames::{GrayImage, find_scenes, load_scene};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead, ParamUpdate, Refusal,
-    Regions, Request, RigReport, RigUpdate, encode,
+    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead,
+    ParamUpdate, Refusal, Regions, Request, RigReport, RigUpdate, encode,
 };
 use std::path::{Path, PathBuf};
 
@@ -40,7 +41,8 @@ pub struct BoardResult {
 /// Results of a list of pairs on a board.
 #[derive(Clone, Debug)]
 pub struct Replayed {
-    /// One entry per pair: its result, or why the board refused it. Other commands that it refused stand between them.
+    /// One entry per pair: its result, or why the board refused it. Other commands that it refused
+    /// stand between them.
     pub pairs: Vec<Result<BoardResult, Refusal>>,
     /// Last report of the board on its rig, if it was asked to describe itself.
     pub rig: Option<RigReport>,
@@ -56,7 +58,8 @@ pub struct Machine {
     elf: PathBuf,
 }
 
-/// The update that gives a board these parameters. A rig cannot be read out of them: its numbers come beside.
+/// The update that gives a board these parameters. A rig cannot be read out of them: its numbers
+/// come beside.
 pub fn update(params: &Params, rig: Option<RigUpdate>) -> ParamUpdate {
     ParamUpdate {
         min_disparity: Some(params.min_disparity),
@@ -86,11 +89,16 @@ impl Machine {
     }
 
     /// Matches pairs on the board, all with the same parameters.
-    pub fn run_pairs(&self, update: &ParamUpdate, pairs: &[(&GrayImage, &GrayImage)]) -> Result<Replayed> {
+    pub fn run_pairs(
+        &self,
+        update: &ParamUpdate,
+        pairs: &[(&GrayImage, &GrayImage)],
+    ) -> Result<Replayed> {
         self.run(None, update, [], pairs)
     }
 
-    /// Rectifies raw pairs on the board with this rig and matches them. The board has no flash: it forgets the rig.
+    /// Rectifies raw pairs on the board with this rig and matches them. The board has no flash: it
+    /// forgets the rig.
     pub fn run_raw_pairs(
         &self,
         rig: &RigImage,
@@ -100,8 +108,9 @@ impl Machine {
         self.run(Some(rig), update, [], pairs)
     }
 
-    /// Matches pairs on the board and asks for the depths of these objects; each pair with regions of its own. Where they are to be looked
-    /// at only, the first pair is matched as a whole: it tells how far the rows are apart.
+    /// Matches pairs on the board and asks for the depths of these objects; each pair with regions
+    /// of its own. Where they are to be looked at only, the first pair is matched as a whole: it
+    /// tells how far the rows are apart.
     pub fn run_pairs_with_objects(
         &self,
         update: &ParamUpdate,
@@ -114,9 +123,10 @@ impl Machine {
             push_pair(&mut input, id_of(number), left, right)?;
         }
         let (answers, replayed) = self.replay(&input)?;
-        match answers.iter().find_map(|(_, outcome)| if let Outcome::Refused(why) = outcome { Some(why) } else { None })
-        {
-            Some(why) => bail!("{} refuses what it is to do: {why}", self.board.name),
+        match answers.iter().find_map(|(_, outcome)| {
+            if let Outcome::Refused(why) = outcome { Some(why) } else { None }
+        }) {
+            Some(why) => bail!("{} refused a request: {why}", self.board.name),
             None => Ok(replayed),
         }
     }
@@ -144,23 +154,35 @@ impl Machine {
         for number in 0..sent {
             match answers.get(number) {
                 Some((0, Outcome::Accepted)) => {}
-                Some((0, Outcome::Refused(why))) => bail!("{} refuses what it is to do: {why}", self.board.name),
+                Some((0, Outcome::Refused(why))) => {
+                    bail!("{} refused a request: {why}", self.board.name)
+                }
                 _ => bail!("{} does not answer", self.board.name),
             }
         }
         if replayed.pairs.len() != pairs.len() {
-            bail!("{} pairs were sent to {}, {} were answered", pairs.len(), self.board.name, replayed.pairs.len());
+            bail!(
+                "{} pairs were sent to {}, {} were answered",
+                pairs.len(),
+                self.board.name,
+                replayed.pairs.len()
+            );
         }
         Ok(replayed)
     }
 
-    /// Feeds the board with these bytes. Gives what became of the commands that it accepted and that are no pairs, and the rest.
+    /// Feeds the board with these bytes. Gives what became of the commands that it accepted and
+    /// that are no pairs, and the rest.
     pub fn replay(&self, input: &[u8]) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
         self.replay_with(input, None)
     }
 
     /// The same on a board with flash: what is in it, and after the run what is in it then.
-    pub fn replay_with(&self, input: &[u8], flash: Option<&mut Vec<u8>>) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
+    pub fn replay_with(
+        &self,
+        input: &[u8],
+        flash: Option<&mut Vec<u8>>,
+    ) -> Result<(Vec<(u16, Outcome)>, Replayed)> {
         let folder = tempfile::tempdir()?;
         let at = |name: &str| folder.path().join(name);
         std::fs::write(at("input"), input)?;
@@ -169,22 +191,27 @@ impl Machine {
             std::fs::write(at("flash"), flash)?;
             arguments.push("flash");
         }
-        qemu::run(&self.board, &self.elf, &arguments, folder.path(), LIMIT)?.success("replay", &self.board)?;
+        qemu::run(&self.board, &self.elf, &arguments, folder.path(), LIMIT)?
+            .success("replay", &self.board)?;
         if let Some(flash) = flash {
             *flash = untrusted::read(&at("flash"), RESULT_BYTES)?;
         }
-        let (table, output) =
-            (untrusted::read_text(&at("table"), RESULT_BYTES)?, untrusted::read(&at("output"), RESULT_BYTES)?);
-        collect(&output, &table).with_context(|| format!("what {} answered cannot be used", self.board.name))
+        let (table, output) = (
+            untrusted::read_text(&at("table"), RESULT_BYTES)?,
+            untrusted::read(&at("output"), RESULT_BYTES)?,
+        );
+        collect(&output, &table)
+            .with_context(|| format!("what {} answered cannot be used", self.board.name))
     }
 }
 
-/// Names and pairs of every captured scene below a folder: reduced to the width of `dims`, and of that as many rows from the middle as
-/// `dims` has. Scenes that are smaller are left out.
+/// Names and pairs of every captured scene below a folder: reduced to the width of `dims`, and of
+/// that as many rows from the middle as `dims` has. Scenes that are smaller are left out.
 pub fn captured(folder: &Path, dims: Dims) -> Result<Vec<(String, (GrayImage, GrayImage))>> {
     let mut list = Vec::new();
     for path in find_scenes(folder)? {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let name =
+            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let scene = load_scene(&path, Some(dims.width)).with_context(|| format!("scene {name}"))?;
         if scene.left.dims.height >= dims.height {
             list.push((name, (middle(&scene.left, dims), middle(&scene.right, dims))));
@@ -206,7 +233,8 @@ fn id_of(number: usize) -> u16 {
     (number % usize::from(u16::MAX)) as u16 + 1
 }
 
-/// Puts a command behind what is there. The delimiter before it ends whatever came before, pixels as well.
+/// Puts a command behind what is there. The delimiter before it ends whatever came before, pixels
+/// as well.
 pub fn push(input: &mut Vec<u8>, command: &Command) -> Result<()> {
     input.push(DELIMITER);
     input.extend_from_slice(encode(command, &mut [0; MAX_COMMAND])?);
@@ -222,7 +250,12 @@ pub fn push_pair(input: &mut Vec<u8>, id: u16, left: &GrayImage, right: &GrayIma
 }
 
 /// A raw pair: the command, then the rows of both images in turn.
-pub fn push_raw_pair(input: &mut Vec<u8>, id: u16, left: &GrayImage, right: &GrayImage) -> Result<()> {
+pub fn push_raw_pair(
+    input: &mut Vec<u8>,
+    id: u16,
+    left: &GrayImage,
+    right: &GrayImage,
+) -> Result<()> {
     push(input, &Command { id, request: Request::RawPair(head_of(id, left)) })?;
     let [left, right] = [left, right].map(|image| image.pixels.chunks(image.dims.width.into()));
     for (left, right) in left.zip(right) {
@@ -246,16 +279,20 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
         let Some(message) = decoder.push(byte) else { continue };
         match message? {
             Message::Hello(hello) => replayed.rig = Some(hello.rig),
-            Message::Photo(_) | Message::Pixels(_) => bail!("a board that is fed by a file sent a photo"),
+            Message::Photo(_) | Message::Pixels(_) => {
+                bail!("a board that is fed by a file sent a photo")
+            }
             Message::Capture(lost) => bail!("a board that is fed by a file lost {lost}"),
-            Message::Machine(_) | Message::Case(_) => bail!("a board that is fed by a file ran a built-in pair"),
+            Message::Machine(_) | Message::Case(_) => {
+                bail!("a board that is fed by a file ran a built-in pair")
+            }
             Message::Setting(_) | Message::Kept(_) | Message::Clock(_) => {
                 bail!("nobody asked the board for settings or its time")
             }
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
                 let result =
-                    FrameResult { matches: Vec::new(), points: Vec::new(), counts, health, pair, ground: None };
+                    FrameResult { counts, health, pair, ..FrameResult::of_points(Vec::new()) };
                 frame = Some(BoardResult {
                     result,
                     rectification: 0,
@@ -278,7 +315,9 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             }
             Message::Answer(answer) => match (frame.take(), answer.outcome) {
                 (Some(frame), Outcome::Accepted) => replayed.pairs.push(Ok(frame)),
-                (None, Outcome::Refused(why)) if answer.command > 0 => replayed.pairs.push(Err(why)),
+                (None, Outcome::Refused(why)) if answer.command > 0 => {
+                    replayed.pairs.push(Err(why))
+                }
                 (_, outcome) => answers.push((answer.command, outcome)),
             },
         }
@@ -290,7 +329,8 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
     for line in table.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
             ["pair", _, rectification, objects, ref costs @ ..] => {
-                let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
+                let costs: Vec<u64> =
+                    costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 let pair = matched.next().context("costs of an unknown pair")?;
                 pair.rectification = rectification.parse()?;
                 pair.objects_cost = objects.parse()?;

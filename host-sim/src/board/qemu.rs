@@ -1,6 +1,7 @@
 //! Runs a board program in QEMU.
 //!
-//! Time in the machine is counted in instructions: with `-icount shift=6` each takes 64 ns, and every run is the same.
+//! Time in the machine is counted in instructions: with `-icount shift=6` each takes 64 ns, and
+//! every run is the same.
 
 use super::Board;
 use crate::programs::{packages, process};
@@ -34,7 +35,11 @@ impl Ended {
         }
         let why = self.exit.map_or("QEMU failed", Exit::meaning);
         let reported = self.errors.trim();
-        bail!("{program} on {}: {why}{}{reported}", board.name, if reported.is_empty() { "" } else { ": " })
+        bail!(
+            "{program} on {}: {why}{}{reported}",
+            board.name,
+            if reported.is_empty() { "" } else { ": " }
+        )
     }
 }
 
@@ -47,7 +52,11 @@ pub fn find(board: &Board) -> Result<(PathBuf, &'static [&'static str])> {
     if !there() {
         packages::install("running a board", &[package(program)])?;
     }
-    if there() { Ok((program.into(), arguments)) } else { bail!("{program} does not run; install QEMU for it") }
+    if there() {
+        Ok((program.into(), arguments))
+    } else {
+        bail!("{program} does not run; install QEMU for it")
+    }
 }
 
 /// The command that runs a program with these arguments, reading and writing files in `folder`.
@@ -71,9 +80,16 @@ pub fn command(board: &Board, elf: &Path, arguments: &[&str], folder: &Path) -> 
     Ok(command)
 }
 
-pub fn run(board: &Board, elf: &Path, arguments: &[&str], folder: &Path, limit: Duration) -> Result<Ended> {
+pub fn run(
+    board: &Board,
+    elf: &Path,
+    arguments: &[&str],
+    folder: &Path,
+    limit: Duration,
+) -> Result<Ended> {
     let mut command = command(board, elf, arguments, folder)?;
-    let outcome = process::run(command.args(["-serial", "none"]), limit).context("a board program hangs")?;
+    let outcome =
+        process::run(command.args(["-serial", "none"]), limit).context("a board program hangs")?;
     let code = outcome.status.code().and_then(|code| u32::try_from(code).ok());
     Ok(Ended {
         exit: Exit::ALL.into_iter().find(|&exit| Some(exit as u32) == code),

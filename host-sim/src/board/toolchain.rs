@@ -6,8 +6,9 @@
 //! 3. Debian's compiler and library source, core built once by it       where rustup cannot download
 //! ```
 //!
-//! `LINESTEREO_TOOLCHAIN=rustup` or `=apt` takes that way or fails. The third is a folder in the user's cache: the installed compiler with
-//! `core` for the boards beside its own libraries, so that plain cargo builds for them. Targets come to it one by one, as they are asked for.
+//! `LINESTEREO_TOOLCHAIN=rustup` or `=apt` takes that way or fails. The third is a folder in the
+//! user's cache: the installed compiler with `core` for the boards beside its own libraries, so
+//! that plain cargo builds for them. Targets come to it one by one, as they are asked for.
 
 use super::{Board, debian, top};
 use crate::programs::process;
@@ -42,8 +43,9 @@ impl Toolchain {
         match std::env::var(VARIABLE).as_deref() {
             Err(_) | Ok("") => match rustup(top, target) {
                 Ok(toolchain) => Ok(toolchain),
-                Err(rustup) => Self::debian(target)
-                    .with_context(|| format!("no compiler for boards: {rustup:#}; by Debian's packages")),
+                Err(rustup) => Self::debian(target).with_context(|| {
+                    format!("no compiler for boards: {rustup:#}; by Debian's packages")
+                }),
             },
             Ok("rustup") => rustup(top, target),
             Ok("apt") => Self::debian(target),
@@ -100,15 +102,21 @@ impl Toolchain {
     pub fn linker(&self, top: &Path) -> Result<PathBuf> {
         let sysroot = match &self.folder {
             Some(folder) => folder.clone(),
-            None => sysroot(Command::new("rustc").current_dir(top)).context("rustc does not run")?,
+            None => {
+                sysroot(Command::new("rustc").current_dir(top)).context("rustc does not run")?
+            }
         };
         Ok(sysroot.join("lib/rustlib").join(host()?).join("bin/rust-lld"))
     }
 
     /// Name and version of the compiler.
     pub fn version(&self, top: &Path) -> Result<String> {
-        let rustc = self.folder.as_ref().map_or_else(|| PathBuf::from("rustc"), |folder| folder.join("bin/rustc"));
-        process::first_line(Command::new(rustc).arg("--version").current_dir(top)).context("rustc does not run")
+        let rustc = self
+            .folder
+            .as_ref()
+            .map_or_else(|| PathBuf::from("rustc"), |folder| folder.join("bin/rustc"));
+        process::first_line(Command::new(rustc).arg("--version").current_dir(top))
+            .context("rustc does not run")
     }
 }
 
@@ -117,10 +125,12 @@ fn sysroot(rustc: &mut Command) -> Option<PathBuf> {
 }
 
 fn host() -> Result<String> {
-    process::first_line(Command::new("rustc").args(["--print", "host-tuple"])).context("rustc does not run")
+    process::first_line(Command::new("rustc").args(["--print", "host-tuple"]))
+        .context("rustc does not run")
 }
 
-/// The compiler in use, with the target added if need be. `top` is the top of the repository, whose `rust-toolchain.toml` counts.
+/// The compiler in use, with the target added if need be. `top` is the top of the repository, whose
+/// `rust-toolchain.toml` counts.
 fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
     let toolchain = Toolchain::in_use();
     let has_target = || {
@@ -131,10 +141,18 @@ fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
         return Ok(toolchain);
     }
     eprintln!("rustup target add {target}");
-    let added = process::run(Command::new("rustup").args(["target", "add", target]).current_dir(top), RUSTUP_LIMIT);
+    let added = process::run(
+        Command::new("rustup").args(["target", "add", target]).current_dir(top),
+        RUSTUP_LIMIT,
+    );
     let reason = match added {
         Ok(_) if has_target().is_some() => return Ok(toolchain),
-        Ok(outcome) => outcome.stderr.lines().rfind(|line| line.contains("error")).unwrap_or("it failed").to_owned(),
+        Ok(outcome) => outcome
+            .stderr
+            .lines()
+            .rfind(|line| line.contains("error"))
+            .unwrap_or("it failed")
+            .to_owned(),
         Err(error) => format!("{error:#}"),
     };
     bail!("`rustup target add {target}` does not work here ({reason})")

@@ -10,19 +10,21 @@ use linestereo::diagnostics::Fnv;
 use linestereo_boards::Board;
 use linestereo_boards::built_in::digests;
 use linestereo_wire::{
-    CaseReport, Command, DecodeError, Decoder, Hello, MAX_PACKET, MachineReport, Message, Outcome, Request, VERSION,
+    CaseReport, Command, DecodeError, Decoder, Hello, MAX_PACKET, MachineReport, Message, Outcome,
+    Request, VERSION,
 };
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Measure a board that runs the program `selftest`: cycles by stage, and whether its bits are those of a PC.
+/// Measure a board that runs the program `selftest`: cycles by stage, and whether its results equal
+/// those of a PC.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/bench-board.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["tcp", "serial"])))]
 pub struct Args {
     #[command(flatten)]
     port: PortArgs,
-    /// File for all of it [default: BOARD.toml].
+    /// Output file [default: BOARD.toml].
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
 }
@@ -31,18 +33,24 @@ pub struct Args {
 const DESCRIBED_WITHIN: Duration = Duration::from_secs(5);
 /// and is asked again so often.
 const DESCRIBE_EVERY: Duration = Duration::from_secs(1);
-/// A pair is matched within this time: painting one takes a slow board two seconds, an emulated one ten.
+/// A pair is matched within this time: painting one takes a slow board two seconds, an emulated one
+/// ten.
 const MATCHED_WITHIN: Duration = Duration::from_secs(120);
 const MATCH_EVERY: Duration = Duration::from_secs(40);
 
 pub fn run(args: &Args) -> Result<()> {
-    let mut host = Host { port: args.port.open()?, decoder: Decoder::new(), next_id: std::process::id() as u16 };
+    let mut host = Host {
+        port: args.port.open()?,
+        decoder: Decoder::new(),
+        next_id: std::process::id() as u16,
+    };
     let (hello, machine) = host.describe()?;
     let bar = ProgressBar::new(machine.cases.into())
         .with_style(ProgressStyle::with_template("{bar:30} {pos} of {len} pairs  {msg}")?);
     let mut reports = Vec::new();
     for case in 0..machine.cases {
-        let report = host.case(case).with_context(|| format!("pair {} of {}", case + 1, machine.cases))?;
+        let report =
+            host.case(case).with_context(|| format!("pair {} of {}", case + 1, machine.cases))?;
         bar.set_message(report.name.to_string());
         bar.inc(1);
         reports.push(report);
@@ -63,16 +71,23 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// An error unless every digest is the PC's.
 fn verdict(numbers: &BoardNumbers, machine: &MachineReport) -> Result<()> {
-    let wrong: Vec<String> = numbers.wrong().map(|(name, stage)| format!("{name} from {stage} on")).collect();
+    let wrong: Vec<String> =
+        numbers.wrong().map(|(name, stage)| format!("{name} from {stage} on")).collect();
     if wrong.is_empty() {
-        return crate::output::print(&format!("equal: all {} pairs have the PC's digests\n", numbers.pairs.len()));
+        return crate::output::print(&format!(
+            "equal: all {} pairs have the PC's digests\n",
+            numbers.pairs.len()
+        ));
     }
     let mut expected = Fnv::EMPTY;
     if let Some(board) = Board::named(&numbers.board) {
-        digests::of(&board).as_flattened().iter().for_each(|digest| expected.write(&digest.to_le_bytes()));
+        digests::of(&board)
+            .as_flattened()
+            .iter()
+            .for_each(|digest| expected.write(&digest.to_le_bytes()));
     }
     let why = if machine.expected == expected.value() {
-        "the board computes something else than a PC: send the file"
+        "the board's results differ from a PC's: send the file"
     } else {
         "the firmware is of another version of the method: build it and this program from one checkout"
     };
@@ -89,8 +104,9 @@ struct Host {
 impl Host {
     fn describe(&mut self) -> Result<(Hello, MachineReport)> {
         let messages = self.ask(Request::Describe, DESCRIBED_WITHIN, DESCRIBE_EVERY).context(
-            "the board does not say what it is; flash its program selftest \
-             (cargo xtask build --board BOARD --program selftest), close what else holds the port, and give --baud 921600 on a UART",
+            "the board did not identify itself; flash its program selftest (cargo xtask build \
+             --board BOARD --program selftest), close other programs that use the port, and give \
+             --baud 921600 on a UART",
         )?;
         let (mut hello, mut machine) = (None, None);
         for message in messages {
@@ -117,21 +133,26 @@ impl Host {
                 _ => {}
             }
         }
-        bail!("its numbers were lost on the way; start again, or use a better cable or a lower speed")
+        bail!(
+            "its numbers were lost on the way; start again, or use a better cable or a lower speed"
+        )
     }
 
     /// Records up to the answer.
     fn ask(&mut self, request: Request, within: Duration, every: Duration) -> Result<Vec<Message>> {
         self.next_id = self.next_id.wrapping_add(1);
         let command = Command { id: self.next_id, request };
-        let (begin, mut sent, mut messages, mut buffer) = (Instant::now(), None::<Instant>, Vec::new(), [0; 4096]);
+        let (begin, mut sent, mut messages, mut buffer) =
+            (Instant::now(), None::<Instant>, Vec::new(), [0; 4096]);
         loop {
             if begin.elapsed() > within {
                 let reset = messages.iter().find_map(|message| match message {
                     Message::Hello(hello) => hello.reset,
                     _ => None,
                 });
-                let reset = reset.map_or(String::new(), |reset| format!("; the board was reset meanwhile: {reset}"));
+                let reset = reset.map_or(String::new(), |reset| {
+                    format!("; the board was reset meanwhile: {reset}")
+                });
                 bail!("no answer in {} s{reset}", within.as_secs());
             }
             if sent.is_none_or(|sent| sent.elapsed() > every) {
@@ -141,10 +162,12 @@ impl Host {
             let Received::Bytes(count) = self.port.read(&mut buffer)? else { continue };
             for &byte in &buffer[..count] {
                 match self.decoder.push(byte) {
-                    Some(Ok(Message::Answer(answer))) if answer.command == self.next_id => match answer.outcome {
-                        Outcome::Accepted => return Ok(messages),
-                        Outcome::Refused(why) => bail!("the board refused: {why}"),
-                    },
+                    Some(Ok(Message::Answer(answer))) if answer.command == self.next_id => {
+                        match answer.outcome {
+                            Outcome::Accepted => return Ok(messages),
+                            Outcome::Refused(why) => bail!("the board refused: {why}"),
+                        }
+                    }
                     Some(Ok(message)) => messages.push(message),
                     Some(Err(DecodeError::Version { found })) if found & 0x80 == 0 => bail!(
                         "the board's records are of version {found}, this program reads version {VERSION}: build both from one checkout"

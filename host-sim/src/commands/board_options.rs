@@ -23,9 +23,15 @@ pub(super) fn parse_board(text: &str) -> Result<BoardSize, String> {
         None => (Kind::Chessboard, text),
         Some(("charuco", size)) => (Kind::Charuco, size),
         Some(("aprilgrid", size)) => (Kind::AprilGrid, size),
-        Some((kind, _)) => return Err(format!("no boards of the kind {kind}: give charuco: or aprilgrid:, or 9x6")),
+        Some((kind, _)) => {
+            return Err(format!(
+                "no boards of the kind {kind}: give charuco: or aprilgrid:, or 9x6"
+            ));
+        }
     };
-    let sides = size.split_once('x').and_then(|(cols, rows)| Some([cols.parse().ok()?, rows.parse().ok()?]));
+    let sides = size
+        .split_once('x')
+        .and_then(|(cols, rows)| Some([cols.parse().ok()?, rows.parse().ok()?]));
     let sides =
         sides.ok_or("give inner corners as COLSxROWS, for example 9x6; charuco:8x6 are squares, aprilgrid:6x6 tags")?;
     Ok(BoardSize { kind, sides })
@@ -58,7 +64,9 @@ impl BoardOptions {
     pub(super) fn board(&self, size: BoardSize) -> Result<Board> {
         self.check(size.kind)?;
         let given = |value: Option<f64>, option: &str| {
-            value.ok_or_else(|| anyhow!("the board's size in mm is missing; measure it and give {option}"))
+            value.ok_or_else(|| {
+                anyhow!("the board's size in mm is missing; measure it and give {option}")
+            })
         };
         let [cols, rows] = size.sides;
         let board = match size.kind {
@@ -101,24 +109,33 @@ impl BoardOptions {
                 Kind::Charuco => "a ChArUco board",
                 Kind::AprilGrid => "an AprilGrid",
             };
-            bail!("{name} is not of {board}; leave it out, or give another --board: 9x6, charuco:8x6, aprilgrid:6x6");
+            bail!(
+                "{name} is not of {board}; leave it out, or give another --board: 9x6, \
+                 charuco:8x6, aprilgrid:6x6"
+            );
         }
         Ok(())
     }
 
     fn dictionary(&self) -> Result<Dictionary> {
         let Some(name) = &self.dictionary else {
-            bail!("the board's markers are not known; give --dictionary, for example DICT_5X5_100, as it was printed");
+            bail!(
+                "the board's markers are not known; give --dictionary, for example DICT_5X5_100, \
+                 as it was printed"
+            );
         };
         let names = || Dictionary::names().join(", ");
-        Dictionary::named(name).ok_or_else(|| anyhow!("no dictionary {name}; give --dictionary as one of {}", names()))
+        Dictionary::named(name)
+            .ok_or_else(|| anyhow!("no dictionary {name}; give --dictionary as one of {}", names()))
     }
 
     pub(super) fn described(&self, board: &Board) -> String {
         let rounded = |mm: f64| (1e6 * mm).round() / 1e6;
         let mm = rounded(1e3 * board.square());
         match board.pattern() {
-            Pattern::Chessboard => format!("{board} chessboard, squares of {} mm", self.square_mm.unwrap_or(mm)),
+            Pattern::Chessboard => {
+                format!("{board} chessboard, squares of {} mm", self.square_mm.unwrap_or(mm))
+            }
             Pattern::Charuco { dictionary, marker, .. } => {
                 format!(
                     "{board} board, squares of {mm} mm, markers of {} mm, {}",
@@ -126,7 +143,9 @@ impl BoardOptions {
                     dictionary.name()
                 )
             }
-            Pattern::AprilGrid { spacing } => format!("{board} board, tags of {mm} mm, spacing {spacing}"),
+            Pattern::AprilGrid { spacing } => {
+                format!("{board} board, tags of {mm} mm, spacing {spacing}")
+            }
         }
     }
 }

@@ -10,22 +10,26 @@ use core::fmt::Write;
 use indicatif::ProgressBar;
 use linestereo::Dims;
 use linestereo_calibration::boards::{
-    Board, BoardCorners, BoardFinder, BoardPair, Estimate, JunctionFinder, LEAST_CORNERS, LEAST_VIEWS, LensModel,
-    NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate, find_pairs, json, summary,
+    Board, BoardCorners, BoardFinder, BoardPair, Estimate, JunctionFinder, LEAST_CORNERS,
+    LEAST_VIEWS, LensModel, NotFound, Options, Pattern, PhotoPair, ViewReport, assess, estimate,
+    find_pairs, json, summary,
 };
 use linestereo_calibration::rig_file::{Quality, RigFile};
 use linestereo_frames::{EXIF_REMEDY, GrayImage, UPRIGHT, exif_turn, load_gray};
 use std::path::PathBuf;
 
-/// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or an AprilGrid.
+/// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or
+/// an AprilGrid.
 ///
-/// Photos are paired by number: left01.png with right01.png, or the same name in the folders left/ and right/ (cam0, cam1).
+/// Photos are paired by number: left01.png with right01.png, or the same name in the folders left/
+/// and right/ (cam0, cam1).
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/calibrate.txt"))]
 pub struct Args {
     /// Folder of the photos: PNG, JPEG, PGM or PPM.
     folder: PathBuf,
-    /// Inner corners along both sides of a chessboard: one less than squares; squares of a ChArUco board; tags of an AprilGrid.
+    /// Inner corners along both sides of a chessboard: one less than squares; squares of a ChArUco
+    /// board; tags of an AprilGrid.
     #[arg(long, value_name = "[KIND:]COLSxROWS", value_parser = parse_board)]
     board: BoardSize,
     #[command(flatten)]
@@ -33,7 +37,7 @@ pub struct Args {
     /// Write the rig to this file.
     #[arg(long, value_name = "rig.toml")]
     out: Option<OutputPath>,
-    /// Write everything that was estimated as JSON; "-" is stdout.
+    /// Write all estimates as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
     /// Draw coverage, errors, views and a rectified pair as PNG.
@@ -54,7 +58,7 @@ pub struct Args {
     /// Disparity range for which the nearest distance is stated.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..))]
     max_disparity: u16,
-    /// Leave out photos without a partner of the same number.
+    /// Skip photos without a partner of the same number.
     #[arg(long)]
     skip_unpaired: bool,
 }
@@ -110,7 +114,10 @@ pub fn run(args: &Args) -> Result<()> {
             source: format!("{used} pairs of photos of a {}", args.board_options.described(&board)),
             views: used as u32,
             stereo_rms_px: estimate.rms,
-            vertical_residual_px: assessment.rectified.as_ref().map_or(f64::NAN, |rectified| rectified.vertical),
+            vertical_residual_px: assessment
+                .rectified
+                .as_ref()
+                .map_or(f64::NAN, |rectified| rectified.vertical),
             verdict: assessment.verdict.to_string(),
         };
         let file = RigFile { calibration: estimate.calibration, quality: Some(quality) };
@@ -121,8 +128,12 @@ pub fn run(args: &Args) -> Result<()> {
         let photos = clearest_pair(&estimate, &pairs)?;
         Ok(draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)
     })?;
-    let mut text =
-        format!("{}: board found in {} of {} pairs, {dims}\n", args.folder.display(), views.len(), pairs.len());
+    let mut text = format!(
+        "{}: board found in {} of {} pairs, {dims}\n",
+        args.folder.display(),
+        views.len(),
+        pairs.len()
+    );
     if !turned.is_empty() {
         let _ = writeln!(text, "  the rig is that of the turned images{turned}");
     }
@@ -140,7 +151,8 @@ fn clearest_pair(estimate: &Estimate, pairs: &[PhotoPair]) -> Result<Option<[Gra
     let used = estimate.views.iter().filter(|view| view.dropped.is_none());
     let error = |view: &ViewReport| view.rms[0] + view.rms[1];
     let clearest = used.min_by(|a, b| error(a).total_cmp(&error(b)));
-    let Some(pair) = clearest.and_then(|view| pairs.iter().find(|pair| pair.name == view.name)) else {
+    let Some(pair) = clearest.and_then(|view| pairs.iter().find(|pair| pair.name == view.name))
+    else {
         return Ok(None);
     };
     let [left, right] = &pair.files;
@@ -156,9 +168,15 @@ fn turned_by_exif(pairs: &[PhotoPair]) -> Result<String> {
     let Some((file, turn)) = turned.next() else { return Ok(String::new()) };
     if turns.iter().any(|other| other != turn) {
         let count = 1 + turned.count();
-        bail!("EXIF turns {} {turn}, and {count} of {} photos in all; {EXIF_REMEDY}", file.display(), files.len());
+        bail!(
+            "EXIF turns {} {turn}, and {count} of {} photos in all; {EXIF_REMEDY}",
+            file.display(),
+            files.len()
+        );
     }
-    Ok(format!("; EXIF turns all photos {turn}, and images without EXIF are not turned: {EXIF_REMEDY}"))
+    Ok(format!(
+        "; EXIF turns all photos {turn}, and images without EXIF are not turned: {EXIF_REMEDY}"
+    ))
 }
 
 /// Corners, or why there are none, of both photos of a pair.
@@ -166,7 +184,9 @@ type Found = [Result<BoardCorners, NotFound>; 2];
 
 /// Looks for the board in all photos, on every core; checks that all have one size.
 fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)> {
-    let find = |path: &PathBuf| load_gray(path).map(|image| (image.dims, JunctionFinder.find(&image, board)));
+    let find = |path: &PathBuf| {
+        load_gray(path).map(|image| (image.dims, JunctionFinder.find(&image, board)))
+    };
     let seen = for_each_pair(
         pairs,
         None,
@@ -200,8 +220,11 @@ fn seen_by_both(pairs: &[PhotoPair], found: &[Found]) -> (Vec<BoardPair>, String
         match enough {
             [Ok(left), Ok(right)] => views.push(BoardPair::new(pair.name.clone(), left, right)),
             found => {
-                for (path, why) in pair.files.iter().zip(found.iter().map(Result::as_ref).map(Result::err)) {
-                    let _ = why.map(|why| writeln!(missing, "  {}: {why}, pair left out", path.display()));
+                for (path, why) in
+                    pair.files.iter().zip(found.iter().map(Result::as_ref).map(Result::err))
+                {
+                    let _ = why
+                        .map(|why| writeln!(missing, "  {}: {why}, pair left out", path.display()));
                 }
             }
         }
@@ -222,7 +245,8 @@ fn too_few(board: &Board, pairs: usize, usable: usize, found: &[Found]) -> Strin
     if let Some(size) = most.filter(|size| 2 * count(size) > found.len()) {
         let ([cols, rows], seen) = (size, count(size));
         return format!(
-            "the board is not {board}: {seen} of {} photos show {cols}x{rows} inner corners; give --board {cols}x{rows}",
+            "the board is not {board}: {seen} of {} photos show {cols}x{rows} inner corners; \
+             give --board {cols}x{rows}",
             2 * pairs
         );
     }
@@ -247,22 +271,29 @@ fn marked_too_few<'a>(
     [left, right]: [usize; 2],
 ) -> String {
     let count = |kind: fn(&NotFound) -> bool| failures.clone().filter(|why| kind(why)).count();
-    let [unmarked, other] =
-        [count(|why| matches!(why, NotFound::NoMarkers(_))), count(|why| matches!(why, NotFound::OtherLayout))];
+    let [unmarked, other] = [
+        count(|why| matches!(why, NotFound::NoMarkers(_))),
+        count(|why| matches!(why, NotFound::OtherLayout)),
+    ];
     let advice = match board.pattern() {
         _ if other > unmarked => {
             format!(
-                "{other} photos show markers in other places: check the size after --board, --legacy-pattern of an old ChArUco board"
+                "{other} photos show markers in other places: check the size after --board, \
+                 --legacy-pattern of an old ChArUco board"
             )
         }
         Pattern::Charuco { dictionary, .. } if unmarked > 0 => {
             let name = dictionary.name();
             format!(
-                "{unmarked} photos show a chessboard without markers of {name}: check --dictionary and --marker-mm, turn mirroring off"
+                "{unmarked} photos show a chessboard without markers of {name}: check \
+                 --dictionary and --marker-mm, turn mirroring off"
             )
         }
         _ if unmarked > 0 => {
-            format!("{unmarked} photos show corners, but no tags of 36h11: check the board, turn mirroring off")
+            format!(
+                "{unmarked} photos show corners, but no tags of 36h11: check the board, turn \
+                 mirroring off"
+            )
         }
         _ => "take sharp photos with the board larger in the image".to_owned(),
     };

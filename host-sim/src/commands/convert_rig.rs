@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 /// Convert a calibrated rig between rig.toml, OpenCV, Kalibr, ROS and EuRoC files.
 ///
-/// The format read is told from what the files hold. Without --out nothing is written.
+/// The input format is recognised by its content. Without --out nothing is written.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/convert-rig.txt"))]
 pub struct Args {
@@ -33,16 +33,18 @@ pub struct Args {
 /// Data that files may lack.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct ImportArgs {
-    /// Format of the input, where it is not told from the content.
+    /// Format of the input, if its content does not show it.
     #[arg(long, value_name = "FORMAT")]
     from: Option<Format>,
-    /// Size of the raw images, where an OpenCV file does not say it.
+    /// Size of the raw images, if an OpenCV file lacks it.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<Dims>,
-    /// Unit of OpenCV's T: m, mm, or the side of the board's squares in mm [default: by square_size in the file, else m if T is shorter than 5, else mm].
+    /// Unit of OpenCV's T: m, mm, or the side of the board's squares in mm [default: by square_size
+    /// in the file, else m if T is shorter than 5, else mm].
     #[arg(long, value_name = "m|mm|SQUARE_MM", value_parser = parse_unit)]
     translation_unit: Option<TranslationUnit>,
-    /// Meaning of OpenCV's distortion coefficients, where the file does not say it [default: brown-conrady].
+    /// Meaning of OpenCV's distortion coefficients, where the file does not say it [default:
+    /// brown-conrady].
     #[arg(long, value_name = "MODEL")]
     lens: Option<LensModel>,
     /// The second camera of the files is the left one.
@@ -63,11 +65,15 @@ pub fn run(args: &Args) -> Result<()> {
     if !args.out.is_empty() {
         if args.out.len() != args.to.files() {
             let (format, count) = (args.to, args.to.files());
-            let files =
-                if count == 1 { "one file; give --out once" } else { "two files; give --out twice, left first" };
+            let files = if count == 1 {
+                "one file; give --out once"
+            } else {
+                "two files; give --out twice, left first"
+            };
             bail!("{format} is {files}");
         }
-        let Exported { texts, notes } = export(&imported.rig, args.to).map_err(|problem| anyhow!("{problem}"))?;
+        let Exported { texts, notes } =
+            export(&imported.rig, args.to).map_err(|problem| anyhow!("{problem}"))?;
         for (path, text) in args.out.iter().zip(&texts) {
             output.add(path, text.as_bytes())?;
         }
@@ -85,7 +91,8 @@ fn summary(imported: &Imported) -> String {
     let calibration = &imported.rig.calibration;
     let dims = calibration.camera(CameraSide::Left).dims();
     let [x, y, z] = calibration.translation().map(|t| 1e3 * t);
-    let mut text = format!("{}: {dims}, baseline {:.4} m\n", imported.format, calibration.baseline());
+    let mut text =
+        format!("{}: {dims}, baseline {:.4} m\n", imported.format, calibration.baseline());
     for (name, eye) in [("left", CameraSide::Left), ("right", CameraSide::Right)] {
         let _ = writeln!(text, "  {name:<6} {}", camera(calibration.camera(eye)));
     }
@@ -111,7 +118,8 @@ fn camera(camera: &Camera) -> String {
         Lens::Rational { k, p } => format!("rational k {} p {}", numbers(&k), numbers(&p)),
         Lens::Fisheye { k } => format!("fisheye k {}", numbers(&k)),
     };
-    let skew = if camera.skew() == 0.0 { String::new() } else { format!("skew {:.2}, ", camera.skew()) };
+    let skew =
+        if camera.skew() == 0.0 { String::new() } else { format!("skew {:.2}, ", camera.skew()) };
     format!("focal {fx:.2} {fy:.2} px, centre {cx:.2} {cy:.2}, {skew}{lens}")
 }
 
@@ -121,7 +129,9 @@ fn numbers(values: &[f64]) -> String {
 
 /// Width and height in px; what they may be is checked where they are used.
 pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
-    let sides = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let sides = text
+        .split_once('x')
+        .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
     let (width, height) = sides.ok_or("give width and height in px, for example 640x480")?;
     Ok(Dims { width, height })
 }
@@ -132,7 +142,8 @@ fn parse_unit(text: &str) -> Result<TranslationUnit, String> {
         "mm" => Ok(TranslationUnit::Millimetres),
         _ => {
             let side = text.parse().ok().filter(|side| (0.1..=10_000.0).contains(side));
-            let millimetres = side.ok_or("give m, mm, or the side of a square in mm, for example 25")?;
+            let millimetres =
+                side.ok_or("give m, mm, or the side of a square in mm, for example 25")?;
             Ok(TranslationUnit::Squares { millimetres })
         }
     }

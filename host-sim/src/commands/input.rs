@@ -9,6 +9,7 @@
 
 use super::engine_with;
 use super::method::MethodArgs;
+use super::pose::PoseArgs;
 use super::rectified_view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
 use crate::output::{detail, note};
@@ -17,12 +18,12 @@ use anyhow::{Context, Result, anyhow, bail};
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
 use linestereo::image::shrink_to_valid;
-use linestereo::{Dims, Disparity, Gray, Params, Rig, RigError, Span};
+use linestereo::{Dims, Disparity, Gray, GroundPlane, Params, Rig, RigError, Span};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::rectified::{check_baseline, check_centre, check_focal};
 use linestereo_frames::{
-    GrayImage, PairFiles, RigText, SceneInfo, StoredPair, area_average, check_same_size, check_size, check_usable,
-    load_images, scaled_max_disparity,
+    GrayImage, PairFiles, RigText, SceneInfo, StoredPair, area_average, check_same_size,
+    check_size, check_usable, load_images, scaled_max_disparity,
 };
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
@@ -39,10 +40,11 @@ const BEYOND_INFINITY: i16 = 2;
 /// Disparity range, rig, size and method.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct InputArgs {
-    /// Search disparities 0 .. N px, in the images as matched (after --width) [default: the scene file's, else 64].
+    /// Search disparities 0 .. N px, in the images as matched (after --width) [default: the scene
+    /// file's, else 64].
     #[arg(long, value_name = "N")]
     max_disparity: Option<u16>,
-    /// Search all disparities of what is at least this far away; needs a rig.
+    /// Search everything at least this far away; needs a rig.
     #[arg(long, value_name = "M", conflicts_with = "max_disparity")]
     nearest: Option<f64>,
     /// Focal length of the rectified images as given (before --width).
@@ -54,26 +56,32 @@ pub(super) struct InputArgs {
     /// Focal length times baseline, where only their product is known: depths, but no directions.
     #[arg(long, value_name = "PX*M", conflicts_with = "focal_px")]
     fb: Option<f64>,
-    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for most rigs
-    /// [default: minus the scene file's disparity_zero_px].
+    /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for
+    /// most rigs [default: minus the scene file's disparity_zero_px].
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     disparity_offset_px: Option<f64>,
-    /// Principal point of the left image as given (before --width) [default: the scene file's, else the middle].
+    /// Principal point of the left image as given (before --width) [default: the scene file's, else
+    /// the middle].
     #[arg(long, value_name = "X,Y", value_parser = position, allow_hyphen_values = true, conflicts_with_all = ["fb", "rig"])]
     principal_point: Option<[f64; 2]>,
-    /// Take disparity range and rig from a scene.json; options given here come first.
+    #[command(flatten)]
+    pose: PoseArgs,
+    /// Take disparity range, rig and the camera's pose from a scene.json; options override it.
     #[arg(long, value_name = "scene.json")]
     scene: Option<PathBuf>,
     /// Reduce both images to this width by area averaging; the rig follows.
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
-    /// Bits of the sensor whose values 16-bit files hold, 8 to 16 [default: 10 or 12 where no value of the pair is larger, else 16].
+    /// Bits of the sensor whose values 16-bit files hold, 8 to 16 [default: 10 or 12 where no value
+    /// of the pair is larger, else 16].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=16))]
     bits: Option<u32>,
-    /// Match the pairs of a recording whose times differ by up to so much: right for what stands still [default: 1].
+    /// Match pairs of a recording whose times differ by at most this, for still scenes
+    /// [default: 1].
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     max_skew_ms: Option<u32>,
-    /// Rectify the pair first: it is raw, of this rig. rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
+    /// Rectify raw pairs first, with this rig: rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC
+    /// (twice if each camera has its own file).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "fb", "disparity_offset_px", "scene", "width"])]
     rig: Vec<PathBuf>,
     #[command(flatten)]
@@ -101,9 +109,8 @@ impl Known {
     pub(super) fn matches_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Nothing, Self::Nothing) => true,
-            (Self::Scene(_, info), Self::Scene(_, other)) | (Self::Beside(_, Ok(info)), Self::Beside(_, Ok(other))) => {
-                info.matches_like(other)
-            }
+            (Self::Scene(_, info), Self::Scene(_, other))
+            | (Self::Beside(_, Ok(info)), Self::Beside(_, Ok(other))) => info.matches_like(other),
             (Self::Raw(files), Self::Raw(others)) => files == others,
             _ => false,
         }
@@ -134,6 +141,8 @@ pub(super) struct Setup<'a> {
     pub(super) note: Option<String>,
     /// Pairs are raw and of this rig.
     pub(super) rig: Option<RigImage>,
+    /// Where the ground is, by the camera's pose.
+    ground: Option<GroundPlane>,
 }
 
 /// A pair as it was matched.
@@ -174,11 +183,12 @@ impl InputArgs {
 
     /// Reads and checks both images; with --width they are reduced.
     pub(super) fn load_as(&self, files: &PairFiles, known: &Known) -> Result<Pair> {
-        let ([left_path, right_path], [left, right]) = (files.paths(), load_images(files, self.bits)?);
+        let ([left_path, right_path], [left, right]) =
+            (files.paths(), load_images(files, self.bits)?);
         let is_raw = matches!(known, Known::Raw(_));
         if is_raw && self.width.is_some() {
             bail!(
-                "{} is raw, as its data set has it; give --rig and --raw-width in place of --width",
+                "{} is a raw image of its data set; give --rig and --raw-width in place of --width",
                 left_path.display()
             );
         }
@@ -209,33 +219,54 @@ impl InputArgs {
             }
             Known::Beside(path, found) => {
                 let fits = found.as_ref().map_err(String::clone).and_then(|info| {
-                    info.check_images(given).map(|()| info).map_err(|unfit| format!("{}: {unfit}", path.display()))
+                    info.check_images(given)
+                        .map(|()| info)
+                        .map_err(|unfit| format!("{}: {unfit}", path.display()))
                 });
                 match fits {
                     Ok(info) => {
                         let mut setup = self.rectified(loaded, given, Some((path, info)))?;
-                        setup.note = Some(format!("{} lies beside the pair: {}", path.display(), setup.described()));
+                        setup.note = Some(format!(
+                            "{} lies beside the pair: {}",
+                            path.display(),
+                            setup.described()
+                        ));
                         (setup, path.display().to_string())
                     }
                     Err(why) => {
-                        let note = Some(format!("the scene.json beside the pair is not used: {why}"));
+                        let note =
+                            Some(format!("the scene.json beside the pair is not used: {why}"));
                         (Setup { note, ..self.rectified(loaded, given, None)? }, options())
                     }
                 }
             }
-            Known::Raw(rig) => (self.raw(loaded, Some(loaded), rig)?, rig[0].path.display().to_string()),
+            Known::Raw(rig) => {
+                (self.raw(loaded, Some(loaded), rig)?, rig[0].path.display().to_string())
+            }
         };
-        detail(|| format!("images of {given}, matched as {}; {} by {source}", setup.dims(), setup.described()));
+        detail(|| {
+            format!(
+                "images of {given}, matched as {}; {} by {source}",
+                setup.dims(),
+                setup.described()
+            )
+        });
         Ok(setup)
     }
 
-    fn rectified(&self, loaded: Dims, given: Dims, scene: Option<(&PathBuf, &SceneInfo)>) -> Result<Setup<'_>> {
+    fn rectified(
+        &self,
+        loaded: Dims,
+        given: Dims,
+        scene: Option<(&PathBuf, &SceneInfo)>,
+    ) -> Result<Setup<'_>> {
         let (scale, full) = (f64::from(loaded.width) / f64::from(given.width), given);
         let (mut range, mut rig, mut rig_numbers) = (None, None, None);
         let zero = scene.as_ref().map_or(0.0, |(_, info)| info.disparity_zero_px);
         if let Some((path, info)) = &scene {
             info.check_images(given).map_err(|unfit| anyhow!("{}: {unfit}", path.display()))?;
-            let scaled = |range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 };
+            let scaled =
+                |range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 };
             range = info.max_disparity.map(scaled);
             rig = info.rig(path, scale)?;
             rig_numbers = info.rig_numbers(scale);
@@ -243,43 +274,72 @@ impl InputArgs {
         let product = self.fb.map(|fb| (fb, 1.0));
         if let Some((focal_px, baseline_m)) = self.focal_px.zip(self.baseline_m).or(product) {
             let offset_px = self.disparity_offset_px.unwrap_or(-zero);
-            let numbers = RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
+            let numbers =
+                RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
             if self.fb.is_none() {
-                check_focal(focal_px, given.width).map_err(|unfit| anyhow!("--focal-px: {unfit}"))?;
+                check_focal(focal_px, given.width)
+                    .map_err(|unfit| anyhow!("--focal-px: {unfit}"))?;
             }
             let of_options = numbers.rig();
-            rig = Some(of_options.map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?);
+            rig = Some(
+                of_options
+                    .map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?,
+            );
             rig_numbers = Some(numbers);
         } else if self.disparity_offset_px.is_some() {
-            bail!("--disparity-offset-px makes no depths alone; give --focal-px and --baseline-m, or --fb");
+            bail!(
+                "--disparity-offset-px alone gives no depths; add --focal-px and --baseline-m, or \
+                 --fb"
+            );
         }
-        let nearest = self.nearest.map(|nearest| range_to(nearest, rig.as_ref(), loaded)).transpose()?;
-        let max_disparity = self.max_disparity.or(nearest).or(range).unwrap_or_else(|| default_range(loaded));
+        let nearest =
+            self.nearest.map(|nearest| range_to(nearest, rig.as_ref(), loaded)).transpose()?;
+        let max_disparity =
+            self.max_disparity.or(nearest).or(range).unwrap_or_else(|| default_range(loaded));
         if self.fb.is_none() {
-            let given = self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
+            let given =
+                self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
             let centre = given.or_else(|| scene.and_then(|(_, info)| info.principal_point(scale)));
             if let Some(option) = self.principal_point {
-                check_centre(option, full).map_err(|unfit| anyhow!("--principal-point: {unfit}"))?;
+                check_centre(option, full)
+                    .map_err(|unfit| anyhow!("--principal-point: {unfit}"))?;
             }
             if given.is_some() && rig.is_none() {
-                bail!("--principal-point makes no depths alone; give --focal-px and --baseline-m, or --scene");
+                bail!(
+                    "--principal-point alone gives no depths; add --focal-px and --baseline-m, or \
+                     --scene"
+                );
             }
             rig = rig
-                .map(|rig| centre.map_or(Ok(rig), |centre| rig.with_principal_point(centre.map(|v| v as f32))))
+                .map(|rig| {
+                    centre.map_or(Ok(rig), |centre| {
+                        rig.with_principal_point(centre.map(|v| v as f32))
+                    })
+                })
                 .transpose()?;
             rig = rig.map(|rig| rig.centred(loaded));
         }
         let mut params = self.method.params(max_disparity, rig)?;
         if !self.method.has_min_disparity() {
             // Points at infinity have their place in the range.
-            params.min_disparity =
-                ((zero * scale).floor().clamp(-30.0, 0.0) as i16 - BEYOND_INFINITY * i16::from(zero < 0.0)).max(-32);
+            params.min_disparity = ((zero * scale).floor().clamp(-30.0, 0.0) as i16
+                - BEYOND_INFINITY * i16::from(zero < 0.0))
+            .max(-32);
         }
+        let ground = self.pose.ground(
+            scene.and_then(|(_, info)| info.pose()),
+            params.rig.as_ref(),
+            loaded,
+        )?;
         Ok(Setup {
             args: self,
             loaded,
             given,
-            left_content: scene.as_ref().and_then(|(_, info)| info.left_content(loaded)).unwrap_or_default(),
+            ground,
+            left_content: scene
+                .as_ref()
+                .and_then(|(_, info)| info.left_content(loaded))
+                .unwrap_or_default(),
             params,
             rig_numbers,
             zero_px: zero * scale,
@@ -288,21 +348,29 @@ impl InputArgs {
         })
     }
 
-    /// The set-up of rectified images of this size that are matched elsewhere: by the options alone.
+    /// The set-up of rectified images of this size that are matched elsewhere: by the options
+    /// alone.
     pub(super) fn setup_of(&self, dims: Dims) -> Result<Setup<'_>> {
         if self.rig.is_empty() {
             return self.rectified(dims, dims, None);
         }
         let setup = self.raw(dims, None, &self.rig_texts())?;
         if setup.dims() != dims {
-            bail!("the board matches {dims}, with --rig it would be {}; give --size {dims}", setup.dims());
+            bail!(
+                "the board matches images of {dims}, but --rig gives {}; add --size {dims}",
+                setup.dims()
+            );
         }
         Ok(setup)
     }
 
     /// Rectifies raw images of this size; `None` without --rig.
     pub(super) fn rectifier_of(&self, raw: Dims) -> Result<Option<PairRectifier>> {
-        let rig = if self.rig.is_empty() { None } else { self.raw(raw, Some(raw), &self.rig_texts())?.rig };
+        let rig = if self.rig.is_empty() {
+            None
+        } else {
+            self.raw(raw, Some(raw), &self.rig_texts())?.rig
+        };
         Ok(rig.map(|rig| PairRectifier::new(rig.remap())).transpose()?)
     }
 
@@ -320,19 +388,23 @@ impl InputArgs {
     fn raw(&self, loaded: Dims, images: Option<Dims>, rig: &[RigText]) -> Result<Setup<'_>> {
         // Without a range the least one, until the size is known.
         let mut params = self.method.params(self.max_disparity.unwrap_or(LEAST_RANGE), None)?;
-        let mut image = self.view.image(rig, images, None, (params.min_disparity, params.max_disparity))?;
+        let mut image =
+            self.view.image(rig, images, None, (params.min_disparity, params.max_disparity))?;
         if self.max_disparity.is_none() {
             let (rig_of, dims) = (image.params(params)?.rig, image.remap().dims());
             let reach = |nearest| range_to(nearest, rig_of.as_ref(), dims);
             params.max_disparity = self.nearest.map_or_else(|| Ok(default_range(dims)), reach)?;
-            image = self.view.image(rig, images, None, (params.min_disparity, params.max_disparity))?;
+            image =
+                self.view.image(rig, images, None, (params.min_disparity, params.max_disparity))?;
         }
+        let (params, dims) = (image.params(params)?, image.remap().dims());
         Ok(Setup {
             args: self,
             loaded,
-            given: image.remap().dims(),
+            ground: self.pose.ground(None, params.rig.as_ref(), dims)?,
+            given: dims,
             left_content: Vec::new(),
-            params: image.params(params)?,
+            params,
             rig_numbers: None,
             zero_px: 0.0,
             note: None,
@@ -347,7 +419,8 @@ fn default_range(dims: Dims) -> u16 {
     let most = Params::default_max_disparity(dims.width).max(LEAST_RANGE);
     if most < Params::DEFAULT.max_disparity {
         note(&format!(
-            "disparities below {most} are searched: images of {dims} have no more; give --max-disparity for fewer"
+            "disparities below {most} are searched, as images of {dims} have no more; \
+             --max-disparity sets a smaller range"
         ));
     }
     most
@@ -362,11 +435,13 @@ fn range_to(nearest: f64, rig: Option<&Rig>, dims: Dims) -> Result<u16> {
         bail!("--nearest is {nearest}; give 0.01 to 1000 metres");
     }
     let most = (usize::from(dims.width) - 1).min(MAX_RANGE) as u16;
-    let reaches = |&range: &u16| rig.depth(Disparity::from_num(range - 1)).to_num::<f64>() <= nearest;
+    let reaches =
+        |&range: &u16| rig.depth(Disparity::from_num(range - 1)).to_num::<f64>() <= nearest;
     (LEAST_RANGE..=most).find(reaches).with_context(|| {
         let least = rig.depth(Disparity::from_num(most - 1)).to_num::<f64>();
         format!(
-            "--nearest {nearest} needs more than {most} disparities: at most {least:.2} m; --width reduces the images"
+            "--nearest {nearest} needs more than {most} disparities; give {least:.2} or more, or \
+             reduce the images with --width"
         )
     })
 }
@@ -380,8 +455,12 @@ impl Setup<'_> {
     fn described(&self) -> String {
         let Params { min_disparity, max_disparity, rig, .. } = &self.params;
         let nearest = rig.map(|rig| rig.depth(Disparity::saturating_from_num(*max_disparity)));
-        let nearest = nearest.and_then(finite_metres).map(|metres| format!(", depths from {metres:.3} m"));
-        format!("disparities {min_disparity} to {max_disparity} px{}", nearest.unwrap_or(", no depths".to_owned()))
+        let nearest =
+            nearest.and_then(finite_metres).map(|metres| format!(", depths from {metres:.3} m"));
+        format!(
+            "disparities {min_disparity} to {max_disparity} px{}",
+            nearest.unwrap_or(", no depths".to_owned())
+        )
     }
 
     /// The rig where directions are known too, not the product of focal length and baseline alone.
@@ -409,7 +488,8 @@ impl Setup<'_> {
     }
 }
 
-/// The core and what goes before it, for pairs of one size in the order in which they were captured.
+/// The core and what goes before it, for pairs of one size in the order in which they were
+/// captured.
 pub(super) struct Matcher {
     rectifier: Option<PairRectifier>,
     usable: [Vec<Span>; 2],
@@ -419,13 +499,16 @@ pub(super) struct Matcher {
 impl Matcher {
     /// Checks the parameters and allocates the memory.
     pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
-        let rectifier = setup.rig.as_ref().map(|rig| PairRectifier::new(rig.remap())).transpose()?;
-        let mut usable = CameraSide::BOTH.map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
+        let rectifier =
+            setup.rig.as_ref().map(|rig| PairRectifier::new(rig.remap())).transpose()?;
+        let mut usable = CameraSide::BOTH
+            .map(|eye| rectifier.as_ref().map_or(Vec::new(), |r| r.facts(eye).usable));
         if !setup.left_content.is_empty() {
             usable[0].clone_from(&setup.left_content);
             shrink_to_valid(&mut usable[0], setup.dims().width);
         }
         let mut engine = engine_with(&setup.params, setup.dims())?;
+        engine.expect_ground(setup.ground);
         if setup.params.rig.is_none() {
             engine.expect_infinity_at(setup.zero_px);
         }
@@ -436,7 +519,12 @@ impl Matcher {
     }
 
     /// Matches the next pair.
-    pub(super) fn run(&mut self, setup: &Setup<'_>, pair: &Pair, times_us: Option<[u64; 2]>) -> Result<Matched> {
+    pub(super) fn run(
+        &mut self,
+        setup: &Setup<'_>,
+        pair: &Pair,
+        times_us: Option<[u64; 2]>,
+    ) -> Result<Matched> {
         self.run_observed(setup, pair, times_us, &mut ())
     }
 
@@ -450,7 +538,7 @@ impl Matcher {
     ) -> Result<Matched> {
         if pair.images[0].dims != setup.loaded {
             let [first, this] = [setup.loaded, pair.images[0].dims];
-            bail!("the pair is {this}, those before it {first}; give pairs of one size");
+            bail!("the pair is {this}, but earlier pairs are {first}; give pairs of one size");
         }
         let images = setup.raw(pair)?;
         let images = match &mut self.rectifier {
@@ -465,7 +553,9 @@ impl Matcher {
 
     /// The depth of pixels of the pair that was matched last, which are counted before --width.
     pub(super) fn ask(&mut self, setup: &Setup<'_>, pixels: &[(u16, u16)]) -> Vec<Query> {
-        let mut ask = |&pixel: &(u16, u16)| Query::new(pixel, self.engine.depth_at(setup.as_matched(pixel), None));
+        let mut ask = |&pixel: &(u16, u16)| {
+            Query::new(pixel, self.engine.depth_at(setup.as_matched(pixel), None))
+        };
         pixels.iter().map(&mut ask).collect()
     }
 }
@@ -495,7 +585,10 @@ fn position(text: &str) -> Result<[f64; 2], String> {
 }
 
 /// Both images with what is usable of them.
-fn views<'a>(images: &'a [GrayImage; 2], usable: &'a [Vec<Span>; 2]) -> Result<(Gray<'a>, Gray<'a>), ViewError> {
+fn views<'a>(
+    images: &'a [GrayImage; 2],
+    usable: &'a [Vec<Span>; 2],
+) -> Result<(Gray<'a>, Gray<'a>), ViewError> {
     let view = |eye: usize| {
         let view = images[eye].view()?;
         if usable[eye].is_empty() { Ok(view) } else { view.with_valid(&usable[eye]) }

@@ -7,16 +7,18 @@ use linestereo::{Confidence, Depth, Disparity, Margin, Params, Parts, Rig};
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Parameters of the method")]
 pub struct MethodArgs {
-    /// Report only what is at least this probable to be within 1 px, 0.1 to 0.99 [default: 0.9].
+    /// Least probability of being within 1 px, 0.1 to 0.99 [default: 0.9].
     #[arg(long, value_name = "P")]
     min_confidence: Option<f64>,
-    /// First disparity searched, -32 to 0: for pairs whose disparity at infinity is negative [default: 0].
+    /// First disparity searched, -32 to 0: for pairs whose disparity at infinity is negative
+    /// [default: 0].
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     min_disparity: Option<i16>,
-    /// How far window and census may lie apart, px [default: 1].
+    /// Largest difference between window and census, px [default: 1].
     #[arg(long, value_name = "PX", conflicts_with = "margin_m")]
     margin_px: Option<f64>,
-    /// The same in depth: metres nearer and metres farther than the window's depth (Eq. 13); needs a rig.
+    /// The same in depth: metres nearer and metres farther than the window's depth (Eq. 13); needs
+    /// a rig.
     #[arg(long, num_args = 2, value_names = ["NEARER", "FARTHER"])]
     margin_m: Option<Vec<f64>>,
     /// Take one segment from each square of this side: larger is faster and sparser [default: 20].
@@ -28,7 +30,7 @@ pub struct MethodArgs {
     /// Parts of the method that match a pair [default: both].
     #[arg(long, value_name = "PARTS", value_enum)]
     parts: Option<PartsArg>,
-    /// Do not look for the ground plane, nor match beside it.
+    /// Do not search for the ground plane.
     #[arg(long)]
     no_ground: bool,
 }
@@ -36,7 +38,7 @@ pub struct MethodArgs {
 /// [`Parts`] on the command line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum PartsArg {
-    /// Support points, and segments where these tell them to look.
+    /// Support points, and segments searched around them.
     Both,
     /// Support points alone.
     Support,

@@ -1,8 +1,9 @@
 //! The command line: one thin file per command.
 //!
-//! Convention: every command is a `pub struct Args` (`clap::Args`) and a `pub fn run(args: &Args) -> anyhow::Result<()>`.
-//! An error becomes one line on stderr, `linestereo: what is wrong; what to do`, and exit code 2. Text for stdout goes through
-//! [`crate::output`] as files do, so that a failed command leaves no partial file, and a closed pipe ends it without failure.
+//! Convention: every command is a `pub struct Args` (`clap::Args`) and a `pub fn run(args: &Args)
+//! -> anyhow::Result<()>`. An error becomes one line on stderr, `linestereo: what is wrong; what to
+//! do`, and exit code 2. Text for stdout goes through [`crate::output`] as files do, so that a
+//! failed command leaves no partial file, and a closed pipe ends it without failure.
 
 mod arguments;
 pub mod bench_board;
@@ -21,6 +22,7 @@ pub mod pairs;
 pub mod photograph;
 pub mod plan_rig;
 mod player;
+mod pose;
 pub mod print_board;
 pub mod program;
 pub mod quality;
@@ -50,25 +52,29 @@ const NAME: &str = "linestereo";
 
 const AFTER_HELP: &str = "\
 Exit codes:
-  0    done; also where a reader of stdout closed it, and where some frames of many failed and the summary says so
-  2    a file, an option or a pair is wrong, nothing could be matched, or not everything asked for could be given:
-       one line on stderr says what and what to do
-  130  interrupted; what was finished is kept
+  0    done; some frames of many may have failed, and the summary says so
+  2    a file, an option or a pair is wrong, nothing could be matched, or an output could not be given:
+       one line on stderr says what to do
+  130  interrupted; finished results are kept
 
-Files: \"-\" is stdout for every output; what is printed for people is then left out. No output may be an input.";
+Files: \"-\" is stdout for every output, without the summary. No output may replace an input.";
 
 /// Commands by what somebody wants to do, in the order of the help.
 const TASKS: [(&str, &[&str]); 5] = [
     ("See what it does", &["demo", "scene", "frames"]),
     ("Match pairs", &["run", "sequence", "view", "report"]),
     ("Understand a result", &["explain", "quality"]),
-    ("Build and calibrate a rig", &["plan-rig", "print-board", "calibrate", "rectify", "convert-rig"]),
+    (
+        "Build and calibrate a rig",
+        &["plan-rig", "print-board", "calibrate", "rectify", "convert-rig"],
+    ),
     ("Use a board", &["flash-image", "monitor", "photograph", "bench-board"]),
 ];
 
-/// Sparse stereo depth from line segments: credible depths, each with a probability, from a rectified stereo pair.
+/// Sparse stereo depth from a rectified pair: line segments and points, each with the probability
+/// that its depth is right.
 ///
-/// Without a command it shows the demo.
+/// Without a command it runs the demo.
 #[derive(Debug, Parser)]
 #[command(name = NAME, version = env!("LINESTEREO_VERSION"), max_term_width = 104, after_help = AFTER_HELP)]
 struct Cli {
@@ -123,7 +129,10 @@ fn command() -> clap::Command {
         help.push_str(&format!("{task}:\n"));
         for name in names {
             let about = command.find_subcommand(name).and_then(clap::Command::get_about);
-            help.push_str(&format!("  {name:12}  {}\n", about.map(ToString::to_string).unwrap_or_default()));
+            help.push_str(&format!(
+                "  {name:12}  {}\n",
+                about.map(ToString::to_string).unwrap_or_default()
+            ));
         }
         help.push('\n');
     }
@@ -168,17 +177,27 @@ fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;
-        bail!("a disparity range of {range} does not fit an image of {dims}; give a smaller --max-disparity");
+        bail!(
+            "a disparity range of {range} does not fit an image of {dims}; give a smaller \
+             --max-disparity"
+        );
     }
     Engine::new(params, dims).map_err(|error| match error {
         ParamError::OutOfRange { name, .. } => {
-            anyhow::anyhow!("{error}; change --{}", name.split(' ').next().unwrap_or(name).replace('_', "-"))
+            anyhow::anyhow!(
+                "{error}; change --{}",
+                name.split(' ').next().unwrap_or(name).replace('_', "-")
+            )
         }
-        ParamError::MarginNeedsRig => anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px"),
+        ParamError::MarginNeedsRig => {
+            anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px")
+        }
     })
 }
 
-pub fn asked_for<'a>(paths: impl IntoIterator<Item = &'a Option<OutputPath>>) -> impl Iterator<Item = &'a Path> {
+pub fn asked_for<'a>(
+    paths: impl IntoIterator<Item = &'a Option<OutputPath>>,
+) -> impl Iterator<Item = &'a Path> {
     paths.into_iter().flatten().map(|path| &**path)
 }
 
@@ -201,7 +220,9 @@ mod tests {
         assert_eq!(listed, known);
         let help = arguments::prepared(command()).render_help().to_string();
         assert!(
-            help.contains("Match pairs:\n  run ") && help.contains("--quiet") && help.contains("Exit codes:"),
+            help.contains("Match pairs:\n  run ")
+                && help.contains("--quiet")
+                && help.contains("Exit codes:"),
             "{help}"
         );
     }

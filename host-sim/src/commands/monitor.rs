@@ -16,7 +16,8 @@ use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// Show a board's results as they arrive, over a serial port, a connection or from a file; send commands to it.
+/// Show a board's results as they arrive, over a serial port, a connection or from a file; send
+/// commands to it.
 ///
 /// Damaged and lost records are counted and skipped.
 #[derive(Debug, clap::Args)]
@@ -28,17 +29,18 @@ pub struct Args {
     file: Option<PathBuf>,
     #[command(flatten)]
     port: PortArgs,
-    /// Save the bytes as they come; "-" is stdout, in place of the table.
+    /// Save the received bytes; "-" is stdout, without the table.
     #[arg(long, value_name = "FILE")]
     record: Option<OutputPath>,
-    /// Print each complete frame as one line of JSON in place of the table.
+    /// Print each complete frame as a line of JSON, without the table.
     #[arg(long)]
     json: bool,
     /// Stop after N complete frames; 0 only sends the commands.
     #[arg(long, value_name = "N")]
     count: Option<u64>,
-    /// Send start, stop, describe, photograph, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the answer; may be given
-    /// several times.
+    /// Send start, stop, describe, photograph, sync, settings, keep, defaults, bootloader,
+    /// rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE, and wait for the
+    /// answer; may be given several times.
     #[arg(long, value_name = "COMMAND", conflicts_with = "file")]
     send: Vec<String>,
 }
@@ -84,7 +86,10 @@ impl Record {
 }
 
 fn cannot_record(path: &Path, error: &io::Error) -> anyhow::Error {
-    anyhow!("cannot write {}: {error}; choose a file in a folder that exists and is writable", path.display())
+    anyhow!(
+        "cannot write {}: {error}; choose a file in a folder that exists and is writable",
+        path.display()
+    )
 }
 
 /// A link whose frames are shown.
@@ -156,10 +161,14 @@ impl Monitor {
         match event {
             Event::Frame(_) if self.left == Some(0) => Ok(()), // came while a command is waited for
             Event::Frame(frame) => self.show_frame(&frame),
-            Event::Objects(list) => list.iter().try_for_each(|object| self.screen.note(&text::object(object))),
+            Event::Objects(list) => {
+                list.iter().try_for_each(|object| self.screen.note(&text::object(object)))
+            }
             Event::Photo([left, _]) => {
-                let note =
-                    format!("photograph: {}; linestereo photograph saves them, linestereo view shows them", left.dims);
+                let note = format!(
+                    "photograph: {}; linestereo photograph saves them, linestereo view shows them",
+                    left.dims
+                );
                 self.screen.note(&note)
             }
             Event::Note(note) => self.screen.note(&note),
@@ -215,8 +224,11 @@ impl Screen {
             return Self::Json;
         }
         let screen = if io::stdout().is_terminal() {
-            let style = ProgressStyle::with_template("{msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
-            Self::Live(ProgressBar::with_draw_target(None, ProgressDrawTarget::stdout()).with_style(style))
+            let style = ProgressStyle::with_template("{msg}")
+                .unwrap_or_else(|_| ProgressStyle::default_spinner());
+            Self::Live(
+                ProgressBar::with_draw_target(None, ProgressDrawTarget::stdout()).with_style(style),
+            )
         } else {
             Self::Lines
         };

@@ -1,8 +1,8 @@
-//! Objects of a detector, given by options, and their depths: the same for every command that matches pairs.
+//! Objects of a detector, given by options, and their depths: the same for every command that
+//! matches pairs.
 
 use super::input::Setup;
-use crate::engine::{Engine, FrameResult};
-use crate::results::health;
+use crate::engine::Engine;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use core::fmt::Write;
@@ -27,11 +27,12 @@ pub(super) struct ObjectArgs {
     /// vision_msgs/msg/Detection2DArray, taken by their stamps.
     #[arg(long, value_name = "FILE|TOPIC")]
     objects: Option<PathBuf>,
-    /// Names of the classes of a YOLO file, one per line [default: classes.txt or obj.names beside it].
+    /// Names of the classes of a YOLO file, one per line [default: classes.txt or obj.names beside
+    /// it].
     #[arg(long, value_name = "FILE", requires = "objects")]
     classes: Option<PathBuf>,
-    /// Match in and just around the objects alone: their depths are those of the whole frame, the rest costs nothing. In a sequence the first
-    /// pair is matched as a whole, to see how far the rows are apart.
+    /// Match only around the objects: nearly the same depths for less work. In a sequence the first
+    /// pair is matched as a whole, to measure the row offset.
     #[arg(long, requires = "objects")]
     only_objects: bool,
 }
@@ -67,11 +68,15 @@ impl ObjectArgs {
         let Some(path) = &self.objects else { return Ok(Objects { args: self, detections: None }) };
         if found.of_video().is_some() {
             bail!(
-                "--objects go by the names of images or the stamps of a recording, which a video has not; give one of these"
+                "--objects needs image names or the time stamps of a recording, and a video has \
+                 neither; give a folder or a recording"
             );
         }
         if let Some(recording) = found.of_recording() {
-            return Ok(Objects { args: self, detections: Some(detections(path, root, recording.window_ms())?) });
+            return Ok(Objects {
+                args: self,
+                detections: Some(detections(path, root, recording.window_ms())?),
+            });
         }
         let folder = path.display();
         if !path.is_dir() {
@@ -123,7 +128,6 @@ impl Objects<'_> {
         setup: &Setup<'_>,
         pair: &StoredPair,
         engine: &mut Engine,
-        result: &FrameResult,
     ) -> Option<Asked> {
         let path = self.args.objects.as_deref()?;
         let OfPair { objects, told, is_missing } = match self.read(path, setup, pair) {
@@ -131,12 +135,21 @@ impl Objects<'_> {
             Err(error) => return Some(Asked { error: Some(error), ..Asked::default() }),
         };
         let dims = setup.dims();
-        let regions: Vec<_> = objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
-        let depths = engine.objects(&regions, health::is_fit(result.health));
+        let regions: Vec<_> =
+            objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
+        let depths = engine.objects(&regions);
         // A file gives regions that lie in the image: there is one for every object.
         let list = objects.list.iter().zip(&depths);
-        let list = list.map(|(object, depth)| (object.clone(), listing::Object::new(depth, object.name.as_deref())));
-        Some(Asked { list: list.collect(), skipped: objects.skipped, told, is_missing, error: None })
+        let list = list.map(|(object, depth)| {
+            (object.clone(), listing::Object::new(depth, object.name.as_deref()))
+        });
+        Some(Asked {
+            list: list.collect(),
+            skipped: objects.skipped,
+            told,
+            is_missing,
+            error: None,
+        })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
@@ -144,34 +157,54 @@ impl Objects<'_> {
         let path = self.args.objects.as_deref().filter(|_| self.args.only_objects)?;
         let OfPair { objects, .. } = self.read(path, setup, pair).ok()?; // what is wrong is said with the depths
         let dims = setup.dims();
-        Some(objects.list.iter().filter_map(|object| Some(object.region(dims).ok()?.area())).collect())
+        Some(
+            objects
+                .list
+                .iter()
+                .filter_map(|object| Some(object.region(dims).ok()?.area()))
+                .collect(),
+        )
     }
 
     fn read(&self, path: &Path, setup: &Setup<'_>, pair: &StoredPair) -> Result<OfPair, String> {
         let image = pair.left();
         let name = image.file_name().map(|name| name.to_string_lossy());
-        let frame = Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
+        let frame =
+            Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
         if let Some(detections) = &self.detections {
-            let told =
-                pair.images.time_ns().map(|time| detections.at(time)).transpose().map_err(|error| error.to_string())?;
+            let told = pair
+                .images
+                .time_ns()
+                .map(|time| detections.at(time))
+                .transpose()
+                .map_err(|error| error.to_string())?;
             let told = told.flatten();
             let is_missing = told.is_none();
             let told = told.unwrap_or_default();
-            let name = |found: &Detection| Some(found.class.clone()).filter(|class| !class.is_empty());
-            let objects = regions::of_boxes(told.iter().map(|found| (found.borders, name(found))), frame);
+            let name =
+                |found: &Detection| Some(found.class.clone()).filter(|class| !class.is_empty());
+            let objects =
+                regions::of_boxes(told.iter().map(|found| (found.borders, name(found))), frame);
             return Ok(OfPair { objects, told, is_missing });
         }
         let file = if path.is_dir() { file_of(path, image) } else { Some(path.to_path_buf()) };
         let load = |file: &PathBuf| regions::load(file, self.args.classes.as_deref(), frame);
         let objects = file.as_ref().map(load).transpose().map_err(|error| error.to_string())?;
-        Ok(OfPair { is_missing: objects.is_none(), objects: objects.unwrap_or_default(), told: Vec::new() })
+        Ok(OfPair {
+            is_missing: objects.is_none(),
+            objects: objects.unwrap_or_default(),
+            told: Vec::new(),
+        })
     }
 }
 
 /// The file of a frame in a folder: called like its left image. A dot in that name ends nothing.
 fn file_of(folder: &Path, image: &Path) -> Option<PathBuf> {
     let stem = folder.join(image.file_stem().unwrap_or_default());
-    EXTENSIONS.map(|extension| stem.with_added_extension(extension)).into_iter().find(|file| file.is_file())
+    EXTENSIONS
+        .map(|extension| stem.with_added_extension(extension))
+        .into_iter()
+        .find(|file| file.is_file())
 }
 
 impl Asked {

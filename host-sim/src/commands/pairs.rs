@@ -1,6 +1,8 @@
-//! Pairs that a command is given, and many pairs on every core: results in the order of the pairs, whoever was first.
+//! Pairs that a command is given, and many pairs on every core: results in the order of the pairs,
+//! whoever was first.
 //!
-//! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and of the results.
+//! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and
+//! of the results.
 
 use crate::interruption;
 use crate::output::is_quiet;
@@ -16,11 +18,17 @@ use std::path::Path;
 /// An engine's memory may pass over the stack on its way to the heap.
 const STACK_BYTES: usize = 64 << 20;
 
-/// Pairs of a command line's paths, with a title: one of two images or of one file, those of a folder, of a recording or of videos.
-pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) -> Result<(Footage, String)> {
+/// Pairs of a command line's paths, with a title: one of two images or of one file, those of a
+/// folder, of a recording or of videos.
+pub(super) fn pairs_of(
+    left: &Path,
+    right: Option<&Path>,
+    side_by_side: bool,
+) -> Result<(Footage, String)> {
     let name = |path: &Path| {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        path.file_name().map_or_else(String::new, |name| printable(&name.to_string_lossy()).into_owned())
+        path.file_name()
+            .map_or_else(String::new, |name| printable(&name.to_string_lossy()).into_owned())
     };
     let alone = |title: String, files: PairFiles| Footage::of_pair(StoredPair::alone(title, files));
     let is_film = |path: &Path| is_video(path) && !path.is_dir();
@@ -36,7 +44,10 @@ pub(super) fn pairs_of(left: &Path, right: Option<&Path>, side_by_side: bool) ->
         return Ok((alone(name(left), PairFiles::SideBySide(left.to_path_buf())), name(left)));
     }
     if !left.is_dir() && !is_recording(left) && !is_video(left) {
-        bail!("{} is no folder; give a left and a right image, a folder, an .mcap file, or videos", left.display());
+        bail!(
+            "{} is no folder; give a left and a right image, a folder, an .mcap file, or videos",
+            left.display()
+        );
     }
     Ok((Footage::open(left, side_by_side, interruption::requested)?, name(left)))
 }
@@ -48,15 +59,18 @@ pub(super) fn has_ended(found: &Footage) -> bool {
 
 /// Warnings about videos, a line each; empty where there are none.
 pub(super) fn video_note(found: &Footage) -> String {
-    let mut text = found.of_video().and_then(Video::summary).map_or(String::new(), |note| format!("video: {note}\n"));
+    let mut text = found
+        .of_video()
+        .and_then(Video::summary)
+        .map_or(String::new(), |note| format!("video: {note}\n"));
     if found.of_video().is_some() && found.alone > 0 {
         text.push_str(&format!("{} frames of the longer video have no partner\n", found.alone));
     }
     text
 }
 
-/// Does `work` for every item on so many threads (all cores without a number), under a progress bar that says each one's name. The first error
-/// to appear ends it.
+/// Does `work` for every item on so many threads (all cores without a number), under a progress bar
+/// that says each one's name. The first error to appear ends it.
 pub fn for_each_pair<I: Sync, T: Send>(
     items: &[I],
     threads: Option<usize>,
@@ -75,7 +89,8 @@ pub fn for_each_pair<I: Sync, T: Send>(
         builder = builder.num_threads(threads);
     }
     let pool = builder.build().context("cannot start threads; give fewer with --threads")?;
-    // One item at a time: neighbours in a list differ in size, and a late large one would leave the others idle.
+    // One item at a time: neighbours in a list differ in size, and a late large one would leave the
+    // others idle.
     let results = pool.install(|| items.par_iter().with_max_len(1).map(one).collect());
     progress.finish_and_clear();
     results
@@ -97,5 +112,6 @@ pub fn bar(length: usize, template: &str) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template(template);
-    ProgressBar::new(length as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(length as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -16,37 +16,41 @@ use std::time::Instant;
 /// A board that says nothing for so long does not answer.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Save pairs of photos as a board's cameras deliver them, for calibration or to have a look.
+/// Save raw pairs of photos from a board's cameras, for calibration.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/photograph.txt"))]
 #[command(group(clap::ArgGroup::new("source").required(true).args(["tcp", "serial"])))]
 pub struct Args {
-    /// Folder of the photos; made if it is not there.
+    /// Folder of the photos; created if missing.
     folder: PathBuf,
     #[command(flatten)]
     port: PortArgs,
     /// Pairs to take.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=999))]
     count: u32,
-    /// From one pair to the next.
+    /// Time between pairs.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     every: f64,
 }
 
 pub fn run(args: &Args) -> Result<()> {
-    let every = Duration::try_from_secs_f64(args.every).context("--every is no time; give seconds, as in --every 3")?;
+    let every = Duration::try_from_secs_f64(args.every)
+        .context("--every is no time; give seconds, as in --every 3")?;
     let mut camera = Camera { port: args.port.open()?, decoder: Decoder::new(), next_id: 0 };
-    fs::create_dir_all(&args.folder).with_context(|| format!("cannot make the folder {}", args.folder.display()))?;
+    fs::create_dir_all(&args.folder)
+        .with_context(|| format!("cannot make the folder {}", args.folder.display()))?;
     let before = taken(&args.folder)?;
     for number in 1..=args.count {
         let begin = Instant::now();
         let bar = progress();
-        let pair = camera.photograph(&bar).with_context(|| format!("photo {number} of {}", args.count))?;
+        let pair =
+            camera.photograph(&bar).with_context(|| format!("photo {number} of {}", args.count))?;
         bar.finish_and_clear();
         let name = before + number;
         let mut files = OutputFiles::new();
         for (side, image) in ["left", "right"].into_iter().zip(&pair) {
-            files.add(&args.folder.join(format!("{side}{name:02}.png")), &draw::gray_png(image)?)?;
+            files
+                .add(&args.folder.join(format!("{side}{name:02}.png")), &draw::gray_png(image)?)?;
         }
         files.commit()?;
         crate::output::say(&format!("photo {name:02}: {}\n", described(&pair)))?;
@@ -60,9 +64,12 @@ pub fn run(args: &Args) -> Result<()> {
 /// The highest number of a photo that lies there.
 fn taken(folder: &Path) -> Result<u32> {
     let mut highest = 0;
-    for entry in fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+    for entry in
+        fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?
+    {
         let name = entry?.file_name().to_string_lossy().into_owned();
-        let number = ["left", "right"].iter().find_map(|side| name.strip_prefix(side)?.strip_suffix(".png"));
+        let number =
+            ["left", "right"].iter().find_map(|side| name.strip_prefix(side)?.strip_suffix(".png"));
         highest = highest.max(number.and_then(|number| number.parse().ok()).unwrap_or(0));
     }
     Ok(highest)
@@ -71,7 +78,8 @@ fn taken(folder: &Path) -> Result<u32> {
 /// Size and mean grey levels: what a look at the picture would ask first.
 fn described([left, right]: &[GrayImage; 2]) -> String {
     let mean = |image: &GrayImage| {
-        image.pixels.iter().map(|&grey| u64::from(grey)).sum::<u64>() / image.pixels.len().max(1) as u64
+        image.pixels.iter().map(|&grey| u64::from(grey)).sum::<u64>()
+            / image.pixels.len().max(1) as u64
     };
     format!("{}, mean grey level {} left, {} right", left.dims, mean(left), mean(right))
 }
@@ -94,13 +102,17 @@ impl Camera {
         self.next_id = self.next_id.wrapping_add(1);
         let command = Command { id: self.next_id, request: Request::Photograph };
         self.port.send(&command)?;
-        let (mut buffer, mut photos, mut last) = ([0; 4096], PhotoAssembler::default(), Instant::now());
+        let (mut buffer, mut photos, mut last) =
+            ([0; 4096], PhotoAssembler::default(), Instant::now());
         loop {
             let count = match self.port.read(&mut buffer)? {
                 Received::Bytes(count) => count,
                 Received::End => bail!("the port has ended"),
                 Received::Silence if last.elapsed() > PATIENCE => {
-                    bail!("no answer in {} s; does the board run, and is the speed right?", PATIENCE.as_secs())
+                    bail!(
+                        "no answer in {} s; does the board run, and is the speed right?",
+                        PATIENCE.as_secs()
+                    )
                 }
                 Received::Silence => continue,
             };
@@ -116,7 +128,12 @@ impl Camera {
 }
 
 /// Takes a message; gives the pair when it is whole.
-fn take(message: Message, id: u16, photos: &mut PhotoAssembler, bar: &ProgressBar) -> Result<Option<[GrayImage; 2]>> {
+fn take(
+    message: Message,
+    id: u16,
+    photos: &mut PhotoAssembler,
+    bar: &ProgressBar,
+) -> Result<Option<[GrayImage; 2]>> {
     let whole = match message {
         Message::Answer(Answer { command, outcome: Outcome::Refused(why) }) if command == id => {
             bail!("the board refused: {why}")

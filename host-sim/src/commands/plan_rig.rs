@@ -8,7 +8,8 @@ use core::fmt::Write;
 use linestereo::Dims;
 use serde::Serialize;
 
-/// Plan a rig: near limit, depth error and common view by distance, and the baseline for a wanted range.
+/// Plan a rig: near limit, depth error and common view by distance, and the baseline for a wanted
+/// range.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/plan-rig.txt"))]
 #[command(group = clap::ArgGroup::new("focal").required(true).args(["focal_px", "focal_mm", "hfov_deg"]))]
@@ -19,7 +20,8 @@ pub struct Args {
     /// Focal length of the lens, with --pixel-um.
     #[arg(long, value_name = "MM", requires = "pixel_um")]
     focal_mm: Option<f64>,
-    /// Side of a pixel of the images as matched: after binning or reduction, a multiple of the sensor's.
+    /// Side of a pixel of the images as matched: after binning or reduction, a multiple of the
+    /// sensor's.
     #[arg(long, value_name = "UM", requires = "focal_mm")]
     pixel_um: Option<f64>,
     /// Horizontal field of view.
@@ -37,10 +39,10 @@ pub struct Args {
     /// Standard deviation of a disparity.
     #[arg(long, value_name = "PX", default_value_t = USUAL_SIGMA)]
     sigma_px: f64,
-    /// Distances to be measured, in metres: suggests a baseline.
+    /// Distances to measure, in metres; suggests a baseline.
     #[arg(long, value_name = "NEAR..FAR", value_parser = parse_range)]
     range: Option<(f64, f64)>,
-    /// Error wanted at FAR.
+    /// Largest error at FAR.
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, requires = "range")]
     error: f64,
     /// Write everything as JSON; "-" is stdout.
@@ -53,13 +55,17 @@ pub fn run(args: &Args) -> Result<()> {
         (Some(focal), ..) => Focal::Pixels(focal),
         (_, Some(focal), Some(pixel), _) => Focal::Millimetres { focal, pixel },
         (.., Some(degrees)) => Focal::FieldOfView(degrees),
-        _ => bail!("there is no focal length; give --focal-px, --focal-mm with --pixel-um, or --hfov-deg"),
+        _ => bail!(
+            "there is no focal length; give --focal-px, --focal-mm with --pixel-um, or --hfov-deg"
+        ),
     };
     let (focal, error) = (focal.pixels(args.size), args.error / 100.0);
     let wish = args.range.map(|(near, far)| Wish { near, far, error });
-    let suggestion =
-        wish.map(|wish| suggest(focal, args.size, args.max_disparity, args.sigma_px, &wish)).transpose()?;
-    let baseline = args.baseline_m.or(suggestion.as_ref().map(|found| found.baseline_m)).unwrap_or(0.0);
+    let suggestion = wish
+        .map(|wish| suggest(focal, args.size, args.max_disparity, args.sigma_px, &wish))
+        .transpose()?;
+    let baseline =
+        args.baseline_m.or(suggestion.as_ref().map(|found| found.baseline_m)).unwrap_or(0.0);
     let plan = RigPlan::new(focal, args.size, baseline, args.max_disparity, args.sigma_px)?;
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
@@ -68,7 +74,12 @@ pub fn run(args: &Args) -> Result<()> {
     output.commit_and_say(&text)
 }
 
-fn text(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>, is_given: bool) -> String {
+fn text(
+    plan: &RigPlan,
+    wish: Option<&Wish>,
+    suggestion: Option<&Suggestion>,
+    is_given: bool,
+) -> String {
     let [horizontal, vertical] = plan.fields_of_view();
     let mut text = format!(
         "focal length {:.1} px, {} ({horizontal:.0} x {vertical:.0} degrees), baseline {:.1} mm, disparities to {}, \
@@ -89,8 +100,16 @@ fn text(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&Suggestion>, is
         );
         if is_given {
             let row = plan.row(*far);
-            let reached = if row.error_percent <= 100.0 * error * (1.0 + 1e-9) { "reached" } else { "not reached" };
-            let _ = writeln!(text, "  with the one given, {:.1} % at {far} m: {reached}", row.error_percent);
+            let reached = if row.error_percent <= 100.0 * error * (1.0 + 1e-9) {
+                "reached"
+            } else {
+                "not reached"
+            };
+            let _ = writeln!(
+                text,
+                "  with the one given, {:.1} % at {far} m: {reached}",
+                row.error_percent
+            );
         }
         for sentence in &found.advice {
             let _ = writeln!(text, "  {sentence}");
@@ -149,7 +168,11 @@ struct Listing<'a> {
     suggestion: Option<&'a Suggestion>,
 }
 
-fn listing<'a>(plan: &RigPlan, wish: Option<&Wish>, suggestion: Option<&'a Suggestion>) -> Listing<'a> {
+fn listing<'a>(
+    plan: &RigPlan,
+    wish: Option<&Wish>,
+    suggestion: Option<&'a Suggestion>,
+) -> Listing<'a> {
     let [horizontal_fov_deg, vertical_fov_deg] = plan.fields_of_view();
     Listing {
         size: [plan.dims.width, plan.dims.height],
@@ -174,7 +197,8 @@ fn parse_field_of_view(text: &str) -> Result<f64, String> {
 }
 
 fn parse_range(text: &str) -> Result<(f64, f64), String> {
-    let ends = text.split_once("..").and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
+    let ends =
+        text.split_once("..").and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
     ends.filter(|(near, far)| 0.0 < *near && near < far && *far <= 1e5)
         .ok_or_else(|| "give two rising distances in metres, for example 0.5..4".to_owned())
 }

@@ -1,4 +1,5 @@
-//! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the other.
+//! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the
+//! other.
 
 use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
 use super::objects::{Asked, Objects};
@@ -40,7 +41,11 @@ impl SourceArgs {
     pub(super) fn chosen<'a>(&self, path: &Path, found: &'a Footage) -> Result<Chosen<'a>> {
         let chosen = Chosen::new(found, self.frames);
         if chosen.count() == Some(0) {
-            bail!("none of the {} pairs in {} has a number in --frames", found.pairs.len(), path.display());
+            bail!(
+                "none of the {} pairs in {} has a number in --frames",
+                found.pairs.len(),
+                path.display()
+            );
         }
         Ok(chosen)
     }
@@ -56,8 +61,13 @@ pub(super) struct Chosen<'a> {
 impl<'a> Chosen<'a> {
     fn new(found: &'a Footage, range: Option<(u64, u64)>) -> Self {
         let live = found.of_video().filter(|video| video.is_live());
-        let numbered = found.pairs.iter().zip(0..).map(|(pair, position)| (pair.number.unwrap_or(position), pair));
-        let is_in = |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
+        let numbered = found
+            .pairs
+            .iter()
+            .zip(0..)
+            .map(|(pair, position)| (pair.number.unwrap_or(position), pair));
+        let is_in =
+            |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
         Self {
             listed: numbered.filter(|(number, _)| is_in(number)).collect(),
             live: live.map(|_| range.unwrap_or((0, u64::MAX))),
@@ -68,21 +78,32 @@ impl<'a> Chosen<'a> {
     pub(super) fn count(&self) -> Option<usize> {
         match self.live {
             Some((_, u64::MAX)) => None,
-            Some((first, last)) => Some(usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1)),
+            Some((first, last)) => {
+                Some(usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1))
+            }
             None => Some(self.listed.len()),
         }
     }
 
-    pub(super) fn pairs(&self, found: &'a Footage) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
+    pub(super) fn pairs(
+        &self,
+        found: &'a Footage,
+    ) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
         let live = self.live.into_iter().flat_map(|(first, last)| first..=last);
-        let live = live.map_while(|number| Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?))));
+        let live = live.map_while(|number| {
+            Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?)))
+        });
         self.listed.iter().map(|&(number, pair)| (number, Cow::Borrowed(pair))).chain(live)
     }
 }
 
 fn parse_range(text: &str) -> Result<(u64, u64), String> {
-    let range = text.split_once("..").and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
-    range.filter(|(first, last)| first <= last).ok_or_else(|| "give two numbers: 10..200".to_owned())
+    let range = text
+        .split_once("..")
+        .and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
+    range
+        .filter(|(first, last)| first <= last)
+        .ok_or_else(|| "give two numbers: 10..200".to_owned())
 }
 
 /// Pairs matched one after the other.
@@ -97,7 +118,11 @@ pub(super) struct Player<'a> {
 impl<'a> Player<'a> {
     pub(super) fn new(args: &'a InputArgs, folder: &Path) -> Result<Self> {
         let path = folder.join("scene.json");
-        let scene = if path.is_file() { Known::Scene(path.clone(), SceneInfo::load(&path)?) } else { Known::Nothing };
+        let scene = if path.is_file() {
+            Known::Scene(path.clone(), SceneInfo::load(&path)?)
+        } else {
+            Known::Nothing
+        };
         Ok(Self { args, scene, at_hand: None })
     }
 
@@ -109,14 +134,16 @@ impl<'a> Player<'a> {
         self.at_hand.as_mut().map(|(_, setup, matcher)| (&*setup, matcher))
     }
 
-    /// Loads a pair and, where it is the first one or of another rig than the one before, sets up what it is matched with.
+    /// Loads a pair and, where it is the first one or of another rig than the one before, sets up
+    /// what it is matched with.
     pub(super) fn load(&mut self, pair: &StoredPair) -> Result<(Pair, &Setup<'a>, &mut Matcher)> {
         let mut known = self.args.known_of(pair)?;
         if matches!(known, Known::Nothing) {
             known = self.scene.clone();
         }
         let loaded = self.args.load_as(&pair.images, &known)?;
-        let is_set_up = self.at_hand.as_ref().is_some_and(|(at_hand, ..)| at_hand.matches_like(&known));
+        let is_set_up =
+            self.at_hand.as_ref().is_some_and(|(at_hand, ..)| at_hand.matches_like(&known));
         if !is_set_up {
             let setup = self.args.setup_as(&loaded, &known)?;
             let matcher = Matcher::new(&setup)?;
@@ -133,7 +160,7 @@ impl<'a> Player<'a> {
             matcher.engine.focus(asked.areas(setup, pair));
         }
         let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
-        let objects = asked.depths(setup, pair, &mut matcher.engine, &result);
+        let objects = asked.depths(setup, pair, &mut matcher.engine);
         let rig = setup.params.rig.as_ref();
         let ground = result.ground.map(|plane| Ground::new(plane, rig, images[0].dims));
         Ok(Played { images, result, objects, ground })
@@ -141,14 +168,21 @@ impl<'a> Player<'a> {
 }
 
 /// The line of a frame.
-pub(super) fn line(number: u64, pair: &StoredPair, played: &Result<Played, String>, no_points: bool) -> Result<String> {
+pub(super) fn line(
+    number: u64,
+    pair: &StoredPair,
+    played: &Result<Played, String>,
+    no_points: bool,
+) -> Result<String> {
     match played {
         Ok(Played { images, result, objects, ground }) => {
             let answers = Answers { ground: *ground, ..Asked::answers(objects.as_ref()) };
             let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
             Ok(with_name(number, &pair.name, &line))
         }
-        Err(error) => Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error}))),
+        Err(error) => {
+            Ok(format!("{}\n", json!({"frame": number, "name": pair.name, "error": error})))
+        }
     }
 }
 

@@ -6,11 +6,12 @@ use anyhow::Result;
 use core::fmt::Write;
 use linestereo_calibration::boards::Board;
 
-/// Write a board for `calibrate` as SVG in its true size.
+/// Write a calibration board as SVG in true size.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/print-board.txt"))]
 pub struct Args {
-    /// Kind and size: inner corners of a chessboard, squares of a ChArUco board, tags of an AprilGrid.
+    /// Kind and size: inner corners of a chessboard, squares of a ChArUco board, tags of an
+    /// AprilGrid.
     #[arg(value_name = "[KIND:]COLSxROWS", value_parser = parse_board)]
     board: BoardSize,
     #[command(flatten)]

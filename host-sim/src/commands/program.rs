@@ -1,4 +1,5 @@
-//! A program of subcommands: its arguments are parsed and checked, and a failure becomes one line and an exit code.
+//! A program of subcommands: its arguments are parsed and checked, and a failure becomes one line
+//! and an exit code.
 
 use super::arguments;
 use crate::interruption::{self, Interrupted};
@@ -13,13 +14,13 @@ use std::process::ExitCode;
 /// Exit code of every failure.
 const FAILURE: u8 = 2;
 
-/// How much is printed.
+/// Amount of printed text.
 #[derive(Debug, clap::Args)]
 pub struct Verbosity {
-    /// Print what was asked for alone: no summary, no notes, no progress.
+    /// Print only results: no summary, notes or progress.
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Tell on stderr what is taken: sizes, rig and range and where they are from, files.
+    /// Print to stderr which sizes, rig, range and files are used.
     #[arg(long, short, global = true)]
     verbose: bool,
 }
@@ -31,10 +32,14 @@ impl Verbosity {
     }
 }
 
-/// Parses the command line, does the work, and reports a failure of either in one line that begins with the program's name.
+/// Parses the command line, does the work, and reports a failure of either in one line that begins
+/// with the program's name.
 pub fn run(name: &str, command: Command, work: impl FnOnce(&ArgMatches) -> Result<()>) -> ExitCode {
     let command = arguments::prepared(command);
-    let matches = match command.clone().try_get_matches() {
+    let matches = match command
+        .clone()
+        .try_get_matches_from(arguments::separated(&command, std::env::args_os()))
+    {
         Ok(matches) => matches,
         Err(error) => return report_usage(name, &error),
     };
@@ -45,7 +50,11 @@ pub fn run(name: &str, command: Command, work: impl FnOnce(&ArgMatches) -> Resul
             Some(usage) => report_usage(name, usage),
             None => {
                 report(name, &format!("{error:#}"));
-                ExitCode::from(if error.is::<Interrupted>() { interruption::EXIT_CODE } else { FAILURE })
+                ExitCode::from(if error.is::<Interrupted>() {
+                    interruption::EXIT_CODE
+                } else {
+                    FAILURE
+                })
             }
         },
     }
@@ -66,9 +75,12 @@ fn report_usage(name: &str, error: &clap::Error) -> ExitCode {
         _ => {}
     }
     let text = error.to_string();
-    let lines = text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
+    let lines = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more"));
     // No argument here is of the kind that "--" is for.
-    let what: Vec<&str> = lines.filter(|line| !line.trim_start().starts_with("tip: to pass")).collect();
+    let what: Vec<&str> =
+        lines.filter(|line| !line.trim_start().starts_with("tip: to pass")).collect();
     report(name, &format!("{}; see --help", what.join(" ").trim_start_matches("error: ").trim()));
     ExitCode::from(FAILURE)
 }

@@ -16,27 +16,31 @@ use linestereo_wire::Health;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Measure depth quality on a flat wall, as RealSense's tool does: accuracy, noise, fill rate, and what to do.
+/// Measure depth quality on a flat wall, as RealSense's tool does: accuracy, noise, fill rate, with
+/// advice.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/quality.txt"))]
 pub struct Args {
-    /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
+    /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video
+    /// with both views side by side.
     left: PathBuf,
     /// Right image or video.
     right: Option<PathBuf>,
     /// Both images of a pair stand side by side in one file: left | right.
     #[arg(long, conflicts_with = "right")]
     side_by_side: bool,
-    /// Part of the (rectified) left image that shows the wall alone, px before --width [default: the middle 40 % of both sides].
+    /// Part of the (rectified) left image that shows only the wall, px before --width [default:
+    /// the middle 40 % of both sides].
     #[arg(long, value_name = "X,Y,W,H", value_parser = parse_region)]
     region: Option<[u16; 4]>,
-    /// Depth of the wall in the middle of the region, from the left camera, along the direction in which the cameras look.
+    /// Depth of the wall in the middle of the region, from the left camera, along the direction in
+    /// which the cameras look.
     #[arg(long, value_name = "M", value_parser = parse_distance)]
     distance: Option<f64>,
     /// Write the figures as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
-    /// Draw how far each cell of the last pair is off the plane.
+    /// Draw the distance of each cell of the last pair from the plane.
     #[arg(long, value_name = "FILE.png")]
     picture: Option<OutputPath>,
     #[command(flatten)]
@@ -69,16 +73,22 @@ pub fn run(args: &Args) -> Result<()> {
             break;
         }
         let (loaded, setup, matcher) = loaded.with_context(|| pair.name.clone())?;
-        let matched = matcher.run(setup, &loaded, pair.images.times_us()).with_context(|| pair.name.clone())?;
+        let matched = matcher
+            .run(setup, &loaded, pair.images.times_us())
+            .with_context(|| pair.name.clone())?;
         flags |= matched.result.health;
         // A wall of which nothing is matched has a verdict.
-        refusals.extend(health::refusal(&matched.result).filter(|_| !health::is_fit(matched.result.health)));
+        refusals.extend(
+            health::refusal(&matched.result).filter(|_| !health::is_fit(matched.result.health)),
+        );
         points.push(matched.result.points);
         last = Some(matched.images);
         progress.inc(1);
     }
     progress.finish_and_clear();
-    let (Some([left, _]), Some(setup)) = (last, player.setup()) else { bail!("there are no pairs") };
+    let (Some([left, _]), Some(setup)) = (last, player.setup()) else {
+        bail!("there are no pairs")
+    };
     if args.distance.is_some() && setup.params.rig.is_none() {
         bail!("--distance needs depths; give --focal-px and --baseline-m, --scene, or --rig");
     }
@@ -86,14 +96,16 @@ pub fn run(args: &Args) -> Result<()> {
     let wall = Wall { region, rig: setup.params.rig.as_ref(), distance_m: args.distance };
     let (quality, answers) = wall.evaluate(&points);
     let verdict = Verdict::of(&quality, args.distance);
-    let text = text(&quality, args.distance, &verdict) + &health::summary(flags, None);
+    let text = text(&quality, args.distance, &verdict) + &health::remedies(flags);
     let mut output = OutputFiles::new();
     let mut value = serde_json::to_value(&quality)?;
     value["verdict"] = json!(verdict.grade.name());
     value["advice"] = json!(verdict.advice);
     value["health"] = json!(health::names(flags));
     output.add_json(args.json.as_ref(), &value)?;
-    output.add_made(args.picture.as_ref(), || Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?))?;
+    output.add_made(args.picture.as_ref(), || {
+        Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?)
+    })?;
     output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))?;
     match refusals.first().filter(|_| answers.is_empty() && refusals.len() == points.len()) {
         Some(why) => bail!("nothing is measured; {why}"),
@@ -101,7 +113,11 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-fn region(given: Option<[u16; 4]>, size: Dims, as_matched: impl Fn((u16, u16)) -> (u16, u16)) -> Result<Area> {
+fn region(
+    given: Option<[u16; 4]>,
+    size: Dims,
+    as_matched: impl Fn((u16, u16)) -> (u16, u16),
+) -> Result<Area> {
     let [x, y, w, h] = given.unwrap_or_else(|| {
         let (w, h) = (size.width * 2 / 5, size.height * 2 / 5);
         [(size.width - w) / 2, (size.height - h) / 2, w, h]
@@ -116,7 +132,9 @@ fn region(given: Option<[u16; 4]>, size: Dims, as_matched: impl Fn((u16, u16)) -
     let ((left, top), (last, bottom)) = (as_matched((x, y)), as_matched((x + w - 1, y + h - 1)));
     let area = Area { left, top, right: last + 1, bottom: bottom + 1 };
     if area.right - area.left < 32 || area.bottom - area.top < 32 {
-        bail!("--region {x},{y},{w},{h} is less than 32 px wide or high as matched; give a larger one");
+        bail!(
+            "--region {x},{y},{w},{h} is less than 32 px wide or high as matched; give a larger one"
+        );
     }
     Ok(area)
 }
@@ -168,7 +186,8 @@ impl Verdict {
             verdict.advice.push("too few answers for a plane: nothing else can be said".into());
         }
         verdict.weigh(quality.off_plane, [0.01, 0.03], || {
-            "answers far off the plane: something else is in the region, or the texture repeats".into()
+            "answers far off the plane: something else is in the region, or the texture repeats"
+                .into()
         });
         verdict.weigh(quality.sub_pixel_rms_px, [0.25, 0.5], || {
             "disparities scatter about the plane: focus, noise, rows (health above), a lens that is not calibrated up to here".into()
@@ -181,7 +200,12 @@ impl Verdict {
         verdict
     }
 
-    fn weigh(&mut self, figure: Option<f64>, [good, usable]: [f64; 2], advice: impl FnOnce() -> String) {
+    fn weigh(
+        &mut self,
+        figure: Option<f64>,
+        [good, usable]: [f64; 2],
+        advice: impl FnOnce() -> String,
+    ) {
         let grade = figure.map_or(Grade::Good, |figure| Grade::of(figure, good, usable));
         if grade > Grade::Good {
             self.grade = self.grade.max(grade);
@@ -191,11 +215,13 @@ impl Verdict {
 }
 
 fn accuracy_advice(quality: &Quality, distance: Option<f64>) -> String {
-    let (share, px) = (quality.z_accuracy.unwrap_or(0.0), quality.disparity_error_px.unwrap_or(0.0));
+    let (share, px) =
+        (quality.z_accuracy.unwrap_or(0.0), quality.disparity_error_px.unwrap_or(0.0));
     format!(
-        "depths are {:.1} % too {} at {} m, as {:.2} px of disparity too {} would make them. Measure at a second distance: \
-         the same share there: focal length or baseline is wrong by it (calibrate again, check --square-mm); \
-         a share that grows with the distance: a camera has turned, or --disparity-offset-px is missing",
+        "depths are {:.1} % too {} at {} m, which is {:.2} px of disparity too {}. Measure at a \
+         second distance. If the error in % is the same, focal length or baseline is wrong \
+         (calibrate again, check --square-mm). If it grows with distance, a camera has turned, or \
+         --disparity-offset-px is missing",
         100.0 * share.abs(),
         if share > 0.0 { "far" } else { "near" },
         distance.unwrap_or(0.0),
@@ -213,21 +239,36 @@ fn text(quality: &Quality, distance: Option<f64>, verdict: &Verdict) -> String {
             let _ = writeln!(text, "  {name:<15} {words}");
         }
     };
-    line("fill rate", Some(format!("{:.1} % of {} cells", 100.0 * quality.fill_rate, quality.cells)));
-    let tilt = quality.tilt_deg.map_or(String::new(), |tilt| format!(", tilted by {tilt:.1} degrees"));
-    line("distance", quality.distance_m.map(|distance| format!("{distance:.4} m in the middle{tilt}")));
+    line(
+        "fill rate",
+        Some(format!("{:.1} % of {} cells", 100.0 * quality.fill_rate, quality.cells)),
+    );
+    let tilt =
+        quality.tilt_deg.map_or(String::new(), |tilt| format!(", tilted by {tilt:.1} degrees"));
+    line(
+        "distance",
+        quality.distance_m.map(|distance| format!("{distance:.4} m in the middle{tilt}")),
+    );
     let z = quality.z_accuracy_m.zip(quality.z_accuracy).zip(distance);
-    let z = z.map(|((m, share), known)| format!("{:+.1} mm, {:+.2} % of {known} m", 1e3 * m, 100.0 * share));
+    let z = z.map(|((m, share), known)| {
+        format!("{:+.1} mm, {:+.2} % of {known} m", 1e3 * m, 100.0 * share)
+    });
     line("Z accuracy", z);
     let rms = quality.plane_fit_rms_m.zip(quality.plane_fit_rms);
-    line("plane-fit RMS", rms.map(|(m, share)| format!("{:.1} mm, {:.2} % of the distance", 1e3 * m, 100.0 * share)));
+    line(
+        "plane-fit RMS",
+        rms.map(|(m, share)| format!("{:.1} mm, {:.2} % of the distance", 1e3 * m, 100.0 * share)),
+    );
     line("sub-pixel RMS", quality.sub_pixel_rms_px.map(|px| format!("{px:.3} px")));
     line(
         "off the plane",
-        quality.off_plane.map(|share| format!("{:.1} % of the answers by more than 1 px", 100.0 * share)),
+        quality
+            .off_plane
+            .map(|share| format!("{:.1} % of the answers by more than 1 px", 100.0 * share)),
     );
     let noise = quality.temporal_noise_px.zip(quality.repeated_pixels).map(|(px, pixels)| {
-        let metres = quality.temporal_noise_m.map_or(String::new(), |m| format!(", {:.1} mm", 1e3 * m));
+        let metres =
+            quality.temporal_noise_m.map_or(String::new(), |m| format!(", {:.1} mm", 1e3 * m));
         format!("{px:.3} px{metres}, median of {pixels} pixels")
     });
     line("temporal noise", noise);

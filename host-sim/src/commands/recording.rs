@@ -12,7 +12,9 @@ use anyhow::{Result, bail};
 use linestereo_frames::regions::Object;
 use linestereo_frames::{GrayImage, StoredPair};
 use linestereo_recordings::ros::sent::{Label, Stamp};
-use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_mcap, is_recording, is_video};
+use linestereo_recordings::{
+    Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_mcap, is_recording, is_video,
+};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +41,7 @@ pub(super) struct RecordingArgs {
     /// Topic with the right images.
     #[arg(long, value_name = "TOPIC", requires = "left_topic")]
     right_topic: Option<String>,
-    /// Images are a pair whose times differ by up to so much [default: 10].
+    /// Largest time between the two images of a pair [default: 10].
     #[arg(long, value_name = "MS", value_parser = milliseconds)]
     pair_window_ms: Option<f64>,
 }
@@ -50,7 +52,8 @@ fn milliseconds(text: &str) -> Result<f64, String> {
 }
 
 impl RecordingArgs {
-    /// The pairs of a folder, of a recording, of one video or of a left and a right one, or of a camera.
+    /// The pairs of a folder, of a recording, of one video or of a left and a right one, or of a
+    /// camera.
     pub(super) fn find(
         &self,
         root: Option<&Path>,
@@ -78,7 +81,9 @@ impl RecordingArgs {
             return Ok(Footage::open(root, side_by_side, interruption::requested)?);
         }
         if side_by_side {
-            bail!("--side-by-side is for folders; images of a recording have a topic for each camera");
+            bail!(
+                "--side-by-side is for folders; images of a recording have a topic for each camera"
+            );
         }
         let topics = [self.left_topic.clone(), self.right_topic.clone()];
         let choice = Choice { topics, window_ms: self.pair_window_ms.unwrap_or(DEFAULT_WINDOW_MS) };
@@ -112,17 +117,29 @@ enum To {
 
 impl Sink {
     /// Lines on stdout, lines in a file, or messages with these too where its name ends in .mcap.
-    pub(super) fn new(out: Option<&OutputPath>, with: &[Extra], recording: Option<&Recording>) -> Result<Self> {
+    pub(super) fn new(
+        out: Option<&OutputPath>,
+        with: &[Extra],
+        recording: Option<&Recording>,
+    ) -> Result<Self> {
         let Some(path) = out.filter(|path| !path.is_stdout()) else {
             if !with.is_empty() {
                 bail!("--with writes messages; give --out FILE.mcap");
             }
-            return Ok(Self { path: PathBuf::new(), to: To::Stdout, frame_id: String::new(), first_ns: 0 });
+            return Ok(Self {
+                path: PathBuf::new(),
+                to: To::Stdout,
+                frame_id: String::new(),
+                first_ns: 0,
+            });
         };
-        let frame_id = recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
+        let frame_id =
+            recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
         let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
         let to = if is_mcap(&path) {
-            To::Messages(Box::new(RosFile::new(lines, with).map_err(|error| cannot_write(&path, &error))?))
+            To::Messages(Box::new(
+                RosFile::new(lines, with).map_err(|error| cannot_write(&path, &error))?,
+            ))
         } else if with.is_empty() {
             To::Lines(lines)
         } else {
@@ -147,7 +164,9 @@ impl Sink {
 
     pub(super) fn line(&mut self, line: &str) -> Result<()> {
         match &mut self.to {
-            To::Lines(file) => file.write_all(line.as_bytes()).map_err(|error| cannot_write(&self.path, &error)),
+            To::Lines(file) => {
+                file.write_all(line.as_bytes()).map_err(|error| cannot_write(&self.path, &error))
+            }
             _ => print(line),
         }
     }

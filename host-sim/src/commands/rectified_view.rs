@@ -16,7 +16,8 @@ pub(super) struct ViewArgs {
     /// Width and height of the rectified images [default: those of the raw ones].
     #[arg(long, value_name = "WxH", value_parser = parse_size, requires = "rig")]
     size: Option<Dims>,
-    /// Share of the view to keep: 0 as much as fits without a pixel that has no source, 1 all of it [default: 0].
+    /// Share of the view to keep: 0 crops until no pixel is empty, 1 keeps the whole view
+    /// [default: 0].
     #[arg(long, value_name = "A", allow_negative_numbers = true, requires = "rig")]
     alpha: Option<f64>,
     /// Raw images are reduced to this width first, by area averaging; the rig follows.
@@ -34,7 +35,8 @@ impl ViewArgs {
         focal_px: Option<f64>,
         range: (i16, u16),
     ) -> Result<RigImage> {
-        let mut calibration = load_rig_texts(rig, &Options { images, ..Options::default() })?.rig.calibration;
+        let mut calibration =
+            load_rig_texts(rig, &Options { images, ..Options::default() })?.rig.calibration;
         let needed = calibration.camera(CameraSide::Left).dims();
         if let Some(given) = images.filter(|&given| given != needed) {
             bail!(RectifierError::Size { needed, given });
@@ -42,9 +44,13 @@ impl ViewArgs {
         if let Some(width) = self.raw_width {
             let full = calibration.camera(CameraSide::Left).dims();
             if !(MIN_SIDE..full.width).contains(&width) {
-                bail!("--raw-width is {width}; give {MIN_SIDE} to less than the {} of the raw images", full.width);
+                bail!(
+                    "--raw-width is {width}; give {MIN_SIDE} to less than the {} of the raw images",
+                    full.width
+                );
             }
-            calibration = reduced(&calibration, Dims { width, height: resampled_height(full, width) })?;
+            calibration =
+                reduced(&calibration, Dims { width, height: resampled_height(full, width) })?;
         }
         let view = focal_px.map_or(View::Alpha(self.alpha.unwrap_or(0.0)), View::Focal);
         RigImage::new(calibration, self.dims(&calibration), view, range)

@@ -6,7 +6,9 @@ use crate::draw;
 use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::{Dataset, GrayImage, PairFiles, RigText, StoredPair, check_same_size, load_gray, load_images};
+use linestereo_frames::{
+    Dataset, GrayImage, PairFiles, RigText, StoredPair, check_same_size, load_gray, load_images,
+};
 use linestereo_rig::{CameraSide, Remap};
 use std::path::{Path, PathBuf};
 
@@ -16,7 +18,7 @@ const ANY_RANGE: (i16, u16) = (0, 8);
 /// Files of each pair of a folder.
 const WRITTEN: [&str; 3] = ["left.png", "right.png", "rows.png"];
 
-/// Rectify raw pairs with a calibrated rig, by the same code as on a board.
+/// Rectify raw pairs with a calibrated rig, by the code that boards use.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/rectify.txt"))]
 pub struct Args {
@@ -25,7 +27,8 @@ pub struct Args {
     /// Raw right image.
     #[arg(required_unless_present = "out")]
     right: Option<PathBuf>,
-    /// The rig: rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has one).
+    /// The rig: rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC (twice where each camera has
+    /// one).
     #[arg(long, value_name = "FILE", required = true)]
     rig: Vec<PathBuf>,
     /// Write the rectified left image as PNG.
@@ -37,7 +40,8 @@ pub struct Args {
     /// Draw both pairs, raw above rectified, with lines along the rows, as PNG.
     #[arg(long, value_name = "FILE.png", requires = "right")]
     picture: Option<OutputPath>,
-    /// Write left.png, right.png and rows.png (the picture) for every pair of the folder to folders of the same names in here.
+    /// Write left.png, right.png and rows.png (the picture) of every pair to a folder of its name
+    /// in here.
     #[arg(long, value_name = "FOLDER", conflicts_with = "right")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -66,7 +70,11 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
     if written.is_empty() {
         bail!("nothing is asked for; give --out-left and --out-right, or --picture");
     }
-    let pair = Pair::load(&PairFiles::Two([args.left.clone(), right.to_path_buf()]), &args.view, rectifier)?;
+    let pair = Pair::load(
+        &PairFiles::Two([args.left.clone(), right.to_path_buf()]),
+        &args.view,
+        rectifier,
+    )?;
     let mut output = OutputFiles::new();
     for (path, image) in [&args.out_left, &args.out_right].into_iter().zip(&pair.rectified) {
         output.add_made(path.as_ref(), || Ok(draw::gray_png(image)?))?;
@@ -76,20 +84,28 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
 }
 
 /// Rectifies one pair; returns the names of the files written, in words.
-fn folder(args: &Args, pairs: &[StoredPair], out: &Path, rectifier: &mut PairRectifier) -> Result<String> {
+fn folder(
+    args: &Args,
+    pairs: &[StoredPair],
+    out: &Path,
+    rectifier: &mut PairRectifier,
+) -> Result<String> {
     let root = args.left.as_path();
     // A single pair keeps the folder's name, which is that of OUT.
     let is_root = |pair: &StoredPair| pair.folder == root && pairs.len() == 1;
-    let target = |pair: &StoredPair| if is_root(pair) { out.to_path_buf() } else { out.join(&pair.name) };
-    let targets: Vec<PathBuf> = pairs.iter().flat_map(|pair| WRITTEN.map(|name| target(pair).join(name))).collect();
+    let target =
+        |pair: &StoredPair| if is_root(pair) { out.to_path_buf() } else { out.join(&pair.name) };
+    let targets: Vec<PathBuf> =
+        pairs.iter().flat_map(|pair| WRITTEN.map(|name| target(pair).join(name))).collect();
     spare(targets.iter().map(PathBuf::as_path), pairs.iter().flat_map(StoredPair::files))?;
     let progress = named_bar(pairs.len());
     for stored in pairs {
         progress.set_message(stored.name.clone());
         let pair = Pair::load(&stored.images, &args.view, rectifier)?;
         let target = target(stored);
-        std::fs::create_dir_all(&target)
-            .with_context(|| format!("cannot make {}; choose a folder that can be written to", target.display()))?;
+        std::fs::create_dir_all(&target).with_context(|| {
+            format!("cannot make {}; choose a folder that can be written to", target.display())
+        })?;
         let [left, right] = &pair.rectified;
         let contents = [draw::gray_png(left)?, draw::gray_png(right)?, pair.picture()?];
         let mut output = OutputFiles::new();

@@ -4,7 +4,7 @@ use super::input::InputArgs;
 use super::objects::{ObjectArgs, Objects};
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::player::Player;
-use crate::explain::{CurveLog, SegmentTexts};
+use crate::explain::{CurveLog, TestTexts};
 use crate::output::{OutputFiles, OutputPath, spare};
 use crate::report::{Page, PageFrame, PageSetup};
 use crate::results::health;
@@ -12,18 +12,19 @@ use anyhow::{Context, Result, bail};
 use linestereo_frames::StoredPair;
 use std::path::PathBuf;
 
-/// Write one HTML page that shows what was found in a pair or a sequence, and why the rest was not.
+/// Write one HTML page with the matches of a pair or a sequence, and why others were rejected.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/report.txt"))]
 pub struct Args {
-    /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video with both views side by side.
+    /// Left image or video; or a folder with a pair or a sequence, a recording (.mcap), or a video
+    /// with both views side by side.
     left: PathBuf,
     /// Right image or video.
     right: Option<PathBuf>,
-    /// The page.
+    /// Output file.
     #[arg(long, short, value_name = "FILE.html")]
     out: OutputPath,
-    /// Of a longer sequence so many frames are shown, evenly spaced; all of them are matched.
+    /// Show at most this many frames, evenly spaced; all frames are matched.
     #[arg(long, value_name = "N", default_value_t = 60)]
     max_frames: usize,
     /// Both images of a pair stand side by side in one file: left | right.
@@ -109,11 +110,11 @@ fn add(
         let (title, max_disparity, rig) = (title.to_owned(), params.max_disparity, params.rig);
         Page::new(PageSetup { title, max_disparity, rig, many })
     });
-    let objects = objects.depths(setup, pair, engine, &matched.result).unwrap_or_default();
+    let objects = objects.depths(setup, pair, engine).unwrap_or_default();
     if let Some(error) = objects.error {
         bail!("{error}");
     }
-    let tests = (!many).then(|| SegmentTexts::new(&log, engine, params, &matched.result));
+    let tests = (!many).then(|| TestTexts::new(&log, engine, params, &matched.result));
     page.push(&PageFrame {
         name: pair.name.clone(),
         images: &matched.images,

@@ -23,15 +23,17 @@ use std::path::PathBuf;
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/run.txt"))]
 pub struct Args {
-    /// Left image, the reference: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or colour.
+    /// Left image, the reference: PNG, JPEG, PGM, PPM, TIFF, BMP or WebP, 8 or 16 bit, grey or
+    /// colour.
     left: PathBuf,
     /// Right image of the same size.
     #[arg(required_unless_present = "side_by_side")]
     right: Option<PathBuf>,
-    /// Both images stand side by side in the one file that is given: left | right.
+    /// The file holds both images side by side: left | right.
     #[arg(long, conflicts_with = "right")]
     side_by_side: bool,
-    /// Say the depth of this pixel of the left image, in pixels of the (rectified) left image before --width, as for --objects; repeat it for more.
+    /// Print the depth of this pixel of the (rectified) left image before --width; may be given
+    /// several times.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     query: Vec<(u16, u16)>,
     /// Write segments, points and counts as JSON; "-" is stdout.
@@ -40,16 +42,19 @@ pub struct Args {
     /// Write the segments as CSV.
     #[arg(long, value_name = "FILE")]
     csv: Option<OutputPath>,
-    /// Write points and segments in metres as PLY, coloured by disparity (MeshLab, CloudCompare); needs a rig.
+    /// Write points and segments in metres as PLY, coloured by disparity (MeshLab, CloudCompare);
+    /// needs a rig.
     #[arg(long, value_name = "FILE.ply")]
     ply: Option<OutputPath>,
     /// The same without the segments' lines as PCD (PCL, ROS, Open3D).
     #[arg(long, value_name = "FILE.pcd")]
     pcd: Option<OutputPath>,
-    /// Write the points as a depth image: 16-bit PNG, mm, 0 = none (RealSense, ROS, Open3D); needs a rig.
+    /// Write the points as a depth image: 16-bit PNG, mm, 0 = none (RealSense, ROS, Open3D); needs
+    /// a rig.
     #[arg(long, value_name = "FILE.png")]
     depth_png: Option<OutputPath>,
-    /// Write the points as a depth image: NumPy array of 32-bit floats, m, not a number = none; needs a rig.
+    /// Write the points as a depth image: NumPy array of 32-bit floats, m, not a number = none;
+    /// needs a rig.
     #[arg(long, value_name = "FILE.npy")]
     depth_npy: Option<OutputPath>,
     /// Write the points as a disparity map of KITTI: 16-bit PNG, px * 256, 0 = none.
@@ -80,24 +85,33 @@ pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
     }
 }
 
-/// The left image as it was matched, the result, the time in words, objects and pixels that were asked for.
+/// The left image as it was matched, the result, the time in words, objects and pixels that were
+/// asked for.
 type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>);
 
 pub fn run(args: &Args) -> Result<()> {
     let left = args.left.clone();
-    let files = args.right.clone().map_or(PairFiles::SideBySide(left.clone()), |right| PairFiles::Two([left, right]));
+    let files = args
+        .right
+        .clone()
+        .map_or(PairFiles::SideBySide(left.clone()), |right| PairFiles::Two([left, right]));
     let given = StoredPair::alone(String::new(), files);
     let asked = args.objects.open(&args.left, &Footage::of_pair(given.clone()))?;
     let known = args.input.known_of(&given)?;
     let pair = args.input.load_as(&given.images, &known)?;
     let setup = args.input.setup_as(&pair, &known)?;
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
-    let (left, result, cost, objects, queries) = matched(&setup, (&given, &pair), &asked, &args.query)?;
+    let (left, result, cost, objects, queries) =
+        matched(&setup, (&given, &pair), &asked, &args.query)?;
     let directions = args.sectors.directions(&setup, &result)?;
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let ground = result.ground.map(|plane| Ground::new(plane, rig.as_ref(), left.dims));
-    let answers =
-        Answers { queries, ground, sectors: sectors.map(Directions::list), ..Asked::answers(objects.as_ref()) };
+    let answers = Answers {
+        queries,
+        ground,
+        sectors: sectors.map(Directions::list),
+        ..Asked::answers(objects.as_ref())
+    };
     let mut output = OutputFiles::new();
     output.add_made(args.json.as_ref(), || Ok(listing::json(left.dims, &result, &answers)?))?;
     output.add_made(args.csv.as_ref(), || Ok(listing::csv(&result)))?;
@@ -108,7 +122,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     if let Some(directions) = &directions {
         output.add_made(args.sectors.fan.as_ref(), || Ok(draw::png(&draw::fan(directions))?))?;
-        output.add_made(args.sectors.mavlink.as_ref(), || Ok(directions.mavlink(args.sectors.policy.into())))?;
+        output.add_made(args.sectors.mavlink.as_ref(), || {
+            Ok(directions.mavlink(args.sectors.policy.into()))
+        })?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
     let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
@@ -117,26 +133,48 @@ pub fn run(args: &Args) -> Result<()> {
     text.extend(answers.queries.iter().flatten().map(Query::summary));
     text.push_str(&notes);
     text.push_str(&sectors.map(Directions::table).unwrap_or_default());
-    let Args { json, csv, objects_csv, ply, pcd, depth_png, depth_npy, disparity_png, pfm, overlay, .. } = args;
+    let Args {
+        json,
+        csv,
+        objects_csv,
+        ply,
+        pcd,
+        depth_png,
+        depth_npy,
+        disparity_png,
+        pfm,
+        overlay,
+        ..
+    } = args;
     let SectorArgs { fan, mavlink, .. } = &args.sectors;
     let maps = [depth_png, depth_npy, disparity_png, pfm, overlay];
-    text.push_str(&written([json, csv, objects_csv, ply, pcd].into_iter().chain(maps).chain([fan, mavlink])));
+    text.push_str(&written(
+        [json, csv, objects_csv, ply, pcd].into_iter().chain(maps).chain([fan, mavlink]),
+    ));
     output.commit_and_say(&text)?;
     // The other results are written by now.
     if let Some(error) = objects.and_then(|objects| objects.error) {
         bail!("{error}");
     }
     // In and around objects there may be nothing.
-    let refusal = health::refusal(&result).filter(|_| !args.objects.is_only() || !health::is_fit(result.health));
+    let refusal = health::refusal(&result)
+        .filter(|_| !args.objects.is_only() || !health::is_fit(result.health));
     refusal.map_or(Ok(()), |why| Err(anyhow!("{why}")))
 }
 
 /// Files of other programs; what they could not hold, in words.
-fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &mut OutputFiles) -> Result<String> {
+fn export_files(
+    args: &Args,
+    setup: &Setup<'_>,
+    result: &FrameResult,
+    output: &mut OutputFiles,
+) -> Result<String> {
     let dims = setup.dims();
     let mut notes = String::new();
     let colours = ColourRange::of(result, setup.params.max_disparity);
-    let needs = |what: &str| anyhow!("{what} needs depths; give --focal-px and --baseline-m, --scene, or --rig");
+    let needs = |what: &str| {
+        anyhow!("{what} needs depths; give --focal-px and --baseline-m, --scene, or --rig")
+    };
     let geometry = |what: &str| setup.geometry().ok_or_else(|| needs(what));
     let rig = |what: &str| setup.params.rig.as_ref().ok_or_else(|| needs(what));
     let mut png = |map: PngMap, what: &str| {
@@ -148,9 +186,14 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     output.add_made(args.ply.as_ref(), || Ok(draw::ply(result, geometry("--ply")?, &colours)))?;
     output.add_made(args.pcd.as_ref(), || Ok(draw::pcd(result, geometry("--pcd")?, &colours)))?;
     output.add_made(args.depth_png.as_ref(), || {
-        Ok(png(results::depth_png(dims, result, rig("--depth-png")?)?, "depth PNG: beyond 65.535 m"))
+        Ok(png(
+            results::depth_png(dims, result, rig("--depth-png")?)?,
+            "depth PNG: beyond 65.535 m",
+        ))
     })?;
-    output.add_made(args.depth_npy.as_ref(), || Ok(results::depth_npy(dims, result, rig("--depth-npy")?)))?;
+    output.add_made(args.depth_npy.as_ref(), || {
+        Ok(results::depth_npy(dims, result, rig("--depth-npy")?))
+    })?;
     output.add_made(args.disparity_png.as_ref(), || {
         Ok(png(results::kitti_png(dims, result)?, "disparity PNG: below 0, or 256 px and more"))
     })?;
@@ -158,7 +201,8 @@ fn export_files(args: &Args, setup: &Setup<'_>, result: &FrameResult, output: &m
     Ok(notes)
 }
 
-/// The left image as it was matched, the result, the time in words, and the depths of objects and pixels that were asked for.
+/// The left image as it was matched, the result, the time in words, and the depths of objects and
+/// pixels that were asked for.
 fn matched(
     setup: &Setup<'_>,
     (given, pair): (&StoredPair, &Pair),
@@ -168,7 +212,7 @@ fn matched(
     let mut matcher = Matcher::new(setup)?;
     matcher.engine.focus(asked.areas(setup, given));
     let matched = matcher.run(setup, pair, None)?;
-    let objects = asked.depths(setup, given, &mut matcher.engine, &matched.result);
+    let objects = asked.depths(setup, given, &mut matcher.engine);
     let queries = if query.is_empty() { None } else { Some(matcher.ask(setup, query)) };
     let [left, _] = matched.images;
     Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
@@ -187,30 +231,39 @@ fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> Str
         counts.matched, counts.segments_left, counts.points,
     );
     let shares = [0.98, 0.95, 0.9, 0.8].map(|least| {
-        let segments = result.matches.iter().filter(|found| found.confidence.to_num::<f64>() >= least).count();
-        let points = result.points.iter().filter(|point| point.confidence.to_num::<f64>() >= least).count();
+        let segments =
+            result.matches.iter().filter(|found| found.confidence.to_num::<f64>() >= least).count();
+        let points =
+            result.points.iter().filter(|point| point.confidence.to_num::<f64>() >= least).count();
         format!("  p >= {least:.2}: {segments:4} segments, {points:6} points\n")
     });
     text.push_str(&shares.concat());
     let depths = || result.matches.iter().filter_map(|found| found.depth).flatten();
     if let (Some(nearest), Some(farthest)) = (depths().min(), depths().max()) {
-        let metres = |depth| listing::finite_metres(depth).map_or("infinity".to_owned(), |m| format!("{m:.2} m"));
+        let metres = |depth| {
+            listing::finite_metres(depth).map_or("infinity".to_owned(), |m| format!("{m:.2} m"))
+        };
         let _ = writeln!(text, "depths from {} to {}", metres(nearest), metres(farthest));
     }
     if let Some(nearest) = nearest_metres(params) {
-        let _ =
-            writeln!(text, "nothing nearer than {nearest:.2} m is measured: --nearest or --max-disparity changes that");
+        let _ = writeln!(
+            text,
+            "nothing nearer than {nearest:.2} m is measured: --nearest or --max-disparity \
+             changes that"
+        );
     }
-    let mut lost: Vec<_> = Rejection::ALL.map(|reason| (counts.rejected(reason), reason.name())).into();
+    let mut lost: Vec<_> =
+        Rejection::ALL.map(|reason| (counts.rejected(reason), reason.name())).into();
     lost.retain(|&(count, _)| count > 0);
     lost.sort_by_key(|&(count, _)| core::cmp::Reverse(count));
     if !lost.is_empty() {
-        let list: Vec<String> = lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
+        let list: Vec<String> =
+            lost.iter().map(|(count, name)| format!("{name} {count}")).collect();
         let _ = writeln!(text, "rejected: {}", list.join(", "));
     }
     if let Some(plane) = result.ground {
         text.push_str(&Ground::new(plane, params.rig.as_ref(), dims).summary());
     }
-    text.push_str(&health::summary(result.health, result.pair.as_ref()));
+    text.push_str(&health::summary(result));
     text
 }

@@ -7,10 +7,11 @@ use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use std::path::{Path, PathBuf};
 
-/// Render synthetic scenes with exact ground truth to folders that `run` and `linestereo-lab eval` read.
+/// Render synthetic scenes with exact ground truth to folders that `run` and `linestereo-lab eval`
+/// read.
 ///
-/// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown), visible.png, objects.png and
-/// scene.json. The same options give the same bytes on every machine.
+/// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown),
+/// visible.png, objects.png and scene.json. The same options give the same bytes on every machine.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/scene.txt"))]
 pub struct Args {
@@ -29,7 +30,7 @@ pub struct Args {
     /// Standard deviation of the noise in both images, in grey levels.
     #[arg(long, value_name = "SIGMA", default_value_t = 1.0, allow_negative_numbers = true, value_parser = parse_noise)]
     noise: f64,
-    /// Folder to write to; made if it is not there.
+    /// Folder to write to; created if missing.
     #[arg(value_name = "FOLDER", required_unless_present = "list")]
     folder: Option<PathBuf>,
 }
@@ -55,8 +56,9 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
     let scene = scene::build(kind, args.size, args.seed);
     let rendering = scene::render(&scene, args.size, &sensor);
     let files = scene::files(kind.name(), &scene.pair, &rendering)?;
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot make the folder {}; choose one that can be written to", folder.display()))?;
+    std::fs::create_dir_all(folder).with_context(|| {
+        format!("cannot make the folder {}; choose one that can be written to", folder.display())
+    })?;
     let mut output = OutputFiles::new();
     for (name, contents) in files {
         output.add(&folder.join(name), &contents)?;
@@ -66,14 +68,20 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
 
 /// Width and height of an image that the core takes.
 pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
-    let sides = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let sides = text
+        .split_once('x')
+        .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
     match sides {
         Some((width, height))
-            if (MIN_SIDE..=MAX_WIDTH).contains(&width) && (MIN_SIDE..=MAX_HEIGHT).contains(&height) =>
+            if (MIN_SIDE..=MAX_WIDTH).contains(&width)
+                && (MIN_SIDE..=MAX_HEIGHT).contains(&height) =>
         {
             Ok(Dims { width, height })
         }
-        _ => Err(format!("give a size from {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}, for example 320x240")),
+        _ => Err(format!(
+            "give a size from {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}, for example \
+             320x240"
+        )),
     }
 }
 

@@ -22,10 +22,10 @@ pub(super) struct SectorArgs {
     /// Draw the sectors from above, as PNG.
     #[arg(long, value_name = "FILE.png")]
     pub(super) fan: Option<OutputPath>,
-    /// Write what an autopilot is told: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
+    /// Write obstacles for an autopilot: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
     #[arg(long, value_name = "FILE")]
     pub(super) mavlink: Option<OutputPath>,
-    /// Policy for a pair that is not fit to be used: docs/autopilots.md.
+    /// Messages for a pair that is not fit to be used: docs/autopilots.md.
     #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]
     pub(super) policy: PolicyName,
 }
@@ -33,10 +33,10 @@ pub(super) struct SectorArgs {
 /// Range, heights and direction that sectors are made for.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct SectorPlanArgs {
-    /// Obstacles at this distance or further do not matter [default: 10].
+    /// Ignore obstacles at this distance or farther [default: 10].
     #[arg(long, value_name = "M")]
     sector_range: Option<f32>,
-    /// Heights that matter, above the camera [default: all].
+    /// Heights of obstacles, above the camera [default: all].
     #[arg(long, num_args = 2, value_names = ["LOW_M", "HIGH_M"], allow_negative_numbers = true)]
     sector_heights: Option<Vec<f32>>,
     /// Where the camera looks, degrees clockwise from ahead [default: 0].
@@ -47,12 +47,12 @@ pub(super) struct SectorPlanArgs {
 /// [`Policy`] by name.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
 pub(super) enum PolicyName {
-    /// Nothing but heartbeats.
+    /// Only heartbeats.
     Silent,
     /// An obstacle at the near limit everywhere in view.
     #[default]
     Block,
-    /// Unknown.
+    /// All sectors are unknown.
     Unknown,
 }
 
@@ -68,7 +68,11 @@ impl From<PolicyName> for Policy {
 
 impl SectorArgs {
     /// Sectors of each direction; `None` when nobody asked.
-    pub(super) fn directions(&self, setup: &Setup<'_>, result: &FrameResult) -> Result<Option<Directions>> {
+    pub(super) fn directions(
+        &self,
+        setup: &Setup<'_>,
+        result: &FrameResult,
+    ) -> Result<Option<Directions>> {
         if !self.sectors && self.fan.is_none() && self.mavlink.is_none() {
             return Ok(None);
         }
@@ -79,7 +83,7 @@ impl SectorArgs {
         Ok(Some(Directions::new(
             plan.on_ground(result.ground),
             &result.matches,
-            &result.points,
+            &result.obstacle_points,
             result.health.of_pair(),
         )))
     }
@@ -100,8 +104,12 @@ impl SectorPlanArgs {
             wanted.heights_m = [*low, *high];
         }
         wanted.plan(params, dims).map_err(|error| match error {
-            ObstacleError::NoRig => anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig"),
-            ObstacleError::OutOfRange { name, .. } => anyhow!("{error}; change {}", option_behind(name)),
+            ObstacleError::NoRig => {
+                anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig")
+            }
+            ObstacleError::OutOfRange { name, .. } => {
+                anyhow!("{error}; change {}", option_behind(name))
+            }
         })
     }
 }

@@ -21,17 +21,17 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/sequence.txt"))]
 pub struct Args {
-    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m; by ffmpeg .mp4, .mkv, .avi, .mov, .webm, .mjpeg)
-    /// with both views side by side, or of the left camera.
+    /// Folder with the sequence, a recording of ROS 2 (.mcap), or a video (.y4m; by ffmpeg .mp4,
+    /// .mkv, .avi, .mov, .webm, .mjpeg) with both views side by side, or of the left camera.
     #[arg(required_unless_present = "camera", conflicts_with = "camera")]
     folder: Option<PathBuf>,
-    /// Write the lines to this file, in place of stdout; messages of ROS 2 where its name ends in .mcap.
+    /// Write to this file and not to stdout; ROS 2 messages if its name ends in .mcap.
     #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
     out: Option<OutputPath>,
-    /// Leave the points out: short lines.
+    /// Leave the points out.
     #[arg(long)]
     no_points: bool,
-    /// Write these messages too, beside points, segments and health: to --out FILE.mcap.
+    /// Also write these messages to --out FILE.mcap, besides points, segments and health.
     #[arg(long, value_name = "WHAT", value_delimiter = ',', requires = "out")]
     with: Vec<Extra>,
     #[command(flatten)]
@@ -45,7 +45,8 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     if args.objects.is_given() && args.folder.is_none() {
         bail!(
-            "--objects go by the names of images or the stamps of a recording, which a camera has not; give one of these"
+            "--objects needs image names or the time stamps of a recording, and a camera has \
+             neither; give a folder or a recording"
         );
     }
     // What is begun here, a video's decoder too, is ended in order.
@@ -95,7 +96,9 @@ pub fn run(args: &Args) -> Result<()> {
     }
     match frames.count().filter(|_| interruption::requested() || !has_ended(&found)) {
         Some(wanted) => tally.outcome(wanted, out),
-        None if tally.frames == 0 && !interruption::requested() => bail!("no frame came; {}", notes.replace('\n', " ")),
+        None if tally.frames == 0 && !interruption::requested() => {
+            bail!("no frame came; {}", notes.replace('\n', " "))
+        }
         None => tally.outcome(tally.frames, out),
     }
 }
@@ -108,7 +111,10 @@ fn short(number: u64, pair: &StoredPair, played: &Result<Played, String>) -> Str
         Ok(Played { result, objects, .. }) => {
             let (segments, points) = (result.matches.len(), result.points.len());
             let objects = objects.as_ref().map_or(String::new(), Asked::summary);
-            format!("{number} {name}: {segments} segments, {points} points, health: {}\n{objects}", result.health)
+            format!(
+                "{number} {name}: {segments} segments, {points} points, health: {}\n{objects}",
+                result.health
+            )
         }
     }
 }
@@ -162,12 +168,17 @@ impl Tally {
     }
 
     fn summary(&self, found: &Footage) -> String {
-        let layouts: Vec<&str> = layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
+        let layouts: Vec<&str> =
+            layouts(&found.pairs).into_iter().map(|(layout, _)| layout.name()).collect();
         let (frames, failed) = (self.frames, self.failed);
-        let mut text = format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
+        let mut text =
+            format!("{frames} frames, {failed} failed, {} images without a partner", found.alone);
         text.push_str(&format!("; layout: {}\n", layouts.join(", ")));
         if self.refused > 0 {
-            text.push_str(&format!("{} frames are not fit to be used, or nothing is matched in them\n", self.refused));
+            text.push_str(&format!(
+                "{} frames are not fit to be used, or nothing is matched in them\n",
+                self.refused
+            ));
         }
         if let Some(recording) = found.of_recording() {
             text.push_str(&format!("recording: {}\n", recording.summary()));
@@ -178,12 +189,17 @@ impl Tally {
             text.push_str(&format!("first failure: {error}\n"));
         }
         let mut flagged: Vec<_> = self.flagged.iter().collect();
-        flagged.sort_by_key(|(flag, (count, _))| (health::urgency(flag), core::cmp::Reverse(*count)));
-        let line =
-            |(flag, (count, what)): (&&str, &(usize, &str))| format!("health: {flag} in {count} frames: {what}\n");
+        flagged
+            .sort_by_key(|(flag, (count, _))| (health::urgency(flag), core::cmp::Reverse(*count)));
+        let line = |(flag, (count, what)): (&&str, &(usize, &str))| {
+            format!("health: {flag} in {count} frames: {what}\n")
+        };
         text.extend(flagged.into_iter().map(line));
         if self.flagged.contains_key("skew") {
-            text.push_str("what is captured apart is matched with --max-skew-ms: right for what stands still\n");
+            text.push_str(
+                "--max-skew-ms matches pairs that were captured apart; their depths are right only \
+                 for still scenes\n",
+            );
         }
         text
     }
@@ -194,7 +210,10 @@ impl Tally {
             self.objects_skipped, self.objects_unread
         );
         if self.objects_missing > 0 {
-            text.push_str(&format!(", {} frames without a file or a message of objects", self.objects_missing));
+            text.push_str(&format!(
+                ", {} frames without a file or a message of objects",
+                self.objects_missing
+            ));
         }
         text + "\n"
     }
@@ -203,11 +222,17 @@ impl Tally {
     fn outcome(&self, wanted: usize, out: Option<String>) -> Result<()> {
         if self.frames < wanted {
             let kept = out.map_or(String::new(), |path| format!("; their lines are in {path}"));
-            return Err(Interrupted(format!("after {} of {wanted} frames{kept}", self.frames)).into());
+            return Err(
+                Interrupted(format!("after {} of {wanted} frames{kept}", self.frames)).into()
+            );
         }
         match (&self.first_error, &self.first_refusal) {
-            (Some(error), _) if self.failed == self.frames => bail!("no frame can be matched; {error}"),
-            (_, Some(why)) if self.failed + self.refused == self.frames => bail!("no frame can be used; {why}"),
+            (Some(error), _) if self.failed == self.frames => {
+                bail!("no frame can be matched; {error}")
+            }
+            (_, Some(why)) if self.failed + self.refused == self.frames => {
+                bail!("no frame can be used; {why}")
+            }
             _ => Ok(()),
         }
     }

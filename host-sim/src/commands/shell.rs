@@ -1,4 +1,5 @@
-//! `linestereo --completions` and `linestereo --man`: what a shell and a manual want to know of the command line.
+//! `linestereo --completions` and `linestereo --man`: what a shell and a manual want to know of the
+//! command line.
 
 use crate::output::{print, say};
 use anyhow::{Context, Result};
@@ -18,6 +19,8 @@ pub(super) fn man(folder: &Path, command: Command) -> Result<()> {
     let name = folder.display();
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(command, folder))
-        .with_context(|| format!("cannot write to {name}; choose a folder that can be written to"))?;
+        .with_context(|| {
+            format!("cannot write to {name}; choose a folder that can be written to")
+        })?;
     say(&format!("manual pages in {name}\n"))
 }

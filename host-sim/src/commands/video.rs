@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "A stereo camera at this PC")]
 pub(super) struct CameraArgs {
-    /// Match what a camera gives that has both views side by side, until Ctrl-C or the end of --frames; needs Linux and ffmpeg.
+    /// Match the pairs of a camera that sends both views side by side, until Ctrl-C or the end of
+    /// --frames; needs Linux and ffmpeg.
     #[arg(long, value_name = "/dev/video0")]
     camera: Option<PathBuf>,
     /// Size of its images, both views together [default: the camera's].
@@ -17,20 +18,22 @@ pub(super) struct CameraArgs {
     /// Its frames a second [default: the camera's].
     #[arg(long, value_name = "N", requires = "camera", value_parser = clap::value_parser!(u16).range(1..=1000))]
     camera_fps: Option<u16>,
-    /// Form in which it sends them: mjpeg where raw images are too large for USB [default: ffmpeg's choice].
+    /// Format of its images: mjpeg if raw images are too large for USB [default: ffmpeg's choice].
     #[arg(long, value_name = "NAME", requires = "camera", value_parser = name)]
     camera_format: Option<String>,
 }
 
 fn size(text: &str) -> Result<[u16; 2], String> {
-    let sides =
-        text.split_once(['x', 'X']).and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    let sides = text
+        .split_once(['x', 'X'])
+        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     let sides = sides.filter(|[width, height]: &[u16; 2]| *width > 0 && *height > 0);
     sides.ok_or_else(|| "give width and height of both views together, such as 2560x720".to_owned())
 }
 
 fn name(text: &str) -> Result<String, String> {
-    let is_name = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    let is_name =
+        !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
     if is_name {
         Ok(text.to_owned())
     } else {
@@ -42,14 +45,18 @@ impl CameraArgs {
     /// Refuses what is said of a camera where there is none.
     pub(super) fn refuse_options(&self) -> Result<()> {
         if self.camera_size.is_some() || self.camera_fps.is_some() || self.camera_format.is_some() {
-            bail!("--camera-size, --camera-fps and --camera-format are for --camera; leave them out");
+            bail!(
+                "--camera-size, --camera-fps and --camera-format are for --camera; leave them out"
+            );
         }
         Ok(())
     }
 
     /// Starts the camera.
     pub(super) fn open(&self) -> Result<Footage> {
-        let Some(device) = self.camera.clone() else { bail!("give a folder, an .mcap file, a video or --camera") };
+        let Some(device) = self.camera.clone() else {
+            bail!("give a folder, an .mcap file, a video or --camera")
+        };
         let (size, rate, format) = (self.camera_size, self.camera_fps, self.camera_format.clone());
         Ok(Footage::camera(&Camera { device, size, rate, format }, interruption::requested)?)
     }
@@ -65,7 +72,9 @@ pub(super) fn find(left: &Path, right: Option<&Path>, side_by_side: bool) -> Res
         );
     }
     if side_by_side {
-        bail!("--side-by-side is for one video with both views; leave it out, or give that one alone");
+        bail!(
+            "--side-by-side is for one video with both views; leave it out, or give that one alone"
+        );
     }
     Ok(Footage::video(&[left, right], interruption::requested)?)
 }

@@ -1,4 +1,5 @@
-//! A calibration as a picture: where corners were seen, how far each is off, each view's error, and a rectified pair.
+//! A calibration as a picture: where corners were seen, how far each is off, each view's error, and
+//! a rectified pair.
 
 use super::sheet::{BACKGROUND, FAIR, GOOD, INK, POOR, SEEN, Sheet};
 use super::text::Align;
@@ -20,7 +21,11 @@ const BARS: (f32, f64) = (140.0, 3.0);
 const LINES: u32 = 12;
 
 /// The estimate with the pair of photos that is shown rectified.
-pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<&[GrayImage; 2]>) -> RgbImage {
+pub fn calibration(
+    estimate: &Estimate,
+    assessment: &Assessment,
+    photos: Option<&[GrayImage; 2]>,
+) -> RgbImage {
     let dims = estimate.calibration.camera(CameraSide::Left).dims();
     let scale = FIELD / f32::from(dims.width);
     let field = scale * f32::from(dims.height);
@@ -45,7 +50,10 @@ pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<
         estimate.rms,
         1e3 * estimate.calibration.baseline(),
         1e3 * estimate.baseline_sigma,
-        assessment.rectified.as_ref().map_or(String::new(), |r| format!(", vertical residual {:.3} px", r.vertical)),
+        assessment
+            .rectified
+            .as_ref()
+            .map_or(String::new(), |r| format!(", vertical residual {:.3} px", r.vertical)),
     );
     sheet.label((MARGIN, 14.0), Align::Left, verdict, title);
     for (eye, side) in ["left", "right"].into_iter().enumerate() {
@@ -62,7 +70,12 @@ pub fn calibration(estimate: &Estimate, assessment: &Assessment, photos: Option<
     }
     views(&mut sheet, estimate, bars);
     if let Some((photos, rectified)) = shown {
-        sheet.label((MARGIN, pair - 8.0), Align::Left, INK, "rectified: the same corner on the same line".into());
+        sheet.label(
+            (MARGIN, pair - 8.0),
+            Align::Left,
+            INK,
+            "rectified: the same corner on the same line".into(),
+        );
         rectified_pair(&mut sheet, &rectified.rectification, photos, pair + 16.0);
     }
     sheet.into_picture()
@@ -113,7 +126,8 @@ fn views(sheet: &mut Sheet, estimate: &Estimate, top: f32) {
         let left = MARGIN + step * index as f32;
         for (eye, rms) in view.rms.into_iter().enumerate() {
             let height = BARS.0 * (rms / largest).min(1.0) as f32;
-            let at = [left + step * (0.15 + 0.35 * eye as f32), bottom - height, 0.32 * step, height];
+            let at =
+                [left + step * (0.15 + 0.35 * eye as f32), bottom - height, 0.32 * step, height];
             fill(sheet, at, if eye == 0 { SEEN } else { FAIR }, 0.8);
         }
         let middle = left + 0.5 * step;
@@ -124,14 +138,24 @@ fn views(sheet: &mut Sheet, estimate: &Estimate, top: f32) {
         // Every name where they have room.
         let every = (40.0 / step).ceil().max(1.0) as usize;
         if index % every == 0 {
-            sheet.label((middle, bottom + 4.0), Align::Centre, FAINT, view.name.chars().take(8).collect());
+            sheet.label(
+                (middle, bottom + 4.0),
+                Align::Centre,
+                FAINT,
+                view.name.chars().take(8).collect(),
+            );
         }
     }
     sheet.line((MARGIN, level), (WIDTH as f32 - MARGIN, level), INK, 1.0);
 }
 
 /// Nearest pixels: for the eye only.
-fn rectified_pair(sheet: &mut Sheet, rectification: &Rectification, photos: &[GrayImage; 2], top: f32) {
+fn rectified_pair(
+    sheet: &mut Sheet,
+    rectification: &Rectification,
+    photos: &[GrayImage; 2],
+    top: f32,
+) {
     let dims = rectification.dims();
     let scale = FIELD / f32::from(dims.width);
     let height = (scale * f32::from(dims.height)) as u32;

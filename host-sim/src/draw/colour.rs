@@ -15,7 +15,8 @@ const STOPS: [[f32; 3]; 6] = [
 const STEP: f32 = 4.0;
 /// The lowest disparity that is searched, px: behind infinity, of cameras that converge.
 const LEAST: f32 = -32.0;
-/// Share of the segments at each end that may lie outside: one wrong match should not spoil the colours of all.
+/// Share of the segments at each end that may lie outside: one wrong match should not spoil the
+/// colours of all.
 const OUTSIDE: f32 = 0.02;
 
 /// Disparities, in px, that the colours span.
@@ -66,7 +67,8 @@ fn of_points(result: &FrameResult) -> Vec<f32> {
 /// Colour of a disparity in px; outside the range that of its end.
 pub fn colour(range: &Range, disparity: f32) -> [u8; 3] {
     let last = STOPS.len() - 1;
-    let position = ((disparity - range.far) / (range.near - range.far)).clamp(0.0, 1.0) * last as f32;
+    let position =
+        ((disparity - range.far) / (range.near - range.far)).clamp(0.0, 1.0) * last as f32;
     let index = (position as usize).min(last - 1);
     let t = position - index as f32;
     core::array::from_fn(|i| (STOPS[index][i] * (1.0 - t) + STOPS[index + 1][i] * t).round() as u8)
@@ -87,14 +89,19 @@ mod tests {
             source: Source::Support,
         };
         let mut disparities: Vec<i16> = (-20..-5).flat_map(|d| [d; 10]).collect();
-        let result = |disparities: &[i16]| FrameResult::of_points(disparities.iter().copied().map(point).collect());
+        let result = |disparities: &[i16]| {
+            FrameResult::of_points(disparities.iter().copied().map(point).collect())
+        };
         let range = Range::of(&result(&disparities), 64);
         assert_eq!(range, Range { far: -20.0, near: -4.0 });
         assert_ne!(colour(&range, -20.0), colour(&range, -6.0));
         assert_eq!(range.beyond(&result(&disparities)), 0);
         disparities.extend([50, 60]);
         let range = Range::of(&result(&disparities), 64);
-        assert_eq!((range, range.beyond(&result(&disparities))), (Range { far: -20.0, near: -4.0 }, 2));
+        assert_eq!(
+            (range, range.beyond(&result(&disparities))),
+            (Range { far: -20.0, near: -4.0 }, 2)
+        );
     }
 
     #[test]

@@ -13,14 +13,19 @@ const STEPS: u8 = 8;
 /// Where distances are written, as a share of the range: there they do not overlap.
 const LABELS: f64 = 0.94;
 
-/// The sectors in view as a fan: green is free, red is where an obstacle and what is behind it stand, grey is unknown.
+/// The sectors in view as a fan: green is free, red is where an obstacle and what is behind it
+/// stand, grey is unknown.
 pub fn fan(directions: &Directions) -> RgbImage {
     let mut sheet = Sheet::new([SIDE; 2]);
-    let seen: Vec<Direction> = directions.list().into_iter().filter(|one| one.state != "outside").collect();
+    let seen: Vec<Direction> =
+        directions.list().into_iter().filter(|one| one.state != "outside").collect();
     let ahead_only = seen.iter().all(|one| one.direction_deg.abs() <= 90.0);
     let side = SIDE as f32;
-    let (origin, reach) =
-        if ahead_only { ((0.5 * side, 0.93 * side), 0.85 * side) } else { ((0.5 * side, 0.5 * side), 0.44 * side) };
+    let (origin, reach) = if ahead_only {
+        ((0.5 * side, 0.93 * side), 0.85 * side)
+    } else {
+        ((0.5 * side, 0.5 * side), 0.44 * side)
+    };
     let place = |degrees: f64, share: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         (origin.0 + reach * (share * sine) as f32, origin.1 - reach * (share * cosine) as f32)
@@ -30,7 +35,8 @@ pub fn fan(directions: &Directions) -> RgbImage {
     let mut labels = vec![(place(0.0, 1.03), format!("{range} m"))];
     for Direction { direction_deg, state, distance_m, .. } in seen {
         let mut wedge = |from: f64, to: f64, rgb: [u8; 3], alpha: f32| {
-            let angle = |step: u8| direction_deg + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
+            let angle =
+                |step: u8| direction_deg + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
             let arc = (0..=STEPS).map(|step| place(angle(step), from));
             let back = (0..=STEPS).rev().map(|step| place(angle(step), to));
             sheet.fill(&arc.chain(back).collect::<Vec<_>>(), rgb, alpha);

@@ -17,8 +17,14 @@ const INK: [u8; 3] = [225, 225, 225];
 const LABEL_DISTANCE: f32 = 80.0;
 
 /// The picture with a legend below it.
-pub(super) fn below(picture: &RgbImage, result: &FrameResult, rig: Option<&Rig>, range: &Range) -> RgbImage {
-    let mut whole = RgbImage::from_pixel(picture.width(), picture.height() + HEIGHT, Rgb(BACKGROUND));
+pub(super) fn below(
+    picture: &RgbImage,
+    result: &FrameResult,
+    rig: Option<&Rig>,
+    range: &Range,
+) -> RgbImage {
+    let mut whole =
+        RgbImage::from_pixel(picture.width(), picture.height() + HEIGHT, Rgb(BACKGROUND));
     imageops::replace(&mut whole, picture, 0, 0);
     let top = picture.height() as f32 + 8.0;
     bar(&mut whole, top, range);
@@ -55,13 +61,16 @@ fn labels(picture: &mut RgbImage, top: f32, range: &Range, rig: Option<&Rig>) {
     let length = picture.width() as f32 - 2.0 * MARGIN;
     let span = range.near - range.far;
     let steps = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
-    let step = steps.into_iter().find(|step| length * step / span >= LABEL_DISTANCE).unwrap_or(256.0);
+    let step =
+        steps.into_iter().find(|step| length * step / span >= LABEL_DISTANCE).unwrap_or(256.0);
     let mut disparity = (range.far / step).ceil() * step;
     while disparity <= range.near {
         let x = MARGIN + length * (disparity - range.far) / span;
         let metres = rig.map(|rig| {
             let depth = finite_metres(rig.depth(Disparity::saturating_from_num(disparity)));
-            depth.map_or("infinity".to_owned(), |metres| format!("{metres:.*} m", if metres < 10.0 { 2 } else { 1 }))
+            depth.map_or("infinity".to_owned(), |metres| {
+                format!("{metres:.*} m", if metres < 10.0 { 2 } else { 1 })
+            })
         });
         let (anchor, align) = if x - MARGIN < 0.5 * LABEL_DISTANCE {
             (x, Align::Left)

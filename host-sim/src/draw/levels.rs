@@ -36,7 +36,8 @@ mod tests {
     #[test]
     fn only_dark_images_are_stretched() {
         let image = |values: &[(u8, usize)]| {
-            let pixels: Vec<u8> = values.iter().flat_map(|&(value, count)| vec![value; count]).collect();
+            let pixels: Vec<u8> =
+                values.iter().flat_map(|&(value, count)| vec![value; count]).collect();
             GrayImage { dims: Dims { width: pixels.len() as u16, height: 1 }, pixels }
         };
         let bright = image(&[(10, 900), (128, 100)]);

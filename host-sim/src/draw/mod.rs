@@ -2,8 +2,8 @@
 //!
 //! In: a left image and its result. Out: the image, stretched where it is dark, dimmed and
 //! enlarged, with every segment in the colour of its disparity (red near, blue far), ticks on the
-//! owning side, the points as tinted pixels, support points as discs, and a legend in px and metres
-//! below. What is less probable is fainter; below p = 0.9 it is dashed.
+//! owning side, the outlines of bars, the points as tinted pixels, support points as discs, and a
+//! legend in px and metres below. What is less probable is fainter; below p = 0.9 it is dashed.
 
 mod calibration;
 mod colour;
@@ -29,11 +29,12 @@ use crate::engine::FrameResult;
 use crate::output::png_file;
 use colour::Range;
 use image::{ExtendedColorType, ImageResult, RgbImage};
-use linestereo::{Match, Owner, Rig, Source};
+use linestereo::{Bar, Match, Owner, Rig, Source};
 use linestereo_frames::GrayImage;
 pub use rows::rows;
 use tiny_skia::{
-    Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, StrokeDash, Transform,
+    Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke,
+    StrokeDash, Transform,
 };
 
 /// Segments at least this probable are drawn solid, the others dashed.
@@ -43,7 +44,8 @@ const TARGET_WIDTH: f32 = 1280.0;
 const LARGEST_FACTOR: f32 = 6.0;
 /// Share of its brightness that the background keeps.
 const DIMMED: f32 = 0.5;
-/// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its owner `Left` is the side above.
+/// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its owner `Left` is the
+/// side above.
 const STEEP_LIMIT: f32 = 4.0;
 /// Radius of a support point's disc, px of the image.
 const SUPPORT_RADIUS: f32 = 2.0;
@@ -56,12 +58,18 @@ const TICK_STEP: f32 = 5.0;
 const TICK_LENGTH: f32 = 2.0;
 
 /// The result drawn over its left image, with a legend; depths need the rig.
-pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_disparity: u16) -> RgbImage {
+pub fn overlay(
+    left: &GrayImage,
+    result: &FrameResult,
+    rig: Option<&Rig>,
+    max_disparity: u16,
+) -> RgbImage {
     let factor = (TARGET_WIDTH / f32::from(left.dims.width)).round().clamp(1.0, LARGEST_FACTOR);
     let range = Range::of(result, max_disparity);
     let mut canvas = Canvas::new(&shown(left), factor as u32);
     for point in &result.points {
-        let (rgb, confidence) = (colour(&range, point.disparity.to_num()), point.confidence.to_num());
+        let (rgb, confidence) =
+            (colour(&range, point.disparity.to_num()), point.confidence.to_num());
         if point.source == Source::Support {
             canvas.support_point(point.x, point.y, rgb, confidence);
         } else {
@@ -72,12 +80,19 @@ pub fn overlay(left: &GrayImage, result: &FrameResult, rig: Option<&Rig>, max_di
     for found in result.matches.iter().rev() {
         canvas.segment(found, &range);
     }
+    for bar in &result.bars {
+        canvas.bar(bar, &range);
+    }
     legend::below(&opaque(&canvas.pixmap), result, rig, &range)
 }
 
 /// An image as the bytes of a PNG file of grey levels.
 pub fn gray_png(image: &GrayImage) -> ImageResult<Vec<u8>> {
-    png_file(&image.pixels, [image.dims.width.into(), image.dims.height.into()], ExtendedColorType::L8)
+    png_file(
+        &image.pixels,
+        [image.dims.width.into(), image.dims.height.into()],
+        ExtendedColorType::L8,
+    )
 }
 
 /// A picture as the bytes of a PNG file.
@@ -93,13 +108,14 @@ struct Canvas {
 impl Canvas {
     fn new(left: &GrayImage, factor: u32) -> Self {
         let (width, height) = (u32::from(left.dims.width), u32::from(left.dims.height));
-        let mut pixmap = Pixmap::new(width * factor, height * factor).expect("image sides are above 0");
+        let mut pixmap =
+            Pixmap::new(width * factor, height * factor).expect("image sides are above 0");
         let columns = width as usize * factor as usize;
         for (index, pixel) in pixmap.pixels_mut().iter_mut().enumerate() {
             let (x, y) = (index % columns / factor as usize, index / columns / factor as usize);
             let grey = (DIMMED * f32::from(left.pixels[y * width as usize + x])) as u8;
-            *pixel =
-                PremultipliedColorU8::from_rgba(grey, grey, grey, u8::MAX).expect("opaque colours are premultiplied");
+            *pixel = PremultipliedColorU8::from_rgba(grey, grey, grey, u8::MAX)
+                .expect("opaque colours are premultiplied");
         }
         Self { pixmap, factor: factor as f32 }
     }
@@ -117,7 +133,9 @@ impl Canvas {
     /// A disc: what is known between the edges.
     fn support_point(&mut self, x: u16, y: u16, rgb: [u8; 3], confidence: f32) {
         let centre = [x, y].map(|at| (f32::from(at) + 0.5) * self.factor);
-        if let Some(disc) = PathBuilder::from_circle(centre[0], centre[1], SUPPORT_RADIUS * self.factor) {
+        if let Some(disc) =
+            PathBuilder::from_circle(centre[0], centre[1], SUPPORT_RADIUS * self.factor)
+        {
             let paint = paint(rgb, TINT * opacity(confidence));
             self.pixmap.fill_path(&disc, &paint, FillRule::Winding, Transform::identity(), None);
         }
@@ -140,7 +158,32 @@ impl Canvas {
         }
     }
 
-    fn line(&mut self, from: Position, to: Position, rgb: [u8; 3], alpha: f32, width: f32, dash: Option<StrokeDash>) {
+    /// Both edges of a bar, joined at its ends.
+    fn bar(&mut self, bar: &Bar, range: &Range) {
+        let centre = |value: f32| (value + 0.5) * self.factor;
+        let wide = bar.width().to_num::<f32>();
+        let [top, end] = bar.ends().map(|end| (end.x.to_num::<f32>(), end.y.to_num::<f32>()));
+        let right = |(x, y): Position| (x + wide, y);
+        let corners = [top, end, right(end), right(top)].map(|(x, y)| (centre(x), centre(y)));
+        let [from, to] = bar.disparity().map(|d| d.to_num::<f32>());
+        let (rgb, alpha) = (colour(range, 0.5 * (from + to)), opacity(bar.confidence().to_num()));
+        let width = (0.6 * self.factor).max(LEAST_LINE);
+        for (index, &corner) in corners.iter().enumerate() {
+            let next = corners[(index + 1) % corners.len()];
+            self.line(corner, next, [0; 3], 0.6 * alpha, width + 1.5, None);
+            self.line(corner, next, rgb, alpha, width, None);
+        }
+    }
+
+    fn line(
+        &mut self,
+        from: Position,
+        to: Position,
+        rgb: [u8; 3],
+        alpha: f32,
+        width: f32,
+        dash: Option<StrokeDash>,
+    ) {
         let style = Stroke { width, line_cap: LineCap::Butt, dash, ..Stroke::default() };
         stroke(&mut self.pixmap, [from, to], &paint(rgb, alpha), &style);
     }
@@ -213,11 +256,12 @@ mod tests {
     use super::*;
     use linestereo::diagnostics::Techniques;
     use linestereo::{Confidence, Dims, Disparity, ImagePosition, Point};
-    use linestereo_wire::{Counts, Health};
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
-        let point =
-            |y: f64| ImagePosition { x: linestereo::Position::from_num(x), y: linestereo::Position::from_num(y) };
+        let point = |y: f64| ImagePosition {
+            x: linestereo::Position::from_num(x),
+            y: linestereo::Position::from_num(y),
+        };
         let disparity = Disparity::from_num(disparity);
         Match {
             ends: [point(5.0), point(25.0)],
@@ -256,11 +300,7 @@ mod tests {
         let point = Point { x: 200, y: 9, disparity, confidence: Confidence::MAX, source };
         let result = FrameResult {
             matches: vec![vertical(Owner::Both, 50.0, 40), vertical(Owner::Left, 100.0, 4)],
-            points: vec![point],
-            counts: Counts::default(),
-            health: Health::GOOD,
-            pair: None,
-            ground: None,
+            ..FrameResult::of_points(vec![point])
         };
         let picture = overlay(&left, &result, None, 64);
         assert_eq!(picture.width(), 4 * 320);

@@ -1,4 +1,5 @@
-//! Depth quality as a picture: the left image, the region, and how far each cell's answer is off the wall's plane.
+//! Depth quality as a picture: the left image, the region, and how far each cell's answer is off
+//! the wall's plane.
 
 use super::sheet::{FAINT, FAIR as REGION, INK, Sheet, TEXT};
 use super::text::{Align, wrapped};
@@ -16,24 +17,38 @@ const FARTHER: [f32; 3] = [60.0, 120.0, 255.0];
 const ON_PLANE: [f32; 3] = [235.0, 235.0, 235.0];
 const WRONG: [u8; 3] = [255, 0, 255];
 
-/// The wall with its answers, red where nearer than the plane, blue where farther, and the text below.
-pub fn quality(left: &GrayImage, quality: &Quality, answers: &[WallAnswer], text: &str) -> RgbImage {
+/// The wall with its answers, red where nearer than the plane, blue where farther, and the text
+/// below.
+pub fn quality(
+    left: &GrayImage,
+    quality: &Quality,
+    answers: &[WallAnswer],
+    text: &str,
+) -> RgbImage {
     let (width, height) = (u32::from(left.dims.width), u32::from(left.dims.height));
     let scale = (TARGET_WIDTH / width).max(1);
     let below = MARGIN + (height * scale) as f32 + 12.0;
     let columns = width * scale;
-    let key = format!("red: nearer than the plane, blue: farther, by {OFF_PLANE} px; magenta: more; dark: no answer");
+    let key = format!(
+        "red: nearer than the plane, blue: farther, by {OFF_PLANE} px; magenta: more; dark: no \
+         answer"
+    );
     let mut lines = wrapped(&key, TEXT, columns as f32);
     let keys = lines.len();
     lines.extend(text.lines().flat_map(|line| wrapped(line, TEXT, columns as f32)));
-    let mut sheet =
-        Sheet::new([columns + 2 * MARGIN as u32, (below + LINE * (lines.len() as f32 + 1.0) + MARGIN) as u32]);
+    let mut sheet = Sheet::new([
+        columns + 2 * MARGIN as u32,
+        (below + LINE * (lines.len() as f32 + 1.0) + MARGIN) as u32,
+    ]);
     sheet.image([MARGIN as u32; 2], left, [0, 0, width, height], scale, 2);
-    let place = |x: f64, y: f64| (MARGIN + x as f32 * scale as f32, MARGIN + y as f32 * scale as f32);
+    let place =
+        |x: f64, y: f64| (MARGIN + x as f32 * scale as f32, MARGIN + y as f32 * scale as f32);
     for answer in answers {
-        let cell = answer.at.map(|at| (at / f64::from(SUPPORT_PITCH)).floor() * f64::from(SUPPORT_PITCH));
+        let cell =
+            answer.at.map(|at| (at / f64::from(SUPPORT_PITCH)).floor() * f64::from(SUPPORT_PITCH));
         let far = f64::from(SUPPORT_PITCH) - 0.6;
-        let corners = [(0.0, 0.0), (far, 0.0), (far, far), (0.0, far)].map(|(x, y)| place(cell[0] + x, cell[1] + y));
+        let corners = [(0.0, 0.0), (far, 0.0), (far, far), (0.0, far)]
+            .map(|(x, y)| place(cell[0] + x, cell[1] + y));
         sheet.fill(&corners, tone(answer.off), 0.65);
     }
     let [x, y, w, h] = quality.region.map(f64::from);

@@ -64,7 +64,13 @@ impl Sheet {
         }
         path.close();
         if let Some(path) = path.finish() {
-            self.pixmap.fill_path(&path, &paint(rgb, alpha), FillRule::Winding, Transform::identity(), None);
+            self.pixmap.fill_path(
+                &path,
+                &paint(rgb, alpha),
+                FillRule::Winding,
+                Transform::identity(),
+                None,
+            );
         }
     }
 
@@ -73,12 +79,21 @@ impl Sheet {
         let width = self.pixmap.width();
         if x < width && y < self.pixmap.height() {
             let place = y as usize * width as usize + x as usize;
-            self.pixmap.pixels_mut()[place] = ColorU8::from_rgba(red, green, blue, u8::MAX).premultiply();
+            self.pixmap.pixels_mut()[place] =
+                ColorU8::from_rgba(red, green, blue, u8::MAX).premultiply();
         }
     }
 
-    /// Copies a part of an image, each pixel as a square of this side: first column and row, columns and rows.
-    pub(super) fn image(&mut self, [left, top]: [u32; 2], image: &GrayImage, part: [u32; 4], side: u32, dimmed: u8) {
+    /// Copies a part of an image, each pixel as a square of this side: first column and row,
+    /// columns and rows.
+    pub(super) fn image(
+        &mut self,
+        [left, top]: [u32; 2],
+        image: &GrayImage,
+        part: [u32; 4],
+        side: u32,
+        dimmed: u8,
+    ) {
         let (image, [x0, y0, width, height]) = (shown(image), part);
         for y in 0..height * side {
             for x in 0..width * side {

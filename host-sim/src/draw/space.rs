@@ -1,8 +1,10 @@
-//! Points and segments in space, coloured by disparity: as PLY for MeshLab and CloudCompare, as PCD for PCL, ROS and Open3D.
+//! Points and segments in space, coloured by disparity: as PLY for MeshLab and CloudCompare, as PCD
+//! for PCL, ROS and Open3D.
 //!
-//! x right, y down, z forward, in metres, from the left camera. Vertices are the points, then both ends of every segment; edges, which PLY
-//! alone has, are the segments. The colour stands at the vertices, where every program looks for it. Text, because some programs read one byte
-//! order only.
+//! x right, y down, z forward, in metres, from the left camera. Vertices are the points, then both
+//! ends of every segment; edges, which PLY alone has, are the segments. The colour stands at the
+//! vertices, where every program looks for it. Text, because some programs read one byte order
+//! only.
 
 use super::colour::{Range, colour};
 use crate::engine::FrameResult;
@@ -66,7 +68,8 @@ pub fn pcd(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
          TYPE F F F U\nCOUNT 1 1 1 1\nWIDTH {count}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA ascii\n"
     );
     for ([x, y, z], [red, green, blue]) in vertices.all() {
-        let _ = writeln!(text, "{x:.4} {y:.4} {z:.4} {}", u32::from_be_bytes([0, *red, *green, *blue]));
+        let _ =
+            writeln!(text, "{x:.4} {y:.4} {z:.4} {}", u32::from_be_bytes([0, *red, *green, *blue]));
     }
     text
 }

@@ -16,7 +16,14 @@ pub enum Align {
 }
 
 /// Writes one line of text with its upper border at `y`.
-pub fn write(picture: &mut RgbImage, (x, y): (f32, f32), align: Align, height: f32, rgb: [u8; 3], text: &str) {
+pub fn write(
+    picture: &mut RgbImage,
+    (x, y): (f32, f32),
+    align: Align,
+    height: f32,
+    rgb: [u8; 3],
+    text: &str,
+) {
     let font = FontRef::try_from_slice(HACK_REGULAR).expect("the built-in font is valid");
     let scaled = font.as_scaled(PxScale::from(height));
     let start = match align {
@@ -27,7 +34,12 @@ pub fn write(picture: &mut RgbImage, (x, y): (f32, f32), align: Align, height: f
     let mut pen = start;
     for letter in text.chars() {
         let id = font.glyph_id(letter);
-        draw(picture, &font, id.with_scale_and_position(height, point(pen, y + scaled.ascent())), rgb);
+        draw(
+            picture,
+            &font,
+            id.with_scale_and_position(height, point(pen, y + scaled.ascent())),
+            rgb,
+        );
         pen += scaled.h_advance(id);
     }
 }
@@ -79,10 +91,14 @@ mod tests {
 
     #[test]
     fn lines_are_cut_between_words_and_nothing_is_lost() {
-        let line = "  depths are 3.1 % too far at 2 m, as 0.43 px of disparity too little would make them";
+        let line =
+            "  depths are 3.1 % too far at 2 m, as 0.43 px of disparity too little would make them";
         let most = width(15.0, "twenty-eight letters, no more");
         let found = wrapped(line, 15.0, most);
-        assert!(found.len() > 3 && found.iter().all(|part| width(15.0, part.trim_end()) <= most), "{found:?}");
+        assert!(
+            found.len() > 3 && found.iter().all(|part| width(15.0, part.trim_end()) <= most),
+            "{found:?}"
+        );
         assert!(found[0].starts_with("  depths") && found[1].starts_with("      "), "{found:?}");
         let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(words(&found.join(" ")), words(line));

@@ -68,7 +68,12 @@ impl Curve {
 
     /// Equiangular fit around a whole disparity, px.
     pub(super) fn subpixel(&self, at: i32) -> f64 {
-        let cost = |d: i32| usize::try_from(d - self.first).ok().and_then(|i| self.costs.get(i)).map(|&c| f64::from(c));
+        let cost = |d: i32| {
+            usize::try_from(d - self.first)
+                .ok()
+                .and_then(|i| self.costs.get(i))
+                .map(|&c| f64::from(c))
+        };
         let shift = match (cost(at - 1), cost(at), cost(at + 1)) {
             (Some(before), Some(here), Some(after)) if before.max(after) > here => {
                 0.5 * (before - after) / (before.max(after) - here)
@@ -79,7 +84,8 @@ impl Curve {
     }
 }
 
-/// Uniqueness ratio, best / second-best: below 1 the best is better. Rounded as the core does, down to 1/256.
+/// Uniqueness ratio, best / second-best: below 1 the best is better. Rounded as the core does, down
+/// to 1/256.
 pub(super) fn ratio(best: Low, second: Low) -> f64 {
     let ratio_q8 = ((u32::from(best.cost) + 1) << 8) / (u32::from(second.cost) + 1);
     f64::from(ratio_q8) / 256.0
@@ -107,7 +113,10 @@ impl Plot {
     pub(super) fn new(title: &str, curves: Vec<(&'static str, Curve)>) -> Self {
         let found = curves.first().and_then(|(_, curve)| Some((curve, curve.best_and_second()?)));
         let marks = found.map_or(Vec::new(), |(curve, (best, second))| {
-            vec![Mark { name: "best", at: curve.subpixel(best.at) }, Mark { name: "second", at: second.at.into() }]
+            vec![
+                Mark { name: "best", at: curve.subpixel(best.at) },
+                Mark { name: "second", at: second.at.into() },
+            ]
         });
         Self { title: title.to_owned(), curves, marks }
     }

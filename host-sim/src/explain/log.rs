@@ -1,11 +1,12 @@
-//! Observer of a run that keeps costs and outcome of every segment and support point.
+//! Observer of a run that keeps costs and outcome of every segment, bar and support point.
 
 use super::curve::Curve;
 use linestereo::diagnostics::kernel::JUMP_PENALTY;
 use linestereo::diagnostics::{
-    Candidate, CurveKind, Observer, Segment, SegmentCurves, SegmentEvidence, StageEvent, SupportCurves,
+    BarEvidence, Candidate, CurveKind, Observer, Segment, SegmentCurves, SegmentEvidence,
+    StageEvent, SupportCurves,
 };
-use linestereo::{ImagePosition, Rejection};
+use linestereo::{Bar, ImagePosition, Rejection};
 use std::collections::HashMap;
 
 /// A left segment that was matched, with its costs as far as they were computed.
@@ -18,7 +19,8 @@ pub(super) struct TestedSegment {
     pub(super) edges: [Option<Curve>; 2],
     /// Of each side.
     pub(super) census: [Option<Curve>; 2],
-    /// Position in the list of candidates with the evidence of the sides, or the test that it failed; nothing when it was not matched.
+    /// Position in the list of candidates with the evidence of the sides, or the test that it
+    /// failed; nothing when it was not matched.
     pub(super) outcome: Result<(usize, [SegmentEvidence; 2]), Rejection>,
 }
 
@@ -29,6 +31,13 @@ pub(super) struct SupportCosts {
     pub(super) paths: Curve,
 }
 
+/// A bar that does not lie behind what is around it, at any probability.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RatedBar {
+    pub(super) bar: Bar,
+    pub(super) evidence: BarEvidence,
+}
+
 /// Watches a run.
 #[derive(Clone, Debug, Default)]
 pub struct CurveLog {
@@ -36,6 +45,9 @@ pub struct CurveLog {
     pub(super) segments: Vec<TestedSegment>,
     /// By index in the grid.
     pub(super) support: HashMap<usize, SupportCosts>,
+    pub(super) bars: Vec<RatedBar>,
+    /// Of matched bars, by index, without support points.
+    bar_evidence: HashMap<usize, BarEvidence>,
     outcomes_only: bool,
     found: Vec<Segment>,
     prominent: usize,
@@ -61,11 +73,18 @@ impl CurveLog {
         let of = |segment: &Segment, reason| Rejected { ends: segment.ends, reason };
         let (prominent, less) = self.segments.split_at(self.prominent);
         let tested = prominent.iter().take(self.matched);
-        let tested = tested.filter_map(|tested| Some(of(&tested.segment, tested.outcome.as_ref().err().copied()?)));
+        let tested = tested.filter_map(|tested| {
+            Some(of(&tested.segment, tested.outcome.as_ref().err().copied()?))
+        });
         // A pair that was refused leaves the candidates of the one before.
         let candidates = if self.candidates == candidates.len() { candidates } else { &[] };
-        let weighed = candidates.iter().filter_map(|found| Some(of(&found.segment, found.rejection()?)));
-        less.iter().map(|less| of(&less.segment, Rejection::LessProminent)).chain(tested).chain(weighed).collect()
+        let weighed =
+            candidates.iter().filter_map(|found| Some(of(&found.segment, found.rejection()?)));
+        less.iter()
+            .map(|less| of(&less.segment, Rejection::LessProminent))
+            .chain(tested)
+            .chain(weighed)
+            .collect()
     }
 }
 
@@ -83,7 +102,11 @@ impl Observer for CurveLog {
     fn on_event(&mut self, step: StageEvent<'_>) {
         match step {
             StageEvent::LinesLeft(found) => {
-                *self = Self { found: found.to_vec(), outcomes_only: self.outcomes_only, ..Self::default() };
+                *self = Self {
+                    found: found.to_vec(),
+                    outcomes_only: self.outcomes_only,
+                    ..Self::default()
+                };
             }
             StageEvent::Selection(_, prominent) => {
                 let less = self.found.iter().filter(|segment| !prominent.contains(segment));
@@ -98,6 +121,16 @@ impl Observer for CurveLog {
                 self.matched += 1;
             }
             _ => {}
+        }
+    }
+
+    fn bar_evidence(&mut self, index: usize, evidence: &BarEvidence) {
+        self.bar_evidence.insert(index, *evidence);
+    }
+
+    fn bar(&mut self, index: usize, bar: &Bar, nearby_q8: [i16; 4]) {
+        if let Some(evidence) = self.bar_evidence.get(&index) {
+            self.bars.push(RatedBar { bar: *bar, evidence: evidence.with_nearby(nearby_q8) });
         }
     }
 
@@ -121,7 +154,10 @@ impl Observer for CurveLog {
             first: curves.largest + 1 - costs.len() as i32,
             costs: costs.iter().rev().map(|&cost| cost.saturating_sub(penalty).into()).collect(),
         };
-        let costs = SupportCosts { window: rising(curves.window, JUMP_PENALTY), paths: rising(curves.paths, 0) };
+        let costs = SupportCosts {
+            window: rising(curves.window, JUMP_PENALTY),
+            paths: rising(curves.paths, 0),
+        };
         self.support.insert(index, costs);
     }
 }

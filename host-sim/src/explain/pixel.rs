@@ -3,7 +3,9 @@
 use super::{Account, Step};
 use crate::engine::Engine;
 use crate::results::listing::Query;
-use linestereo::diagnostics::{FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PixelEvidence, PixelKind, SECOND_BEST_Q8};
+use linestereo::diagnostics::{
+    FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PixelEvidence, PixelKind, SECOND_BEST_Q8,
+};
 use linestereo::{Confidence, Params};
 
 /// Largest gap of the left-right check that evidence holds, px.
@@ -16,10 +18,19 @@ pub(super) fn account(pixel: (u16, u16), engine: &mut Engine, params: &Params) -
     let mut steps = Vec::new();
     if let Ok((d_q6, evidence)) = found {
         tests(&evidence, &mut steps);
-        let p = Confidence::from_bits(FITTED_PIXEL.probability_q16(FITTED_PIXEL.score_q8(&evidence.0)));
+        let p =
+            Confidence::from_bits(FITTED_PIXEL.probability_q16(FITTED_PIXEL.score_q8(&evidence.0)));
         let (p, least) = (p.to_num::<f64>(), params.min_confidence.to_num::<f64>());
         let words = format!("{p:.3} for {:.2} px, asked for {least:.2}", f64::from(d_q6) / 64.0);
-        steps.push(Step::test("probability", answer.is_ok(), words));
+        // The answer may be that of a bar.
+        steps.push(Step::test("probability", answer.is_ok() && p >= least, words));
+    }
+    let own_q6 = found.as_ref().ok().map(|(d_q6, _)| *d_q6);
+    if let Ok(depth) = &answer
+        && own_q6 != Some(depth.disparity.to_bits().into())
+    {
+        let words = format!("it lies on one at {:.2} px", depth.disparity.to_num::<f64>());
+        steps.push(Step::note("bar", words));
     }
     let (accepted, verdict) = match &answer {
         Ok(_) => (true, Query::new(pixel, answer).summary().trim_end().to_owned()),
@@ -33,7 +44,10 @@ fn tests(evidence: &PixelEvidence, steps: &mut Vec<Step>) {
     let of = |kind: PixelKind| f64::from(evidence.0[kind as usize]) / 256.0;
     let count = |kind: PixelKind| of(kind).exp2() - 1.0;
     steps.push(Step::note("texture", format!("mean gradient {:.1}", count(PixelKind::Texture))));
-    steps.push(Step::note("census", format!("cost here / best elsewhere {:.2}", of(PixelKind::CensusRatio))));
+    steps.push(Step::note(
+        "census",
+        format!("cost here / best elsewhere {:.2}", of(PixelKind::CensusRatio)),
+    ));
     let allowed = f64::from(SECOND_BEST_Q8) / 256.0;
     let (whole, guided) = (of(PixelKind::JointRatio), of(PixelKind::GuidedRatio));
     let words = format!(

@@ -1,10 +1,12 @@
-//! A segment: search range, window by sides, census, agreement, halves, feature, sides, probability.
+//! A segment: search range, window by sides, census, agreement, halves, feature, sides,
+//! probability.
 
 use super::curve::{Curve, Low, Mark, Plot, ratio, words};
 use super::log::{CurveLog, TestedSegment};
-use super::{Account, REACH, Step};
+use super::{Account, REACH, Step, metres};
 use crate::engine::FrameResult;
-use crate::results::listing::{finite_metres, owner_name};
+use crate::results::health::is_fit;
+use crate::results::listing::owner_name;
 use linestereo::diagnostics::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, Segment,
 };
@@ -15,13 +17,21 @@ pub(super) fn ends(segment: &Segment) -> [[f64; 2]; 2] {
     segment.ends.map(|end| [end.x.to_num(), end.y.to_num()])
 }
 
-/// Position of the segment next to a pixel in the log, and how far it is away, px; matched ones before those that another one stands for.
+/// Position of the segment next to a pixel in the log, and how far it is away, px; matched ones
+/// before those that another one stands for.
 pub(super) fn nearest((x, y): (u16, u16), log: &CurveLog) -> Option<(usize, f64)> {
-    let near = log.segments.iter().enumerate().map(|(index, tested)| (index, distance(tested, [x.into(), y.into()])));
-    let is_untested = |index: usize| matches!(log.segments[index].outcome, Err(Rejection::LessProminent));
+    let near = log
+        .segments
+        .iter()
+        .enumerate()
+        .map(|(index, tested)| (index, distance(tested, [x.into(), y.into()])));
+    let is_untested =
+        |index: usize| matches!(log.segments[index].outcome, Err(Rejection::LessProminent));
     let near = near.filter(|&(_, distance)| distance <= REACH);
     near.min_by(|a, b| {
-        (is_untested(a.0), a.1).partial_cmp(&(is_untested(b.0), b.1)).unwrap_or(core::cmp::Ordering::Equal)
+        (is_untested(a.0), a.1)
+            .partial_cmp(&(is_untested(b.0), b.1))
+            .unwrap_or(core::cmp::Ordering::Equal)
     })
 }
 
@@ -43,7 +53,8 @@ pub(super) fn account(
     result: &FrameResult,
 ) -> Account {
     let tested = &log.segments[index];
-    let candidate = tested.outcome.as_ref().ok().and_then(|&(position, _)| candidates.get(position));
+    let candidate =
+        tested.outcome.as_ref().ok().and_then(|&(position, _)| candidates.get(position));
     let reason = match (&tested.outcome, candidate) {
         (Err(reason), _) => Some(*reason),
         (Ok(_), candidate) => candidate.and_then(Candidate::rejection),
@@ -61,6 +72,9 @@ pub(super) fn account(
     let verdict = match (reason, found) {
         (Some(reason), _) => meaning(reason).to_owned(),
         (None, Some(found)) => answer(found),
+        (None, None) if !is_fit(result.health) => {
+            "it would be among the matches, but the pair is not fit to be used".to_owned()
+        }
         (None, None) => "it is among the matches".to_owned(),
     };
     let mut plots = curves.plots();
@@ -72,10 +86,17 @@ pub(super) fn account(
         let mark = Mark { name: "feature", at: f64::from(feature) / 64.0 };
         plots.iter_mut().for_each(|plot| plot.marks.push(mark.clone()));
     }
-    Account { subject: subject(&tested.segment, distance), steps, accepted: reason.is_none(), verdict, plots }
+    Account {
+        subject: subject(&tested.segment, distance),
+        steps,
+        accepted: reason.is_none(),
+        verdict,
+        plots,
+    }
 }
 
-/// Marks the test that the core rejected it by. Of a near-vertical segment nothing comes after it; of another one the other side may.
+/// Marks the test that the core rejected it by. Of a near-vertical segment nothing comes after it;
+/// of another one the other side may.
 fn end_at(reason: Rejection, near_horizontal: bool, steps: &mut Vec<Step>) {
     let name = match reason {
         Rejection::WindowNotUnique => "window",
@@ -122,7 +143,8 @@ impl Curves {
         let both = |a: &Option<Curve>, b: &Option<Curve>, combine: fn(&Curve, &Curve) -> Curve| {
             a.as_ref().zip(b.as_ref()).map(|(a, b)| combine(a, b))
         };
-        let sides = tested.windows.each_ref().map(|[first, second]| both(first, second, Curve::sum));
+        let sides =
+            tested.windows.each_ref().map(|[first, second]| both(first, second, Curve::sum));
         if tested.segment.near_horizontal {
             let [above, below] = sides.clone();
             let [census_above, census_below] = tested.census.clone();
@@ -149,8 +171,15 @@ impl Curves {
         let range = self.searched.iter().find_map(|(_, window, _)| window.as_ref());
         let Some(range) = range else { return };
         let whole = range.costs.len() + 8 >= usize::from(params.max_disparity);
-        let why = if whole { "no support points guide it" } else { "as support points around it or the border allow" };
-        steps.push(Step::note("search", format!("disparities {} to {} px: {why}", range.first, range.last())));
+        let why = if whole {
+            "no support points guide it"
+        } else {
+            "limited by support points around it, or by the border"
+        };
+        steps.push(Step::note(
+            "search",
+            format!("disparities {} to {} px: {why}", range.first, range.last()),
+        ));
         for (side, window, census) in &self.searched {
             add_techniques(side, window.as_ref(), census.as_ref(), params, steps);
         }
@@ -159,7 +188,9 @@ impl Curves {
         }
         if let Some([upper, lower]) = self.halves {
             let (gap, allowed) = ((upper - lower).abs(), f64::from(MAX_SLANT_Q6) / 128.0);
-            let words = format!("upper {upper:.2} px, lower {lower:.2} px: {gap:.2} px apart, allowed {allowed} px");
+            let words = format!(
+                "upper {upper:.2} px, lower {lower:.2} px: {gap:.2} px apart, allowed {allowed} px"
+            );
             steps.push(Step::test("halves", gap <= allowed, words));
         }
         let best = self.searched[0].1.as_ref().and_then(Curve::best_and_second);
@@ -170,11 +201,16 @@ impl Curves {
 
     fn owners(&self, at: i32) -> Step {
         let allowed = f64::from(MAX_SIDE_RATIO_Q8) / 256.0;
-        let ratios: Vec<f64> = self.sides.iter().flatten().filter_map(|side| side_ratio(side, at)).collect();
-        let words: Vec<String> =
-            ["left", "right"].iter().zip(&ratios).map(|(name, ratio)| format!("{name} {ratio:.2}")).collect();
+        let ratios: Vec<f64> =
+            self.sides.iter().flatten().filter_map(|side| side_ratio(side, at)).collect();
+        let words: Vec<String> = ["left", "right"]
+            .iter()
+            .zip(&ratios)
+            .map(|(name, ratio)| format!("{name} {ratio:.2}"))
+            .collect();
         let is_owned = ratios.iter().any(|&ratio| ratio <= allowed);
-        let words = format!("window of each side alone, ratio: {}; allowed {allowed:.2}", words.join(", "));
+        let words =
+            format!("window of each side alone, ratio: {}; allowed {allowed:.2}", words.join(", "));
         Step::test("owner", is_owned, words)
     }
 
@@ -182,7 +218,8 @@ impl Curves {
         let mut plots = Vec::new();
         let mut census_plots = Vec::new();
         for (side, window, census) in &self.searched {
-            let title = |technique: &str| format!("segment: {technique} {side}").trim_end().to_owned();
+            let title =
+                |technique: &str| format!("segment: {technique} {side}").trim_end().to_owned();
             if let Some(window) = window {
                 let mut curves = vec![("window", window.clone())];
                 if side.is_empty() {
@@ -192,7 +229,8 @@ impl Curves {
                 plots.push(Plot::new(&title("window shaped by it"), curves));
             }
             if let Some(census) = census {
-                census_plots.push(Plot::new(&title("census along it"), vec![("census", census.clone())]));
+                census_plots
+                    .push(Plot::new(&title("census along it"), vec![("census", census.clone())]));
             }
         }
         plots.extend(census_plots);
@@ -206,21 +244,36 @@ fn side_ratio(side: &Curve, at: i32) -> Option<f64> {
 }
 
 /// Window, census and the gap between them, of the whole segment or of a side.
-fn add_techniques(side: &str, window: Option<&Curve>, census: Option<&Curve>, params: &Params, steps: &mut Vec<Step>) {
-    let Some((window, (best, second))) = window.and_then(|curve| Some((curve, curve.best_and_second()?))) else {
+fn add_techniques(
+    side: &str,
+    window: Option<&Curve>,
+    census: Option<&Curve>,
+    params: &Params,
+    steps: &mut Vec<Step>,
+) {
+    let Some((window, (best, second))) =
+        window.and_then(|curve| Some((curve, curve.best_and_second()?)))
+    else {
         return;
     };
-    let name = |technique: &'static str| if side.is_empty() { String::new() } else { format!("{side} {technique}: ") };
+    let name = |technique: &'static str| {
+        if side.is_empty() { String::new() } else { format!("{side} {technique}: ") }
+    };
     let limit = |q8: i32| f64::from(q8) / 256.0;
     let is_last = best.at == i32::from(params.max_disparity) - 1;
     let passes = ratio(best, second) <= limit(MAX_WINDOW_RATIO_Q8) && !is_last;
-    let end = if is_last { "; the last disparity of the range: the true one may lie beyond" } else { "" };
+    let end =
+        if is_last { "; the last disparity of the range: the true one may lie beyond" } else { "" };
     let words_of = |curve: &Curve, best: Low, second: Low, allowed: f64, technique| {
         format!("{}{}, allowed {allowed:.2}", name(technique), words(curve, best, second))
     };
     let text = words_of(window, best, second, limit(MAX_WINDOW_RATIO_Q8), "window") + end;
     steps.push(Step::test("window", passes && census.is_some(), text));
-    let Some((census, (low, next))) = census.and_then(|curve| Some((curve, curve.best_and_second()?))) else { return };
+    let Some((census, (low, next))) =
+        census.and_then(|curve| Some((curve, curve.best_and_second()?)))
+    else {
+        return;
+    };
     // Beside a near-horizontal edge census is looked at where the window's best is.
     let (low, next) = if side.is_empty() {
         (low, next)
@@ -237,13 +290,26 @@ fn add_techniques(side: &str, window: Option<&Curve>, census: Option<&Curve>, pa
     let (at, other) = (window.subpixel(best.at), census.subpixel(overall.at));
     let (agrees, allowed) = match (params.margin, params.rig) {
         (Margin::Metres { nearer, farther }, Some(rig)) => {
-            let (from, to) = rig.disparity_interval(linestereo::Disparity::saturating_from_num(at), nearer, farther);
-            ((from.to_num::<f64>()..=to.to_num()).contains(&other), format!("{from:.2} to {to:.2} px"))
+            let (from, to) = rig.disparity_interval(
+                linestereo::Disparity::saturating_from_num(at),
+                nearer,
+                farther,
+            );
+            (
+                (from.to_num::<f64>()..=to.to_num()).contains(&other),
+                format!("{from:.2} to {to:.2} px"),
+            )
         }
-        (Margin::Pixels(margin), _) => ((at - other).abs() <= margin.to_num::<f64>(), format!("{margin:.2} px")),
+        (Margin::Pixels(margin), _) => {
+            ((at - other).abs() <= margin.to_num::<f64>(), format!("{margin:.2} px"))
+        }
         (Margin::Metres { .. }, None) => (false, "unknown without a rig".to_owned()),
     };
-    let text = format!("{}window and census {:.2} px apart, allowed {allowed}", name("both"), (at - other).abs());
+    let text = format!(
+        "{}window and census {:.2} px apart, allowed {allowed}",
+        name("both"),
+        (at - other).abs()
+    );
     steps.push(Step::test("agreement", agrees, text));
 }
 
@@ -252,16 +318,17 @@ fn add_hypotheses(candidate: &Candidate, params: &Params, steps: &mut Vec<Step>)
     let feature = match candidate.feature_q6 {
         Some(q6) => format!("an edge alike in the right image at {:.2} px", f64::from(q6) / 64.0),
         None if candidate.segment.near_horizontal => {
-            "not looked for: an edge along the rows says no disparity".to_owned()
+            "not searched: an edge along the rows has no disparity".to_owned()
         }
         None => "no edge alike in the right image there".to_owned(),
     };
     steps.push(Step::note("feature", feature));
     let least = params.min_confidence;
-    let names = if candidate.segment.near_horizontal { ["above", "below"] } else { ["left", "right"] };
+    let names =
+        if candidate.segment.near_horizontal { ["above", "below"] } else { ["left", "right"] };
     for (name, side) in names.into_iter().zip(&candidate.sides) {
         let Some(side) = side else {
-            steps.push(Step::note("side", format!("{name}: does not carry the disparity")));
+            steps.push(Step::note("side", format!("{name}: does not have this disparity")));
             continue;
         };
         let [agreeing, farther, nearer, segments] = side.nearby_q8.map(|q8| f64::from(q8) / 256.0);
@@ -286,8 +353,7 @@ fn match_of<'a>(candidate: &Candidate, result: &'a FrameResult) -> Option<&'a Ma
 
 fn answer(found: &Match) -> String {
     let [first, last] = found.disparity.map(|d| d.to_num::<f64>());
-    let depth =
-        found.depth.map(|ends| ends.map(|z| finite_metres(z).map_or("infinite".to_owned(), |z| format!("{z:.2} m"))));
+    let depth = found.depth.map(|ends| ends.map(metres));
     format!(
         "{first:.2} to {last:.2} px +- {:.2}, p {:.3}, owned by {}{}",
         found.sigma.to_num::<f64>(),
@@ -303,14 +369,24 @@ pub fn meaning(reason: Rejection) -> &'static str {
         Rejection::LessProminent => {
             "another segment in the same square has more extent and contrast, or the time for searches of the whole range was used up; this one was not matched (--cell)"
         }
-        Rejection::NearBorder => "too close to the left or right border to compare enough disparities",
-        Rejection::WindowNotUnique => "a second place in the right image looks nearly as much like its window",
-        Rejection::CensusNotUnique => "a second place in the right image has nearly the same order of grey levels",
-        Rejection::TechniquesDisagree => "window and census lie further apart than the margin (--margin-px)",
+        Rejection::NearBorder => {
+            "too close to the left or right border to compare enough disparities"
+        }
+        Rejection::WindowNotUnique => {
+            "a second place in the right image looks nearly as much like its window"
+        }
+        Rejection::CensusNotUnique => {
+            "a second place in the right image has nearly the same order of grey levels"
+        }
+        Rejection::TechniquesDisagree => {
+            "window and census lie further apart than the margin (--margin-px)"
+        }
         Rejection::Slant => "its two halves lie too far apart to be one straight edge",
-        Rejection::NoOwner => "neither side of it carries the disparity on its own",
-        Rejection::NotUnique => "a more probable segment explains the same place in the right image",
-        Rejection::LowConfidence => "its probability is below the asked one (--min-confidence)",
+        Rejection::NoOwner => "neither side of it has this disparity on its own",
+        Rejection::NotUnique => {
+            "a more probable segment explains the same place in the right image"
+        }
+        Rejection::LowConfidence => "its probability is below the limit (--min-confidence)",
         Rejection::EdgeUnclear => {
             "its points are credible and listed, but the edge itself may belong to the surface on the other side"
         }

@@ -11,12 +11,24 @@ const AGREES: f64 = 1.5;
 
 /// Index of the point next to a pixel.
 pub(super) fn nearest((x, y): (u16, u16), points: &Support<'_>) -> Option<usize> {
-    let away = |(px, py): (u16, u16)| (i32::from(px) - i32::from(x)).pow(2) + (i32::from(py) - i32::from(y)).pow(2);
-    points.iter().map(|(pixel, _)| away(pixel)).enumerate().min_by_key(|&(_, away)| away).map(|(index, _)| index)
+    let away = |(px, py): (u16, u16)| {
+        (i32::from(px) - i32::from(x)).pow(2) + (i32::from(py) - i32::from(y)).pow(2)
+    };
+    points
+        .iter()
+        .map(|(pixel, _)| away(pixel))
+        .enumerate()
+        .min_by_key(|&(_, away)| away)
+        .map(|(index, _)| index)
 }
 
 /// Pixel of the point, and the reasons for its disparity, or for the lack of it.
-pub(super) fn account(index: usize, log: &CurveLog, points: &Support<'_>, params: &Params) -> ((u16, u16), Account) {
+pub(super) fn account(
+    index: usize,
+    log: &CurveLog,
+    points: &Support<'_>,
+    params: &Params,
+) -> ((u16, u16), Account) {
     let list: Vec<((u16, u16), &SupportPoint)> = points.iter().collect();
     let (pixel, point) = list[index];
     let mut account = Account {
@@ -33,30 +45,56 @@ pub(super) fn account(index: usize, log: &CurveLog, points: &Support<'_>, params
     let beside_ground = points.plane().filter(|_| point.is_beside_ground());
     let failed = if let Some(plane) = beside_ground {
         let at = f64::from(plane.at_q6(pixel.0.into(), pixel.1.into())) / 64.0;
-        account
-            .steps
-            .push(Step::note("search", "up to 7 px beside the ground plane, as well as all disparities".into()));
-        account.steps.push(Step::note("ground plane", format!("{at:.2} px: the window was moved along it row by row")));
+        account.steps.push(Step::note(
+            "search",
+            "up to 7 px beside the ground plane, as well as all disparities".into(),
+        ));
+        account.steps.push(Step::note(
+            "ground plane",
+            format!("{at:.2} px: the window was moved along it row by row"),
+        ));
         ""
     } else {
-        add_tests((&costs.window, &costs.paths), (point.is_matched(), point.repeats()), params, &mut account)
+        add_tests(
+            (&costs.window, &costs.paths),
+            (point.is_matched(), point.repeats()),
+            params,
+            &mut account,
+        )
     };
     account.plots = vec![
-        Plot::new("support point: window alone, before aggregation", vec![("window", costs.window.clone())]),
-        Plot::new("support point: sum of the paths, after aggregation", vec![("paths", costs.paths.clone())]),
+        Plot::new(
+            "support point: window alone, before aggregation",
+            vec![("window", costs.window.clone())],
+        ),
+        Plot::new(
+            "support point: sum of the paths, after aggregation",
+            vec![("paths", costs.paths.clone())],
+        ),
     ];
     if !point.is_matched() {
         account.verdict = failed.to_owned();
         return (pixel, account);
     }
     let disparity: f64 = point.disparity().to_num();
-    account.plots.iter_mut().for_each(|plot| plot.marks.push(Mark { name: "answer", at: disparity }));
+    account
+        .plots
+        .iter_mut()
+        .for_each(|plot| plot.marks.push(Mark { name: "answer", at: disparity }));
     account.steps.push(neighbours(pixel, disparity, &list));
     let (p, least) = (point.confidence().to_num::<f64>(), params.min_confidence.to_num::<f64>());
-    account.steps.push(Step::test("probability", account.accepted, format!("{p:.3}, asked for {least:.2}")));
+    account.steps.push(Step::test(
+        "probability",
+        account.accepted,
+        format!("{p:.3}, asked for {least:.2}"),
+    ));
     account.verdict = format!(
         "{disparity:.2} px, p {p:.3}{}",
-        if account.accepted { "" } else { ": not probable enough; it only guides the search of segments" }
+        if account.accepted {
+            ""
+        } else {
+            ": not probable enough; it only guides the search of segments"
+        }
     );
     (pixel, account)
 }
@@ -68,7 +106,9 @@ fn add_tests(
     params: &Params,
     account: &mut Account,
 ) -> &'static str {
-    let (Some((best, second)), Some(window_best)) = (paths.best_and_second(), window.best_and_second()) else {
+    let (Some((best, second)), Some(window_best)) =
+        (paths.best_and_second(), window.best_and_second())
+    else {
         return "too few disparities to compare";
     };
     let range = format!("disparities {} to {} px", paths.first, paths.last());
@@ -87,13 +127,16 @@ fn add_tests(
     let elsewhere = window.second(best.at).map_or(0, |low| low.cost);
     let text = format!("at {} px the window costs {here}, elsewhere at least {elsewhere}", best.at);
     account.steps.push(Step::test("no repetition", is_matched, text));
-    "the pattern repeats: it fits another disparity as well, or, where the border cuts those off, the left image further right"
+    "the pattern repeats: it fits at another disparity as well, or at another place of the left \
+     image where the border cuts off disparities"
 }
 
 fn neighbours((x, y): (u16, u16), disparity: f64, list: &[((u16, u16), &SupportPoint)]) -> Step {
     // Columns are twice as far apart where the range is wide.
     let pitch = list.get(1).map_or(SUPPORT_PITCH, |((second, _), _)| second.abs_diff(list[0].0.0));
-    let near = list.iter().filter(|((px, py), _)| px.abs_diff(x) <= pitch && py.abs_diff(y) <= SUPPORT_PITCH);
+    let near = list
+        .iter()
+        .filter(|((px, py), _)| px.abs_diff(x) <= pitch && py.abs_diff(y) <= SUPPORT_PITCH);
     let near: Vec<f64> = near
         .filter(|(pixel, point)| *pixel != (x, y) && point.is_matched())
         .map(|(_, point)| point.disparity().to_num::<f64>() - disparity)
@@ -101,5 +144,8 @@ fn neighbours((x, y): (u16, u16), disparity: f64, list: &[((u16, u16), &SupportP
     let agree = near.iter().filter(|gap| gap.abs() <= AGREES).count();
     let farther = near.iter().filter(|gap| **gap < -AGREES).count();
     let nearer = near.len() - agree - farther;
-    Step::note("support around it", format!("{agree} points agree, {farther} are farther, {nearer} are nearer"))
+    Step::note(
+        "support around it",
+        format!("{agree} points agree, {farther} are farther, {nearer} are nearer"),
+    )
 }

@@ -1,12 +1,15 @@
 //! Messages to frames.
 //!
-//! In: the messages that arrived. Out: frames, each with the number of segments it lacks, and counts of the frames that never arrived.
+//! In: the messages that arrived. Out: frames, each with the number of segments it lacks, and
+//! counts of the frames that never arrived.
 //!
-//! A frame ends with its last segment, or when something of a later frame arrives. Sequence numbers say what is missing: a step of more
-//! than one is a loss, a step back (or none) a board that started anew.
+//! A frame ends with its last segment, or when something of a later frame arrives. Sequence numbers
+//! say what is missing: a step of more than one is a loss, a step back (or none) a board that
+//! started anew.
 //!
 //! # Bounds
-//! A step of 2^31 or more is a step back. At most 65535 segments are held, as many as a head can promise.
+//! A step of 2^31 or more is a step back. At most 65535 segments are held, as many as a head can
+//! promise.
 
 use linestereo::Match;
 use linestereo_wire::{FrameHead, Segments};
@@ -71,7 +74,8 @@ impl Assembler {
         before.into_iter().chain(self.finish_if_ended())
     }
 
-    /// Some segments arrived: gives the frame that they end, or the one before if they belong to a later one.
+    /// Some segments arrived: gives the frame that they end, or the one before if they belong to a
+    /// later one.
     pub fn add(&mut self, segments: &Segments) -> Option<Frame> {
         match self.last.map(|last| segments.sequence.wrapping_sub(last)) {
             Some(0) => {}
@@ -107,7 +111,11 @@ impl Assembler {
     }
 
     fn finish_if_ended(&mut self) -> Option<Frame> {
-        if self.open.as_ref().is_some_and(|frame| frame.next == frame.head.segments) { self.finish() } else { None }
+        if self.open.as_ref().is_some_and(|frame| frame.next == frame.head.segments) {
+            self.finish()
+        } else {
+            None
+        }
     }
 }
 
@@ -120,7 +128,10 @@ mod tests {
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let dims = Dims { width: 64, height: 48 };
-        FrameHead { segments, ..FrameHead::new(sequence, 0, dims, Health::GOOD, &linestereo::Counts::default()) }
+        FrameHead {
+            segments,
+            ..FrameHead::new(sequence, 0, dims, Health::GOOD, &linestereo::Counts::default())
+        }
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {
@@ -149,7 +160,11 @@ mod tests {
         assert_eq!(said(frames.begin(head(u32::MAX, 13))), []);
         assert_eq!(said(frames.add(&piece(u32::MAX, 0, 10))), []);
         assert_eq!(said(frames.add(&piece(u32::MAX, 10, 3))), [(u32::MAX, 0)]);
-        assert_eq!(said(frames.begin(head(0, 0))), [(0, 0)], "numbers wrap, and no segments are none to wait for");
+        assert_eq!(
+            said(frames.begin(head(0, 0))),
+            [(0, 0)],
+            "numbers wrap, and no segments are none to wait for"
+        );
         assert_eq!(frames.counts(), FrameCounts { complete: 2, ..FrameCounts::default() });
     }
 
@@ -164,7 +179,12 @@ mod tests {
         assert_eq!(said(frames.begin(head(3, 0))), [(2, 2), (3, 0)], "the end");
         assert_eq!(said(frames.begin(head(4, 1))), []);
         assert_eq!(said(frames.finish()), [(4, 1)], "everything");
-        let expected = FrameCounts { complete: 1, incomplete: 3, missing_segments: 13, ..FrameCounts::default() };
+        let expected = FrameCounts {
+            complete: 1,
+            incomplete: 3,
+            missing_segments: 13,
+            ..FrameCounts::default()
+        };
         assert_eq!(frames.counts(), expected);
     }
 
@@ -172,9 +192,14 @@ mod tests {
     fn gaps_are_losses_and_steps_back_are_restarts() {
         let mut frames = Assembler::default();
         assert_eq!(said(frames.add(&piece(6, 0, 1))), [], "joined in the middle of a frame");
-        for (sequence, lost, restarts) in [(7, 0, 0), (10, 2, 0), (10, 2, 1), (0, 2, 2), (1, 2, 2)] {
+        for (sequence, lost, restarts) in [(7, 0, 0), (10, 2, 0), (10, 2, 1), (0, 2, 2), (1, 2, 2)]
+        {
             assert_eq!(said(frames.begin(head(sequence, 0))), [(sequence, 0)]);
-            assert_eq!((frames.counts().lost, frames.counts().restarts), (lost, restarts), "{sequence}");
+            assert_eq!(
+                (frames.counts().lost, frames.counts().restarts),
+                (lost, restarts),
+                "{sequence}"
+            );
         }
         assert_eq!(said(frames.begin(head(2, 5))), []);
         assert_eq!(said(frames.add(&piece(4, 0, 1))), [(2, 5)], "two heads are lost");

@@ -1,6 +1,7 @@
 //! A board behind a port: bytes to what they say, and commands with their answers.
 //!
-//! In: bytes, and requests. Out: frames, photographs, depths of objects, notes; a command is sent again until it is answered.
+//! In: bytes, and requests. Out: frames, photographs, depths of objects, notes; a command is sent
+//! again until it is answered.
 
 use super::frames::{Assembler, Frame, FrameCounts};
 use super::photo::PhotoAssembler;
@@ -12,12 +13,14 @@ use core::time::Duration;
 use linestereo::ObjectDepth;
 use linestereo_frames::GrayImage;
 use linestereo_wire::{
-    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, Outcome, Request, SettingValue,
+    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, Outcome, Request,
+    SettingValue,
 };
 use std::collections::VecDeque;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-/// Has the board give times in this computer's clock, anew after so long: the board forgets it after 10 s.
+/// Has the board give times in this computer's clock, anew after so long: the board forgets it
+/// after 10 s.
 const SYNC: &str = "sync";
 const SYNC_EVERY: Duration = Duration::from_secs(2);
 /// A command is sent again after this long without an answer,
@@ -95,10 +98,15 @@ impl Link {
     pub fn command(&mut self, port: &mut Port) -> Result<()> {
         match &mut self.waiting {
             None => {
-                if self.wanted.is_empty() && self.synced.is_some_and(|since| since.elapsed() >= SYNC_EVERY) {
-                    self.wanted.push_back(Wanted { request: Request::ReadClock, words: SYNC.to_owned() });
+                if self.wanted.is_empty()
+                    && self.synced.is_some_and(|since| since.elapsed() >= SYNC_EVERY)
+                {
+                    self.wanted
+                        .push_back(Wanted { request: Request::ReadClock, words: SYNC.to_owned() });
                 }
-                let Some(Wanted { request, words }) = self.wanted.pop_front() else { return Ok(()) };
+                let Some(Wanted { request, words }) = self.wanted.pop_front() else {
+                    return Ok(());
+                };
                 if request == Request::ReadClock {
                     self.synced = Some(Instant::now());
                 }
@@ -108,7 +116,10 @@ impl Link {
             }
             Some(waiting) if waiting.since.elapsed() < ANSWER_WITHIN => return Ok(()),
             Some(waiting) if waiting.attempts == ATTEMPTS => {
-                bail!("no answer to {} in {ATTEMPTS} s; does the board run, and is the speed right?", waiting.words)
+                bail!(
+                    "no answer to {} in {ATTEMPTS} s; does the board run, and is the speed right?",
+                    waiting.words
+                )
             }
             Some(_) => {}
         }
@@ -123,15 +134,22 @@ impl Link {
         self.bytes += 1;
         let event = match self.decoder.push(byte) {
             None => return Ok(Vec::new()),
-            Some(Ok(Message::Frame(head))) => return Ok(self.frames.begin(head).map(Event::Frame).collect()),
+            Some(Ok(Message::Frame(head))) => {
+                return Ok(self.frames.begin(head).map(Event::Frame).collect());
+            }
             Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
-            Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.iter().map(Into::into).collect())),
-            Some(Ok(Message::Photo(head))) => self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string())),
+            Some(Ok(Message::Objects(objects))) => {
+                Some(Event::Objects(objects.list.iter().map(Into::into).collect()))
+            }
+            Some(Ok(Message::Photo(head))) => {
+                self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string()))
+            }
             Some(Ok(Message::Pixels(pixels))) => match self.photos.add(&pixels) {
                 Ok(pair) => pair.map(Event::Photo),
                 Err(lost) => Some(Event::Note(lost.to_string())),
             },
-            // Points come only from programs that are fed by a file; the others are for `bench-board`.
+            // Points come only from programs that are fed by a file; the others are for
+            // `bench-board`.
             Some(Ok(Message::Points(_) | Message::Machine(_) | Message::Case(_))) => None,
             Some(Ok(Message::Setting(value))) => {
                 self.settings.push(value);
@@ -164,24 +182,31 @@ impl Link {
     }
 
     fn answered(&mut self, answer: Answer) -> Result<Option<Event>> {
-        let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command) else {
+        let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command)
+        else {
             return Ok(None); // answered twice
         };
         match answer.outcome {
             Outcome::Accepted if waiting.words == SYNC => Ok(None), // every few seconds; frames name the clock
             Outcome::Accepted => Ok(Some(Event::Note(format!("accepted: {}", waiting.words)))),
-            Outcome::Refused(refusal) => Err(anyhow!("the board refused {}: {refusal}", waiting.words)),
+            Outcome::Refused(refusal) => {
+                Err(anyhow!("the board refused {}: {refusal}", waiting.words))
+            }
         }
     }
 
-    /// Has the board give times in this computer's clock: its time in the middle of the question and the answer less the board's.
+    /// Has the board give times in this computer's clock: its time in the middle of the question
+    /// and the answer less the board's.
     fn set_clock(&mut self, board_us: u64) {
-        let is_asked = |waiting: &&Waiting| waiting.command.request == Request::ReadClock && waiting.attempts == 1;
+        let is_asked = |waiting: &&Waiting| {
+            waiting.command.request == Request::ReadClock && waiting.attempts == 1
+        };
         let Some(waiting) = self.waiting.as_ref().filter(is_asked) else { return };
         let middle = SystemTime::now() - waiting.since.elapsed() / 2;
         let now_us = middle.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_micros() as u64);
         let offset_us = now_us.saturating_sub(board_us);
-        self.wanted.push_front(Wanted { request: Request::SetClock(offset_us), words: SYNC.to_owned() });
+        self.wanted
+            .push_front(Wanted { request: Request::SetClock(offset_us), words: SYNC.to_owned() });
     }
 
     /// No more bytes come: the frame that is left incomplete.
@@ -207,11 +232,17 @@ impl Link {
 
     /// The counts in a few lines.
     pub fn summary(&self) -> String {
-        text::summary(&self.frames.counts(), &self.decoder.counters(), self.bytes, self.other_version)
+        text::summary(
+            &self.frames.counts(),
+            &self.decoder.counters(),
+            self.bytes,
+            self.other_version,
+        )
     }
 }
 
-/// Before a start, a board says what it is and why it was reset: when it began to run, nobody may have listened.
+/// Before a start, a board says what it is and why it was reset: when it began to run, nobody may
+/// have listened.
 fn described(mut wanted: Vec<Wanted>) -> Vec<Wanted> {
     let place = |request: &Request| wanted.iter().position(|wanted| wanted.request == *request);
     if let (Some(start), None) = (place(&Request::Start), place(&Request::Describe)) {
@@ -223,5 +254,8 @@ fn described(mut wanted: Vec<Wanted>) -> Vec<Wanted> {
 fn introduction(hello: &Hello) -> String {
     let Hello { board, largest_width, largest_height, segments, rig, reset } = hello;
     let reset = reset.map_or_else(String::new, |reset| format!("; reset by {reset}"));
-    format!("board: {board}, images up to {largest_width}x{largest_height}, up to {segments} segments; {rig}{reset}")
+    format!(
+        "board: {board}, images up to {largest_width}x{largest_height}, up to {segments} \
+         segments; {rig}{reset}"
+    )
 }

@@ -1,4 +1,5 @@
-//! A board's results as they arrive: bytes from a file, a connection or a serial port, to frames, lines of a table and counts.
+//! A board's results as they arrive: bytes from a file, a connection or a serial port, to frames,
+//! lines of a table and counts.
 //!
 //! ```text
 //! port      bytes, or silence, or the end

@@ -10,7 +10,9 @@ use linestereo_wire::{PairHead, Pixels};
 
 /// Pixels of a photograph did not arrive, or are more than there can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("pixels were lost on the way; take the photo again, or use a better cable or a lower speed")]
+#[error(
+    "pixels were lost on the way; take the photo again, or use a better cable or a lower speed"
+)]
 pub struct PixelsLost;
 
 /// Puts photographs together.
@@ -31,16 +33,21 @@ impl PhotoAssembler {
         if before.is_some() { Err(PixelsLost) } else { Ok(()) }
     }
 
-    /// Pixels arrived: gives left and right when they are complete. One that lacks pixels is lost, and what follows of it is skipped.
+    /// Pixels arrived: gives left and right when they are complete. One that lacks pixels is lost,
+    /// and what follows of it is skipped.
     pub fn add(&mut self, pixels: &Pixels) -> Result<Option<[GrayImage; 2]>, PixelsLost> {
         let Some(pair) = &mut self.open else { return Ok(None) };
         let image = &mut pair[usize::from(pixels.is_right)];
-        if image.pixels.len() != pixels.first as usize || image.pixels.len() + pixels.list.len() > area(image.dims) {
+        if image.pixels.len() != pixels.first as usize
+            || image.pixels.len() + pixels.list.len() > area(image.dims)
+        {
             self.open = None;
             return Err(PixelsLost);
         }
         image.pixels.extend_from_slice(&pixels.list);
-        let is_complete = |pair: &mut [GrayImage; 2]| pair.iter().all(|image| image.pixels.len() == area(image.dims));
+        let is_complete = |pair: &mut [GrayImage; 2]| {
+            pair.iter().all(|image| image.pixels.len() == area(image.dims))
+        };
         Ok(self.open.take_if(is_complete))
     }
 
@@ -78,7 +85,10 @@ mod tests {
         assert_eq!(photos.add(&pixels(true, 0, &[5; 6])), Ok(None));
         assert_eq!(photos.progress(), (10, 12));
         let [left, right] = photos.add(&pixels(false, 4, &[5, 6])).unwrap().unwrap();
-        assert_eq!((left.pixels, right.pixels, left.dims), (vec![1, 2, 3, 4, 5, 6], vec![5; 6], right.dims));
+        assert_eq!(
+            (left.pixels, right.pixels, left.dims),
+            (vec![1, 2, 3, 4, 5, 6], vec![5; 6], right.dims)
+        );
         assert_eq!(photos.progress(), (0, 0));
     }
 

@@ -1,6 +1,7 @@
 //! Where the bytes come from, and where commands go.
 //!
-//! In: a path, an address or the name of a serial port. Out: bytes, silence, or the end; every failure names the port.
+//! In: a path, an address or the name of a serial port. Out: bytes, silence, or the end; every
+//! failure names the port.
 
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
@@ -76,10 +77,12 @@ impl Port {
 
     /// A connection to `HOST:PORT`.
     pub fn tcp(address: &str) -> Result<Self> {
-        let cannot = |error: io::Error| anyhow!("cannot connect to {address}: {error}; is something listening there?");
-        let addresses = address
-            .to_socket_addrs()
-            .map_err(|error| anyhow!("cannot resolve {address}: {error}; give HOST:PORT, as in localhost:4444"))?;
+        let cannot = |error: io::Error| {
+            anyhow!("cannot connect to {address}: {error}; is something listening there?")
+        };
+        let addresses = address.to_socket_addrs().map_err(|error| {
+            anyhow!("cannot resolve {address}: {error}; give HOST:PORT, as in localhost:4444")
+        })?;
         let mut outcome = Err(ErrorKind::AddrNotAvailable.into());
         for candidate in addresses {
             outcome = TcpStream::connect_timeout(&candidate, CONNECT);
@@ -88,7 +91,10 @@ impl Port {
             }
         }
         let stream = outcome.map_err(cannot)?;
-        stream.set_read_timeout(Some(PATIENCE)).and_then(|()| stream.set_nodelay(true)).map_err(cannot)?;
+        stream
+            .set_read_timeout(Some(PATIENCE))
+            .and_then(|()| stream.set_nodelay(true))
+            .map_err(cannot)?;
         stream.set_write_timeout(Some(CONNECT)).map_err(cannot)?;
         Ok(Self { name: address.to_owned(), line: Line::Tcp(stream) })
     }
@@ -98,7 +104,8 @@ impl Port {
         let mut port = serialport::new(name, baud).timeout(PATIENCE).open().map_err(|error| {
             anyhow!("cannot open the serial port {name}: {error}; check that the board is plugged in and no other program has it")
         })?;
-        // A port over USB is closed to a board until this line says otherwise; on others it may be missing.
+        // A port over USB is closed to a board until this line says otherwise; on others it may be
+        // missing.
         let _ = port.write_data_terminal_ready(true);
         Ok(Self { name: name.to_owned(), line: Line::Serial(port) })
     }
@@ -115,7 +122,9 @@ impl Port {
             Ok(0) => Err(self.gone(None)),
             Ok(length) => Ok(Received::Bytes(length)),
             Err(error) => match error.kind() {
-                ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => Ok(Received::Silence),
+                ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted => {
+                    Ok(Received::Silence)
+                }
                 _ if is_file => Err(unreadable(&self.name, &error)),
                 _ => Err(self.gone(Some(&error))),
             },
@@ -131,7 +140,9 @@ impl Port {
 
     fn write(&mut self, bytes: &[u8]) -> Result<()> {
         let outcome = match &mut self.line {
-            Line::File(_) => bail!("{} is a file, which takes no commands; use --tcp or --serial", self.name),
+            Line::File(_) => {
+                bail!("{} is a file, which takes no commands; use --tcp or --serial", self.name)
+            }
             Line::Tcp(stream) => stream.write_all(bytes),
             Line::Serial(port) => port.write_all(bytes),
         };
@@ -142,7 +153,10 @@ impl Port {
         let why = error.map_or(String::new(), |error| format!(" ({error})"));
         match self.line {
             Line::Serial(_) => {
-                anyhow!("the serial port {} vanished{why}; plug the board in and start again", self.name)
+                anyhow!(
+                    "the serial port {} vanished{why}; plug the board in and start again",
+                    self.name
+                )
             }
             _ => anyhow!(
                 "the connection to {} was closed{why}; start the board again, or stop sooner with --count",

@@ -1,8 +1,10 @@
 //! Words of the command line to requests.
 //!
-//! In: `start`, `stop`, `describe`, `photograph`, `sync`, `settings`, `keep`, `defaults`, `bootloader`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring parameters go
-//! together, so that two which only fit together can be changed, and so do neighbouring boxes. Ranges are the board's to check; here a value
-//! only has to be one that can be sent.
+//! In: `start`, `stop`, `describe`, `photograph`, `sync`, `settings`, `keep`, `defaults`,
+//! `bootloader`, `rig=FILE`, `box=...`, `NAME=VALUE`. Out: requests in the same order; neighbouring
+//! parameters go together, so that two which only fit together can be changed, and so do
+//! neighbouring boxes. Ranges are the board's to check; here a value only has to be one that can be
+//! sent.
 
 use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
@@ -10,7 +12,8 @@ use linestereo::{Confidence, Depth, Disparity, Margin, Parts};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    KeptReport, MAX_REGIONS, ParamUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate, Setting, SettingValue,
+    KeptReport, MAX_REGIONS, ParamUpdate, RegionBox, Regions, Request, RigBytes, RigUpdate,
+    Setting, SettingValue,
 };
 
 /// Every name of a parameter that can stand before `=`; those of the vehicle are [`Setting`]s.
@@ -43,8 +46,9 @@ pub struct Wanted {
 /// The requests of these words.
 pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
     let mut list = Vec::new();
-    for group in words.chunk_by(|before, after| Kind::of(before) == Kind::of(after) && Kind::of(after).goes_together())
-    {
+    for group in words.chunk_by(|before, after| {
+        Kind::of(before) == Kind::of(after) && Kind::of(after).goes_together()
+    }) {
         let request = match group {
             [word, ..] if Kind::of(word) == Kind::Box => regions(group, false)?,
             [word, ..] if Kind::of(word) == Kind::OnlyBox => regions(group, true)?,
@@ -60,7 +64,8 @@ pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
                 "keep" => Request::KeepSettings,
                 "defaults" => Request::ResetSettings,
                 _ => bail!(
-                    "--send {word} is unknown; give start, stop, describe, photograph, sync, settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
+                    "--send {word} is unknown; give start, stop, describe, photograph, sync, \
+                     settings, keep, defaults, bootloader, rig=FILE, box= or only_box=LABEL:LEFT,TOP,RIGHT,BOTTOM, or NAME=VALUE"
                 ),
             },
             [word] if Kind::of(word) == Kind::Vehicle => vehicle(word)?,
@@ -108,7 +113,8 @@ fn rig(word: &str) -> Result<Request> {
     RigImage::decode(&bytes).with_context(|| {
         format!("--send {word}: {path} is no rig for a board; make one with linestereo flash-image")
     })?;
-    let bytes = RigBytes::from_slice(&bytes).map_err(|_| anyhow!("--send {word}: {path} is too long"))?;
+    let bytes =
+        RigBytes::from_slice(&bytes).map_err(|_| anyhow!("--send {word}: {path} is too long"))?;
     Ok(Request::SetRig(bytes))
 }
 
@@ -121,14 +127,19 @@ fn regions(words: &[String], only: bool) -> Result<Request> {
             regions.boxes.clear();
             continue;
         }
-        let numbers: Option<Vec<u16>> = text.split([':', ',']).map(|number| number.trim().parse().ok()).collect();
+        let numbers: Option<Vec<u16>> =
+            text.split([':', ',']).map(|number| number.trim().parse().ok()).collect();
         let Some(&[label, left, top, right, bottom]) = numbers.as_deref() else {
             bail!(
-                "--send {word}: give LABEL:LEFT,TOP,RIGHT,BOTTOM in whole pixels of the rectified left image, or none"
+                "--send {word}: give LABEL:LEFT,TOP,RIGHT,BOTTOM in whole pixels of the \
+                 rectified left image, or none"
             );
         };
         let of = RegionBox { label, left, top, right, bottom };
-        regions.boxes.push(of).map_err(|_| anyhow!("--send {word}: a board takes {MAX_REGIONS} boxes"))?;
+        regions
+            .boxes
+            .push(of)
+            .map_err(|_| anyhow!("--send {word}: a board takes {MAX_REGIONS} boxes"))?;
     }
     Ok(Request::SetRegions(regions))
 }
@@ -137,7 +148,8 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
     let mut update = ParamUpdate::default();
     let [mut nearer, mut farther, mut focal, mut baseline, mut offset] = [None; 5];
     for word in words {
-        let (name, text) = word.split_once('=').ok_or_else(|| anyhow!("--send {word}: give NAME=VALUE"))?;
+        let (name, text) =
+            word.split_once('=').ok_or_else(|| anyhow!("--send {word}: give NAME=VALUE"))?;
         let value = Value { word, text };
         match name.replace('-', "_").as_str() {
             "min_disparity" => update.min_disparity = Some(value.whole()?),
@@ -181,43 +193,57 @@ fn update(words: &[String]) -> Result<ParamUpdate> {
         (None, None) => {}
         (Some(_), Some(_)) if update.margin.is_some() => {
             bail!(
-                "--send sets the margin in pixels and in metres; give margin_px, or margin_nearer_m and margin_farther_m"
+                "--send sets the margin in pixels and in metres; give margin_px, or \
+                 margin_nearer_m and margin_farther_m"
             )
         }
         (Some(nearer), Some(farther)) => {
             let [nearer, farther] = [nearer, farther].map(Depth::from_num);
             update.margin = Some(Margin::Metres { nearer, farther });
         }
-        _ => bail!("--send sets half of a margin; give margin_nearer_m and margin_farther_m one after the other"),
+        _ => bail!(
+            "--send sets half of a margin; give margin_nearer_m and margin_farther_m one after \
+             the other"
+        ),
     }
     match (focal, baseline) {
         (None, None) if offset.is_none() => {}
         (Some(focal_px), Some(baseline_m)) => {
             update.rig = Some(RigUpdate { focal_px, baseline_m, offset_px: offset.unwrap_or(0.0) });
         }
-        _ => bail!("--send sets part of a rig; give focal_px and baseline_m (and offset_px) one after the other"),
+        _ => bail!(
+            "--send sets part of a rig; give focal_px and baseline_m (and offset_px) one after \
+             the other"
+        ),
     }
     Ok(update)
 }
 
 /// Number of a setting of the vehicle.
 fn vehicle_setting(name: &str) -> Option<u8> {
-    Setting::number(name.replace('-', "_").as_bytes()).filter(|&number| usize::from(number) >= Setting::VEHICLE)
+    Setting::number(name.replace('-', "_").as_bytes())
+        .filter(|&number| usize::from(number) >= Setting::VEHICLE)
 }
 
 /// Words of settings whose values are a choice.
-const CHOICES: [(&str, &[&str]); 3] =
-    [("parts", &["both", "support"]), ("policy", &["silent", "block", "unknown"]), ("distance_sensor", &["off", "on"])];
+const CHOICES: [(&str, &[&str]); 3] = [
+    ("parts", &["both", "support"]),
+    ("policy", &["silent", "block", "unknown"]),
+    ("distance_sensor", &["off", "on"]),
+];
 
 /// A change of the vehicle.
 fn vehicle(word: &str) -> Result<Request> {
-    let (name, text) = word.split_once('=').ok_or_else(|| anyhow!("--send {word}: give NAME=VALUE"))?;
-    let number = vehicle_setting(name).ok_or_else(|| anyhow!("--send {word}: {name} is no setting"))?;
+    let (name, text) =
+        word.split_once('=').ok_or_else(|| anyhow!("--send {word}: give NAME=VALUE"))?;
+    let number =
+        vehicle_setting(name).ok_or_else(|| anyhow!("--send {word}: {name} is no setting"))?;
     let name = Setting::ALL[usize::from(number)].name;
     let value = match choices(name) {
         Some(choices) => {
             let place = choices.iter().position(|&choice| choice == text);
-            place.ok_or_else(|| anyhow!("--send {word}: {name} is {}", choices.join(" or ")))? as f32
+            place.ok_or_else(|| anyhow!("--send {word}: {name} is {}", choices.join(" or ")))?
+                as f32
         }
         None => Value { word, text }.number()? as f32,
     };
@@ -230,15 +256,20 @@ fn choices(name: &str) -> Option<&'static [&'static str]> {
 
 /// Settings as the words that would set them, and what is kept of them.
 pub fn listing(values: &[SettingValue], report: &KeptReport) -> String {
-    let words = values.iter().filter_map(|of| {
-        let name = Setting::get(of.number)?.name;
-        let choice = choices(name).and_then(|choices| choices.get(of.value as usize));
-        Some(choice.map_or_else(|| format!("{name}={}", of.value), |choice| format!("{name}={choice}")))
-    });
+    let words =
+        values.iter().filter_map(|of| {
+            let name = Setting::get(of.number)?.name;
+            let choice = choices(name).and_then(|choices| choices.get(of.value as usize));
+            Some(choice.map_or_else(
+                || format!("{name}={}", of.value),
+                |choice| format!("{name}={choice}"),
+            ))
+        });
     let words: Vec<String> = words.collect();
     let kept = if report.is_kept { "kept" } else { "not kept: lost with the next reset" };
-    let slots =
-        report.slots.map(|slot| slot.map_or_else(|fault| fault.to_string(), |number| format!("image {number}")));
+    let slots = report.slots.map(|slot| {
+        slot.map_or_else(|fault| fault.to_string(), |number| format!("image {number}"))
+    });
     format!("settings ({kept}; slots: {}): {}", slots.join(", "), words.join(" "))
 }
 
@@ -251,7 +282,9 @@ struct Value<'a> {
 impl Value<'_> {
     /// A whole number of 16 bits.
     fn whole<T: FromStr>(&self) -> Result<T> {
-        self.text.parse().map_err(|_| anyhow!("--send {}: {} is no whole number of 16 bits", self.word, self.text))
+        self.text.parse().map_err(|_| {
+            anyhow!("--send {}: {} is no whole number of 16 bits", self.word, self.text)
+        })
     }
 
     fn number(&self) -> Result<f64> {
@@ -260,9 +293,9 @@ impl Value<'_> {
 
     fn checked<T>(&self, range: &str, convert: impl FnOnce(f64) -> Option<T>) -> Result<T> {
         let number = Some(self.number()?).filter(|number| number.is_finite());
-        number
-            .and_then(convert)
-            .ok_or_else(|| anyhow!("--send {}: {} cannot be sent; give {range}", self.word, self.text))
+        number.and_then(convert).ok_or_else(|| {
+            anyhow!("--send {}: {} cannot be sent; give {range}", self.word, self.text)
+        })
     }
 
     /// A depth in metres that fits its format.
@@ -284,20 +317,39 @@ mod tests {
     #[test]
     fn neighbouring_parameters_go_together() {
         let none = ParamUpdate::default();
-        let list = requests(&["stop", "cell=8", "min-disparity=-3", "start", "reach=2", "describe"]).unwrap();
+        let list =
+            requests(&["stop", "cell=8", "min-disparity=-3", "start", "reach=2", "describe"])
+                .unwrap();
         let first = ParamUpdate { cell: Some(8), min_disparity: Some(-3), ..none };
         let second = ParamUpdate { reach: Some(2), ..none };
-        let expected =
-            [Request::Stop, Request::SetParams(first), Request::Start, Request::SetParams(second), Request::Describe];
+        let expected = [
+            Request::Stop,
+            Request::SetParams(first),
+            Request::Start,
+            Request::SetParams(second),
+            Request::Describe,
+        ];
         assert_eq!(list, expected);
     }
 
     #[test]
     fn neighbouring_boxes_go_together_and_none_clears() {
-        let list =
-            requests(&["box=1:10,20,30,40", "box=2:0,0,9,9", "cell=8", "only_box=3:1,2,3,4", "box=none"]).unwrap();
+        let list = requests(&[
+            "box=1:10,20,30,40",
+            "box=2:0,0,9,9",
+            "cell=8",
+            "only_box=3:1,2,3,4",
+            "box=none",
+        ])
+        .unwrap();
         let boxes = |list: &[[u16; 5]], only| {
-            let of = |&[label, left, top, right, bottom]: &[u16; 5]| RegionBox { label, left, top, right, bottom };
+            let of = |&[label, left, top, right, bottom]: &[u16; 5]| RegionBox {
+                label,
+                left,
+                top,
+                right,
+                bottom,
+            };
             Request::SetRegions(Regions { boxes: list.iter().map(of).collect(), only })
         };
         assert_eq!(list.len(), 4);
@@ -322,8 +374,11 @@ mod tests {
             .map(|name| format!("{name}=0.25"))
             .collect();
         let (whole, fractions) = words.split_at(7);
-        let whole: Vec<String> =
-            whole.iter().enumerate().map(|(i, word)| word.replace("0.25", &i.to_string())).collect();
+        let whole: Vec<String> = whole
+            .iter()
+            .enumerate()
+            .map(|(i, word)| word.replace("0.25", &i.to_string()))
+            .collect();
         let expected = ParamUpdate {
             min_disparity: Some(0),
             max_disparity: Some(1),
@@ -333,12 +388,18 @@ mod tests {
             cell: Some(5),
             reach: Some(6),
             min_confidence: Some(Confidence::from_num(0.25)),
-            margin: Some(Margin::Metres { nearer: Depth::from_num(0.25), farther: Depth::from_num(0.25) }),
+            margin: Some(Margin::Metres {
+                nearer: Depth::from_num(0.25),
+                farther: Depth::from_num(0.25),
+            }),
             rig: Some(RigUpdate { focal_px: 0.25, baseline_m: 0.25, offset_px: 0.25 }),
             parts: None,
         };
         assert_eq!(update(&[&whole[..], fractions].concat()).unwrap(), expected);
-        let pixels = ParamUpdate { margin: Some(Margin::Pixels(Disparity::from_num(0.25))), ..ParamUpdate::default() };
+        let pixels = ParamUpdate {
+            margin: Some(Margin::Pixels(Disparity::from_num(0.25))),
+            ..ParamUpdate::default()
+        };
         assert_eq!(update(&["margin_px=0.25".to_owned()]).unwrap(), pixels);
         let parts = ParamUpdate { parts: Some(Parts::Support), ..ParamUpdate::default() };
         assert_eq!(update(&["parts=support".to_owned()]).unwrap(), parts);
@@ -347,7 +408,8 @@ mod tests {
     /// The words with which a board lists its settings set them.
     #[test]
     fn the_list_of_settings_can_be_sent() {
-        let words = ["yaw_deg=-12.5", "range_m=6", "lowest-m=-1", "highest_m=2", "system=7", "rate_hz=12"];
+        let words =
+            ["yaw_deg=-12.5", "range_m=6", "lowest-m=-1", "highest_m=2", "system=7", "rate_hz=12"];
         let more = ["policy=silent", "block_cm=80", "distance_sensor=on"];
         let sent = requests(&[&words[..], &more].concat()).unwrap();
         let of_vehicle = [-12.5, 6.0, -1.0, 2.0, 7.0, 12.0, 0.0, 80.0, 1.0];
@@ -355,7 +417,9 @@ mod tests {
         assert_eq!(sent, (9..).zip(of_vehicle).map(set).collect::<Vec<_>>());
 
         let of_params = [-2.0, 64.0, 48.0, 20.0, 6.0, 16.0, 4.0, 0.5, 1.0];
-        let values = (0..).zip([of_params, of_vehicle].concat()).map(|(number, value)| SettingValue { number, value });
+        let values = (0..)
+            .zip([of_params, of_vehicle].concat())
+            .map(|(number, value)| SettingValue { number, value });
         let report = KeptReport { is_kept: false, slots: [Ok(3), Err(RigFault::Empty)] };
         let text = listing(&values.collect::<Vec<_>>(), &report);
         let (head, words) = text.split_once("): ").unwrap();

@@ -11,8 +11,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 /// Names of the columns of a line of the table.
-pub const HEAD: &str =
-    "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health";
+pub const HEAD: &str = "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health";
 
 /// A frame as one line; `last` is the capture time of the frame before.
 pub fn line(frame: &Frame, last: Option<u64>) -> String {
@@ -49,7 +48,9 @@ pub fn object(object: &ObjectDepth) -> String {
     let sigma = object.sigma;
     match (object.disparity, object.depth.and_then(listing::finite_metres)) {
         (Err(why), _) => format!("object {label}: {why}"),
-        (Ok(_), Some(metres)) => format!("object {label}: {metres:.2} m, {} segments", object.support),
+        (Ok(_), Some(metres)) => {
+            format!("object {label}: {metres:.2} m, {} segments", object.support)
+        }
         (Ok(disparity), None) => format!("object {label}: {disparity:.2} px, sigma {sigma:.2} px"),
     }
 }
@@ -73,7 +74,13 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let dims = Dims { width: head.width, height: head.height };
     let FrameHead { counts, health, pair, times, .. } = *head;
     let FrameTimes { waiting_us, matching_us, port_us } = times;
-    let result = FrameResult { matches: frame.matches.clone(), points: Vec::new(), counts, health, pair, ground: None };
+    let result = FrameResult {
+        matches: frame.matches.clone(),
+        counts,
+        health,
+        pair,
+        ..FrameResult::of_points(Vec::new())
+    };
     let text = listing::json(dims, &result, &Answers::default())?;
     let mut listing: Value = serde_json::from_str(&text)?;
     serde_json::to_string(&Listing {
@@ -82,7 +89,7 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
         clock: head.clock.name(),
         size: [head.width, head.height],
         times_us: json!({ "waiting": waiting_us, "matching": matching_us, "port": port_us }),
-        health: health::Listing::new(health, pair.as_ref()),
+        health: health::Listing::new(&result),
         segments: listing["segments"].take(),
         counts: head.counts,
     })
@@ -94,8 +101,14 @@ fn by_name<S: Serializer>(counts: &Counts, serializer: S) -> Result<S::Ok, S::Er
 }
 
 /// Summary of received, incomplete and lost frames, a few lines.
-pub fn summary(frames: &FrameCounts, packets: &Counters, bytes: u64, other_version: Option<u8>) -> String {
-    let mut text = format!("frames: {} complete, {} incomplete", frames.complete, frames.incomplete);
+pub fn summary(
+    frames: &FrameCounts,
+    packets: &Counters,
+    bytes: u64,
+    other_version: Option<u8>,
+) -> String {
+    let mut text =
+        format!("frames: {} complete, {} incomplete", frames.complete, frames.incomplete);
     if frames.missing_segments > 0 {
         let _ = write!(text, " ({} segments missing)", frames.missing_segments);
     }
@@ -105,12 +118,22 @@ pub fn summary(frames: &FrameCounts, packets: &Counters, bytes: u64, other_versi
     }
     let _ = writeln!(
         text,
-        "\npackets: {} good, {} framing damaged, {} checksum wrong, {} too long, {} malformed, {} of another version",
-        packets.good, packets.cobs, packets.checksum, packets.too_long, packets.malformed, packets.other_version
+        "\npackets: {} good, {} framing damaged, {} checksum wrong, {} too long, {} malformed, \
+         {} of another version",
+        packets.good,
+        packets.cobs,
+        packets.checksum,
+        packets.too_long,
+        packets.malformed,
+        packets.other_version
     );
     if let Some(found) = other_version {
         let what = if found & 0x80 == 0 { "version" } else { "commands (an echo?) of version" };
-        let _ = writeln!(text, "another version: {what} {}, this program reads version {VERSION}", found & 0x7f);
+        let _ = writeln!(
+            text,
+            "another version: {what} {}, this program reads version {VERSION}",
+            found & 0x7f
+        );
     }
     let _ = writeln!(text, "bytes: {bytes} received, {} skipped", packets.skipped_bytes);
     text

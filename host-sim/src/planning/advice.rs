@@ -39,7 +39,13 @@ pub struct Suggestion {
 }
 
 /// The smallest baseline for a wish, for cameras of this focal length (px) and a disparity range.
-pub fn suggest(focal: f64, dims: Dims, max_disparity: u16, sigma: f64, wish: &Wish) -> Result<Suggestion> {
+pub fn suggest(
+    focal: f64,
+    dims: Dims,
+    max_disparity: u16,
+    sigma: f64,
+    wish: &Wish,
+) -> Result<Suggestion> {
     let Wish { near, far, error } = *wish;
     if !(near > 0.0 && near < far && far.is_finite()) {
         bail!("the distances are not above 0 and rising; give --range as 0.5..4");
@@ -93,7 +99,10 @@ fn beyond_range(plan: &RigPlan, wish: &Wish, needed: f64) -> [String; 2] {
     let search = if wider < f64::from(plan.dims.width) {
         format!("search {wider:.0} disparities (--max-disparity {wider:.0}; time grows with it)")
     } else {
-        format!("{wider:.0} disparities would do, but the images are {} px wide: take more pixels", plan.dims.width)
+        format!(
+            "{wider:.0} disparities would do, but the images are {} px wide: take more pixels",
+            plan.dims.width
+        )
     };
     [
         format!(
@@ -101,7 +110,8 @@ fn beyond_range(plan: &RigPlan, wish: &Wish, needed: f64) -> [String; 2] {
             plan.near_limit()
         ),
         format!(
-            "{search}; or allow {:.1} % at {far} m; or be content with {near} to {:.2} m. Lens and resolution do not change this",
+            "{search}; or allow {:.1} % at {far} m; or measure only {near} to {:.2} m. Another \
+             lens or resolution does not help",
             100.0 * far * plan.sigma / (near * range),
             near * range * error / plan.sigma
         ),

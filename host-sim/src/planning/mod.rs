@@ -1,7 +1,7 @@
 //! View and accuracy of two parallel cameras, before they are bought.
 //!
-//! In: focal length, image size, baseline, disparity range, how exact a disparity is. Out: near limit, error and common view by distance,
-//! and the smallest baseline for a wanted range.
+//! In: focal length, image size, baseline, disparity range, how exact a disparity is. Out: near
+//! limit, error and common view by distance, and the smallest baseline for a wanted range.
 //!
 //! ```text
 //! disparity  d = f B / z                 f in px, B in m, z in m
@@ -10,11 +10,13 @@
 //! overlap    1 - d / width               share of each image's columns that the other camera sees too
 //! ```
 //!
-//! With the baseline that just reaches the wanted error `e` at FAR, the disparity at NEAR is `FAR sigma / (NEAR e)`: no lens and no
-//! resolution changes it, only the range, the error or `sigma` do.
+//! With the baseline that just reaches the wanted error `e` at FAR, the disparity at NEAR is `FAR
+//! sigma / (NEAR e)`: no lens and no resolution changes it, only the range, the error or `sigma`
+//! do.
 //!
 //! # Source
-//! Equations 5 and 12 of the chapter; Gallup et al., "Variable baseline/resolution stereo", CVPR 2008, for the error.
+//! Equations 5 and 12 of the chapter; Gallup et al., "Variable baseline/resolution stereo", CVPR
+//! 2008, for the error.
 
 mod advice;
 
@@ -56,7 +58,9 @@ impl Focal {
         match self {
             Self::Pixels(focal) => focal,
             Self::Millimetres { focal, pixel } => 1000.0 * focal / pixel,
-            Self::FieldOfView(degrees) => 0.5 * f64::from(dims.width) / (0.5 * degrees).to_radians().tan(),
+            Self::FieldOfView(degrees) => {
+                0.5 * f64::from(dims.width) / (0.5 * degrees).to_radians().tan()
+            }
         }
     }
 }
@@ -89,14 +93,26 @@ pub struct Row {
 }
 
 impl RigPlan {
-    /// Checks focal length (px), baseline (m), disparity range and standard deviation of a disparity (px).
-    pub fn new(focal: f64, dims: Dims, baseline: f64, max_disparity: u16, sigma: f64) -> Result<Self> {
+    /// Checks focal length (px), baseline (m), disparity range and standard deviation of a
+    /// disparity (px).
+    pub fn new(
+        focal: f64,
+        dims: Dims,
+        baseline: f64,
+        max_disparity: u16,
+        sigma: f64,
+    ) -> Result<Self> {
         Rig::new(focal as f32, baseline as f32, 0.0)?;
-        if !(MIN_SIDE..=MAX_WIDTH).contains(&dims.width) || !(MIN_SIDE..=MAX_HEIGHT).contains(&dims.height) {
+        if !(MIN_SIDE..=MAX_WIDTH).contains(&dims.width)
+            || !(MIN_SIDE..=MAX_HEIGHT).contains(&dims.height)
+        {
             bail!("images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}");
         }
         if !(LEAST_RANGE..dims.width).contains(&max_disparity) {
-            bail!("a disparity range of {max_disparity} is below {LEAST_RANGE} or not below the image's width");
+            bail!(
+                "a disparity range of {max_disparity} is below {LEAST_RANGE} or not below the \
+                 image's width"
+            );
         }
         if !SIGMAS.contains(&sigma) {
             bail!("a standard deviation of {sigma} px is outside 0.001 to 16");
@@ -106,7 +122,8 @@ impl RigPlan {
 
     /// Horizontal and vertical field of view of the rectified images, degrees.
     pub fn fields_of_view(&self) -> [f64; 2] {
-        [self.dims.width, self.dims.height].map(|side| 2.0 * (0.5 * f64::from(side) / self.focal).atan().to_degrees())
+        [self.dims.width, self.dims.height]
+            .map(|side| 2.0 * (0.5 * f64::from(side) / self.focal).atan().to_degrees())
     }
 
     pub fn disparity(&self, distance: f64) -> f64 {
@@ -150,7 +167,8 @@ impl RigPlan {
         }
     }
 
-    /// From the near limit in even steps to where the error is a fifth of the distance, or to the farthest distance wanted.
+    /// From the near limit in even steps to where the error is a fifth of the distance, or to the
+    /// farthest distance wanted.
     pub fn table(&self, wish: Option<&Wish>) -> Vec<Row> {
         let near = self.near_limit();
         let far = self.reach(LAST_ERROR).max(near);
@@ -163,7 +181,9 @@ impl RigPlan {
                 .flat_map(|power| STEPS.map(|step| step * 10_f64.powi(power)))
                 .filter(|&distance| distance > 1.05 * near && distance <= far)
                 // Not beside a distance that is wanted.
-                .filter(|distance| wanted.iter().flatten().all(|wanted| (distance / wanted - 1.0).abs() > 0.05)),
+                .filter(|distance| {
+                    wanted.iter().flatten().all(|wanted| (distance / wanted - 1.0).abs() > 0.05)
+                }),
         );
         distances.sort_by(f64::total_cmp);
         distances.into_iter().map(|distance| self.row(distance)).collect()

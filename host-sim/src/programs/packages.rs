@@ -14,13 +14,17 @@ pub(crate) fn install(what_for: &str, packages: &[&str]) -> Result<()> {
     if process::first_line(Command::new("id").arg("-u")).as_deref() != Some("0") {
         bail!("{what_for} needs {list}; install: sudo apt-get install {list}");
     }
-    // One at a time: apt-get refuses to work beside another one, and what one caller has installed the next one finds.
+    // One at a time: apt-get refuses to work beside another one, and what one caller has installed
+    // the next one finds.
     static INSTALLING: Mutex<()> = Mutex::new(());
     let _installing = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
     eprintln!("installing {list}");
     let apt = |arguments: &[&str]| {
         let mut command = Command::new("apt-get");
-        command.args(["-qq", "-o", "DPkg::Lock::Timeout=600"]).args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
+        command
+            .args(["-qq", "-o", "DPkg::Lock::Timeout=600"])
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive");
         process::run(&mut command, LIMIT).is_ok_and(|outcome| outcome.status.success())
     };
     let mut arguments = vec!["install", "-y", "--no-install-recommends"];

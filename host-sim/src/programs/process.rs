@@ -1,4 +1,5 @@
-//! Running other programs: with a time limit, with their output caught, and with errors that say what to do.
+//! Running other programs: with a time limit, with their output caught, and with errors that say
+//! what to do.
 
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
@@ -22,8 +23,14 @@ pub(crate) fn run(command: &mut Command, limit: Duration) -> Result<Outcome> {
     let stdout = read_all(child.stdout.take());
     let stderr = read_all(child.stderr.take());
     let status = wait(&mut child, limit).with_context(|| format!("{name} did not end"))?;
-    let all = |reader: std::thread::JoinHandle<Vec<u8>>| reader.join().map_err(|_| anyhow!("cannot read from {name}"));
-    Ok(Outcome { status, stdout: all(stdout)?, stderr: String::from_utf8_lossy(&all(stderr)?).into_owned() })
+    let all = |reader: std::thread::JoinHandle<Vec<u8>>| {
+        reader.join().map_err(|_| anyhow!("cannot read from {name}"))
+    };
+    Ok(Outcome {
+        status,
+        stdout: all(stdout)?,
+        stderr: String::from_utf8_lossy(&all(stderr)?).into_owned(),
+    })
 }
 
 fn read_all(pipe: Option<impl Read + Send + 'static>) -> std::thread::JoinHandle<Vec<u8>> {
@@ -54,6 +61,7 @@ pub(crate) fn wait(child: &mut Child, limit: Duration) -> Result<ExitStatus> {
 
 /// The first line that the program wrote to stdout, when it ran and succeeded.
 pub(crate) fn first_line(command: &mut Command) -> Option<String> {
-    let outcome = run(command, Duration::from_secs(60)).ok().filter(|outcome| outcome.status.success())?;
+    let outcome =
+        run(command, Duration::from_secs(60)).ok().filter(|outcome| outcome.status.success())?;
     String::from_utf8(outcome.stdout).ok()?.lines().next().map(str::to_owned)
 }

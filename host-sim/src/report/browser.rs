@@ -8,7 +8,8 @@ use std::process::Command;
 
 /// Names another browser of the Chromium family.
 pub const VARIABLE: &str = "LINESTEREO_BROWSER";
-const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+const PROGRAMS: [&str; 4] =
+    ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 const PACKAGE: &str = "chromium";
 const LIMIT: Duration = Duration::from_secs(120);
 /// Time of the page, not of the clock: it ends as soon as nothing is left to do.
@@ -34,8 +35,11 @@ impl Browser {
     /// The one that is there.
     pub fn find() -> Option<Self> {
         let named = std::env::var_os(VARIABLE).map(PathBuf::from);
-        let programs = named.map_or_else(|| PROGRAMS.map(PathBuf::from).to_vec(), |named| vec![named]);
-        let runs = |program: &PathBuf| process::first_line(Command::new(program).arg("--version")).is_some();
+        let programs =
+            named.map_or_else(|| PROGRAMS.map(PathBuf::from).to_vec(), |named| vec![named]);
+        let runs = |program: &PathBuf| {
+            process::first_line(Command::new(program).arg("--version")).is_some()
+        };
         programs.into_iter().find(runs).map(Self)
     }
 
@@ -60,7 +64,10 @@ impl Browser {
         command.arg(format!("file://{}", page.canonicalize()?.display()));
         let outcome = process::run(&mut command, LIMIT)?;
         if !outcome.status.success() {
-            bail!("the browser failed: {}", outcome.stderr.lines().last().unwrap_or("it says nothing"));
+            bail!(
+                "the browser failed: {}",
+                outcome.stderr.lines().last().unwrap_or("it says nothing")
+            );
         }
         Ok(String::from_utf8_lossy(&outcome.stdout).into_owned())
     }

@@ -1,4 +1,5 @@
-// Drawing that the page for browsers (bindings/web) and the live page share: a pair with what was matched in it, its points from above, boxes that are drawn.
+// Drawing that the page for browsers (bindings/web) and the live page share: a pair with what was
+// matched in it, its points from above, boxes that are drawn.
 
 const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
 const FONT = "system-ui, sans-serif";
@@ -24,7 +25,8 @@ export function item(text, name) {
   return made;
 }
 
-/// Disparities that the colours span: all but one segment in fifty at each end; up to `most` without segments.
+/// Disparities that the colours span: all but one segment in fifty at each end; up to `most`
+/// without segments.
 export function range(segments, most) {
   const found = segments.flatMap(segment => segment.disparity).sort((a, b) => a - b), skip = Math.floor(found.length / 50);
   if (!found.length) return [0, most];
@@ -46,7 +48,8 @@ export function showLegend(place, [far, near], segments, span) {
   place.replaceChildren(far, bar, near, beyond ? ` ${beyond} ends beyond these colours` : "");
 }
 
-/// Grey pixels as a picture half as bright, so that colours stand out. Of a dark one all but the brightest hundredth is stretched to white first.
+/// Grey pixels as a picture half as bright, so that colours stand out. Of a dark one all but the
+/// brightest hundredth is stretched to white first.
 export function dimmed(grey, width, height) {
   const white = Uint8Array.from(grey).sort()[Math.floor(0.99 * (grey.length - 1))], gain = 0.62 * (white < 128 ? 255 / Math.max(white, 8) : 1);
   const rgba = new Uint8ClampedArray(4 * width * height).fill(255), canvas = document.createElement("canvas");
@@ -55,8 +58,9 @@ export function dimmed(grey, width, height) {
   return canvas;
 }
 
-/// A picture, or black, with squares of `side` px around points, segments, and boxes with their numbers.
-export function drawPair(canvas, { width, height, picture }, { points, side, segments, boxes, span }) {
+/// A picture, or black, with squares of `side` px around points, segments, outlines of bars, and
+/// boxes with their numbers.
+export function drawPair(canvas, { width, height, picture }, { points, side, segments, bars = [], boxes, span }) {
   const scale = Math.max(1, Math.round(1280 / width)), context = canvas.getContext("2d"), size = Math.max(8, width / 32);
   Object.assign(canvas, { width: width * scale, height: height * scale });
   context.imageSmoothingEnabled = false;
@@ -75,6 +79,13 @@ export function drawPair(canvas, { width, height, picture }, { points, side, seg
     context.lineTo(x[1] + 0.5, y[1] + 0.5);
     context.stroke();
   }
+  for (const { x, y, wide, disparity } of bars) {
+    context.strokeStyle = colour((disparity[0] + disparity[1]) / 2, span);
+    context.beginPath();
+    for (const [across, end] of [[0, 0], [0, 1], [wide, 1], [wide, 0]]) context.lineTo(x[end] + across + 0.5, y[end] + 0.5);
+    context.closePath();
+    context.stroke();
+  }
   context.strokeStyle = context.fillStyle = "#fff";
   context.font = `${size}px ${FONT}`;
   boxes.forEach(({ left, top, right, bottom }, i) => {
@@ -83,7 +94,8 @@ export function drawPair(canvas, { width, height, picture }, { points, side, seg
   });
 }
 
-/// Points from above, the camera below: x to the right and z ahead in m. Sectors, where there are any, as arcs at their distances.
+/// Points from above, the camera below: x to the right and z ahead in m. Sectors, where there are
+/// any, as arcs at their distances.
 export function drawTop(canvas, points, span, sectors = []) {
   const context = canvas.getContext("2d"), [middle, base] = [canvas.width / 2, canvas.height - 20];
   context.clearRect(0, 0, canvas.width, canvas.height);
@@ -117,7 +129,8 @@ export function drawTop(canvas, points, span, sectors = []) {
   context.lineWidth = 1;
 }
 
-/// Has `drawn` called with each box that the visitor draws, by mouse or by keys, and `dragged` while it is drawn, with null at its end; in px of an image of this `size()`.
+/// Has `drawn` called with each box that the visitor draws, by mouse or by keys, and `dragged`
+/// while it is drawn, with null at its end; in px of an image of this `size()`.
 export function onBoxes(canvas, size, dragged, drawn) {
   let box = null;
   const place = event => {
@@ -143,7 +156,8 @@ export function onBoxes(canvas, size, dragged, drawn) {
     dragged(null);
   });
   canvas.addEventListener("pointercancel", () => { box = null; dragged(null); });
-  // Keys: arrows move a box, with Shift they size it, with Ctrl by one pixel; Enter asks for it, Escape drops it.
+  // Keys: arrows move a box, with Shift they size it, with Ctrl by one pixel; Enter asks for it,
+  // Escape drops it.
   canvas.tabIndex = 0;
   let held = null;
   const drop = () => { held = null; dragged(null); };

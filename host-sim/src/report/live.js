@@ -1,5 +1,6 @@
 import { dimmed, drawPair, drawTop, inMetres, inWords, item, onBoxes, range, showLegend } from "./drawing.js";
-// The live page: events of the program -> a pair with what was matched, its points from above, depths of boxes, health, and what came each second.
+// The live page: events of the program -> a pair with what was matched, its points from above,
+// depths of boxes, health, and what came each second.
 
 const $ = id => document.getElementById(id);
 const words = JSON.parse($("words").textContent), advice = new Map(words.flags), reasons = new Map(words.reasons);
@@ -7,7 +8,7 @@ const query = `?token=${new URLSearchParams(location.search).get("token")}`;
 /// Seconds that are charted, notes that are kept, side of the square of a point, px.
 const SECONDS = 60, MOST_NOTES = 20, SIDE = 2;
 
-let frame = null;         // the last one, with its picture, segments and points
+let frame = null;         // the last one, with its picture, segments, bars and points
 let picture = null;       // of the frame that comes next
 let above = [], sectors = [], yaw = 0; // where the camera looks, degrees clockwise from ahead
 let boxes = [];           // as they are asked for, in px of the left image, ends exclusive
@@ -50,9 +51,10 @@ on("frame", line => {
   if ($("hold").checked) return;
   const name = line.name ?? `${line.sequence}`;
   if (line.error) return note(`${name}: ${line.error}`);
-  const segments = line.segments.map(({ left: [[x0, y0], [x1, y1]], disparity_px }) => ({ x: [x0, x1], y: [y0, y1], disparity: disparity_px }));
+  const placed = ({ left: [[x0, y0], [x1, y1]], width_px, disparity_px }) => ({ x: [x0, x1], y: [y0, y1], wide: width_px, disparity: disparity_px });
+  const segments = line.segments.map(placed), bars = (line.bars ?? []).map(placed);
   const points = (line.points ?? []).map(([x, y, disparity]) => ({ x, y, disparity }));
-  frame = { line, name, width: line.size[0], height: line.size[1], segments, points, picture: picture?.canvas ?? null };
+  frame = { line, name, width: line.size[0], height: line.size[1], segments, bars, points, picture: picture?.canvas ?? null };
 });
 on("above", ({ points, rig, yaw_deg }) => {
   yaw = yaw_deg;
@@ -116,18 +118,20 @@ function list() {
 }
 
 onBoxes($("left"), () => [frame?.width ?? 1, frame?.height ?? 1], box => { dragged = box; due(); }, box => { if (frame) ask([...boxes, box]); });
-for (const id of ["show-segments", "show-points", "hold"]) $(id).addEventListener("change", due);
+for (const id of ["show-segments", "show-bars", "show-points", "hold"]) $(id).addEventListener("change", due);
 
 // ---- what is shown
 
 function show() {
   list();
   if (!frame) return;
-  const { line, name, width, segments, points } = frame, span = range(segments, 64);
+  const { line, name, width, segments, bars, points } = frame, span = range(segments, 64);
   const time = line.times_us ? `, matched in ${(line.times_us.matching / 1000).toFixed(1)} ms` : "";
-  $("summary").textContent = `${name}: ${width}x${frame.height}, ${line.counts.matched} segments matched, ${points.length} points${time}`;
+  // A board sends no bars.
+  const ofBars = line.bars ? `, ${bars.length} bars` : "";
+  $("summary").textContent = `${name}: ${width}x${frame.height}, ${line.counts.matched} segments matched, ${points.length} points${ofBars}${time}`;
   $("health").replaceChildren(...line.health.flags.map(flag => item(`${flag}: ${advice.get(flag) ?? ""}`, "bad")));
-  const shown = { points: $("show-points").checked ? points : [], side: SIDE, segments: $("show-segments").checked ? segments : [] };
+  const shown = { points: $("show-points").checked ? points : [], side: SIDE, segments: $("show-segments").checked ? segments : [], bars: $("show-bars").checked ? bars : [] };
   drawPair($("left"), frame, { ...shown, boxes: [...boxes, ...(dragged ? [dragged] : [])], span });
   const metres = frame.rig && span.map(d => (d + frame.rig.offset > 0 ? inMetres(frame.rig.product / (d + frame.rig.offset)) : "∞"));
   showLegend($("legend"), metres ?? span.map(d => `${d} px`), segments, span);

@@ -1,4 +1,5 @@
-//! The live page: events of a server in, pictures and charts out. It asks for nothing but those events.
+//! The live page: events of a server in, pictures and charts out. It asks for nothing but those
+//! events.
 
 use super::{DRAWING, SHARED_STYLE};
 use linestereo::NoDepth;
@@ -8,14 +9,17 @@ use serde_json::json;
 const PAGE: &str = include_str!("live.html");
 const SCRIPT: &str = include_str!("live.js");
 
-/// The page of this source, a name for people. The server's word `nonce` marks its scripts and styles.
+/// The page of this source, a name for people. The server's word `nonce` marks its scripts and
+/// styles.
 pub fn page(source: &str, nonce: &str) -> String {
     // Flags and reasons share names.
     let reasons = NoDepth::ALL.map(|reason| (reason.name(), reason.to_string()));
-    let words = json!({"flags": Health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
+    let words =
+        json!({"flags": Health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
     let source = source.replace('&', "&amp;").replace('<', "&lt;");
     // Behind what it imports it needs no imports.
-    let script: String = SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
+    let script: String =
+        SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
         ("/*NONCE*/", nonce),
         ("/*STYLE*/", SHARED_STYLE),

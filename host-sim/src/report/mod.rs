@@ -1,21 +1,23 @@
 //! Results of pairs -> one page that needs nothing but a browser.
 //!
-//! In: a [`PageFrame`] per pair. Out: HTML with images, data, style and script in it: no network, no other files.
+//! In: a [`PageFrame`] per pair. Out: HTML with images, data, style and script in it: no network,
+//! no other files.
 //!
-//! The data are compact lists (`page.js` names their fields); positions and disparities have two decimals, metres three. Points are thinned to
-//! [`MOST_POINTS`] a frame: they are seen from above only. Images are PNG where there is one pair, JPEG in a sequence.
+//! The data are compact lists (`page.js` names their fields); positions and disparities have two
+//! decimals, metres three. Points are thinned to [`MOST_POINTS`] a frame: they are seen from above
+//! only. Images are PNG where there is one pair, JPEG in a sequence.
 
 pub mod browser;
 pub mod live;
 
 use crate::draw::{ColourRange, gray_png, shown};
 use crate::engine::FrameResult;
-use crate::explain::{Rejected, SegmentTexts, meaning};
+use crate::explain::{Rejected, TestTexts, meaning};
 use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder};
-use linestereo::{Match, Rejection, Rig};
+use linestereo::{Bar, Depth, Match, Rejection, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
 use serde::Serialize;
@@ -40,8 +42,8 @@ pub struct PageFrame<'a> {
     pub rejected: &'a [Rejected],
     /// Regions with their depths; empty when nobody asked.
     pub objects: &'a [(Object, listing::Object)],
-    /// The tests of each segment in words; empty when nobody asked.
-    pub tests: &'a SegmentTexts,
+    /// The tests of each segment and bar in words; empty when nobody asked.
+    pub tests: &'a TestTexts,
 }
 
 /// Settings common to all pairs of a page.
@@ -66,6 +68,7 @@ struct FrameData<'a> {
     /// Colours span these disparities, px.
     range: [f32; 2],
     segments: Vec<Vec<Value>>,
+    bars: Vec<Vec<Value>>,
     rejected: Vec<RejectedData<'a>>,
     /// x, y, disparity.
     points: Vec<(u16, u16, f64, Option<f64>)>,
@@ -120,13 +123,30 @@ impl Page {
             size: [left.dims.width, left.dims.height],
             images: [data_uri(left, self.setup.many)?, data_uri(right, self.setup.many)?],
             range: [range.far, range.near],
-            segments: result.matches.iter().map(|found| segment(found, frame.tests.of(found.ends))).collect(),
-            rejected: frame.rejected.iter().map(|lost| rejected(lost, frame.tests.of(lost.ends))).collect(),
+            segments: result
+                .matches
+                .iter()
+                .map(|found| segment(found, frame.tests.of(found.ends)))
+                .collect(),
+            bars: result
+                .bars
+                .iter()
+                .map(|bar| bar_data(bar, self.setup.rig, frame.tests.of_bar(bar)))
+                .collect(),
+            rejected: frame
+                .rejected
+                .iter()
+                .map(|lost| rejected(lost, frame.tests.of(lost.ends)))
+                .collect(),
             points: self.points(result),
             objects: frame.objects.iter().map(object).collect(),
             counts: listing::counts(&result.counts),
             health: explained_health(result),
-            rows_px: result.pair.as_ref().and_then(|pair| pair.row_offset_q8).map(|q8| f64::from(q8) / 256.0),
+            rows_px: result
+                .pair
+                .as_ref()
+                .and_then(|pair| pair.row_offset_q8)
+                .map(|q8| f64::from(q8) / 256.0),
         };
         self.frames.push(serde_json::to_string(&data)?);
         Ok(())
@@ -139,7 +159,9 @@ impl Page {
 
     fn points(&self, result: &FrameResult) -> Vec<(u16, u16, f64, Option<f64>)> {
         let every = result.points.len().div_ceil(MOST_POINTS).max(1);
-        let depth = |disparity| self.setup.rig.and_then(|rig| finite_metres(rig.depth(disparity))).map(thousandths);
+        let depth = |disparity| {
+            self.setup.rig.and_then(|rig| finite_metres(rig.depth(disparity))).map(thousandths)
+        };
         let points = result.points.iter().step_by(every);
         points.map(|p| (p.x, p.y, hundredths(p.disparity.to_num()), depth(p.disparity))).collect()
     }
@@ -174,7 +196,8 @@ fn escaped(text: &str) -> String {
 fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
     let image = &*shown(image);
     let (kind, bytes) = if small {
-        let (mut bytes, [width, height]) = (Vec::new(), [image.dims.width, image.dims.height].map(u32::from));
+        let (mut bytes, [width, height]) =
+            (Vec::new(), [image.dims.width, image.dims.height].map(u32::from));
         let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
         encoder.write_image(&image.pixels, width, height, ExtendedColorType::L8)?;
         ("jpeg", bytes)
@@ -184,7 +207,8 @@ fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
     Ok(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)))
 }
 
-/// x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sigma of z0, of z1, feature, window, census, tests.
+/// x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sigma of z0, of z1, feature, window,
+/// census, tests.
 fn segment(found: &Match, tests: Option<&str>) -> Vec<Value> {
     let [a, b] = found.ends;
     let px = |value: f64| Value::from(hundredths(value));
@@ -212,6 +236,23 @@ fn segment(found: &Match, tests: Option<&str>) -> Vec<Value> {
     ]
 }
 
+/// x0, y0, x1, y1 of the left edge, width, d0, d1, sigma, confidence, z0, z1, sigma of z0, of z1,
+/// tests.
+fn bar_data(bar: &Bar, rig: Option<Rig>, tests: Option<&str>) -> Vec<Value> {
+    let px = |value: f64| Value::from(hundredths(value));
+    let metres = |z: Option<Depth>| Value::from(z.and_then(finite_metres).map(thousandths));
+    let depths = bar.disparity().map(|d| metres(rig.map(|rig| rig.depth(d))));
+    let sigmas = bar.disparity().map(|d| metres(rig.map(|rig| rig.depth_sigma(d, bar.sigma()))));
+    let mut data: Vec<Value> =
+        bar.ends().iter().flat_map(|end| [px(end.x.to_num()), px(end.y.to_num())]).collect();
+    data.push(px(bar.width().to_num()));
+    data.extend(bar.disparity().map(|d| px(d.to_num())));
+    data.extend([px(bar.sigma().to_num()), thousandths(bar.confidence().to_num()).into()]);
+    data.extend(depths.into_iter().chain(sigmas));
+    data.push(tests.into());
+    data
+}
+
 fn rejected<'a>(lost: &Rejected, tests: Option<&'a str>) -> RejectedData<'a> {
     let [a, b] = lost.ends;
     let px = |value: linestereo::Position| hundredths(value.to_num());
@@ -220,10 +261,13 @@ fn rejected<'a>(lost: &Rejected, tests: Option<&'a str>) -> RejectedData<'a> {
 
 fn object((object, depth): &(Object, listing::Object)) -> ObjectData {
     let cover = match &object.pixels {
-        Pixels::Box(area) => vec![[area.left, area.top, area.right - area.left, area.bottom - area.top]],
-        Pixels::Mask(runs) => {
-            runs.iter().map(|run| [run.span.start, run.y, run.span.end - run.span.start, 1]).collect()
+        Pixels::Box(area) => {
+            vec![[area.left, area.top, area.right - area.left, area.bottom - area.top]]
         }
+        Pixels::Mask(runs) => runs
+            .iter()
+            .map(|run| [run.span.start, run.y, run.span.end - run.span.start, 1])
+            .collect(),
     };
     ObjectData { depth: depth.clone(), cover, is_box: matches!(object.pixels, Pixels::Box(_)) }
 }

@@ -8,10 +8,13 @@ const $ = id => document.getElementById(id);
 // Fields of a segment, in this order.
 const segmentOf = ([x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sz0, sz1, feature, window, census, tests], id) =>
   ({ id, x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sz0, sz1, feature, window, census, tests });
+// Of a bar; x and y are those of its left edge.
+const barOf = ([x0, y0, x1, y1, width, d0, d1, sigma, confidence, z0, z1, sz0, sz1, tests], id) =>
+  ({ id, x0, y0, x1, y1, width, d0, d1, sigma, confidence, z0, z1, sz0, sz1, tests, isBar: true });
 const rejectedOf = ([x0, y0, x1, y1, reason, tests], id) => ({ id, x0, y0, x1, y1, reason, tests, isRejected: true });
 
 let frame = null;          // what is shown
-let chosen = null;         // a segment
+let chosen = null;         // a segment or a bar
 let onlyReason = null;     // position in setup.reasons
 let isUnfolded = false;    // the tests of a segment
 let parts = { left: [], right: [], top: [] };
@@ -41,6 +44,12 @@ const metres = v => v === null ? "∞" : `${v < 10 ? v.toFixed(3) : v.toFixed(1)
 function line(s, shift) {
   const [a, b] = shift ? [s.d0, s.d1] : [0, 0];
   return `M${s.x0 - a} ${s.y0}L${s.x1 - b} ${s.y1}`;
+}
+
+// Both edges, joined at the ends.
+function outline(b, shift) {
+  const [d0, d1] = shift ? [b.d0, b.d1] : [0, 0];
+  return `M${b.x0 - d0} ${b.y0}L${b.x1 - d1} ${b.y1}h${b.width}L${b.x0 - d0 + b.width} ${b.y0}Z`;
 }
 
 // Short strokes towards the side or sides that own the disparity.
@@ -79,6 +88,7 @@ function drawImage(side) {
       if (s.confidence < 0.9) made.setAttribute("stroke-dasharray", "5 4");
       parts[side].set(s, made);
     }
+    for (const b of frame.bars) parts[side].set(b, element(svg, "path", { d: outline(b, shift), class: "outline" + (onlyReason === null ? "" : " dim"), stroke: colour(middle(b)) }));
   }
 }
 
@@ -231,7 +241,7 @@ function describe(s) {
   const box = $("details");
   box.replaceChildren();
   if (!s) {
-    element(box, "p", { class: "faint" }, "Point at a segment, tap it, or go through them with the arrow keys.");
+    element(box, "p", { class: "faint" }, "Point at a segment or a bar, tap it, or go through them with the arrow keys.");
     return;
   }
   const title = element(box, "h3");
@@ -243,7 +253,7 @@ function describe(s) {
     return;
   }
   element(title, "i", { style: `background: ${colour(middle(s))}` });
-  title.append(`Segment ${s.id}`);
+  title.append(`${s.isBar ? "Bar" : "Segment"} ${s.id}`);
   const list = element(box, "dl");
   const put = (name, value) => {
     const pair = element(list, "div");
@@ -255,6 +265,11 @@ function describe(s) {
   if (setup.has_depth) put("depth", from(s.z0, s.z1, metres));
   put("uncertainty", `± ${s.sigma.toFixed(2)} px` + (s.sz0 !== null && setup.has_depth ? `, ± ${Math.max(s.sz0, s.sz1 ?? 0).toFixed(3)} m` : ""));
   put("confidence", percent(s.confidence));
+  if (s.isBar) {
+    put("width", px(s.width));
+    putTests(box, s);
+    return;
+  }
   const names = isFlat(s) ? { left: "above", right: "below", both: "both sides" } : { left: "left side", right: "right side", both: "both sides" };
   put("owner", names[s.owner]);
   put("feature", px(s.feature));
@@ -272,13 +287,15 @@ function putTests(box, s) {
   element(more, "pre", { "data-field": "tests" }, s.tests);
 }
 
+// From a segment, or from the middle of a bar.
 function distance(s, shift, x, y) {
-  const [a, b] = shift ? [s.d0, s.d1] : [0, 0], x0 = s.x0 - a, dx = s.x1 - b - x0, dy = s.y1 - s.y0;
+  const [a, b] = shift ? [s.d0, s.d1] : [0, 0], aside = (s.width ?? 0) / 2;
+  const x0 = s.x0 - a + aside, dx = s.x1 - b + aside - x0, dy = s.y1 - s.y0;
   const t = Math.max(0, Math.min(1, ((x - x0) * dx + (y - s.y0) * dy) / (dx * dx + dy * dy || 1)));
   return Math.hypot(x - x0 - t * dx, y - s.y0 - t * dy);
 }
 
-// The nearest segment within reach; a rejected one only where it is clearly nearer.
+// The nearest segment or bar within reach; a rejected one only where it is clearly nearer.
 function pick(side, event) {
   const rect = $(side).getBoundingClientRect(), scale = frame.size[0] / rect.width, shift = side === "right";
   const x = (event.clientX - rect.left) * scale - 0.5, y = (event.clientY - rect.top) * scale - 0.5;
@@ -291,7 +308,8 @@ function pick(side, event) {
 }
 
 function step(by) {
-  const list = [...parts.left.keys()].sort((a, b) => (a.isRejected ?? 0) - (b.isRejected ?? 0) || a.id - b.id);
+  const rank = s => (s.isRejected ? 2 : s.isBar ? 1 : 0);
+  const list = [...parts.left.keys()].sort((a, b) => rank(a) - rank(b) || a.id - b.id);
   if (!list.length) return;
   const now = list.indexOf(chosen);
   choose(list[now < 0 ? (by > 0 ? 0 : list.length - 1) : (now + by + list.length) % list.length]);
@@ -326,6 +344,7 @@ function show(index) {
   // Once a frame is looked at, its lists become records.
   if (!frame.error && !frame.ready) {
     frame.segments = frame.segments.map(segmentOf);
+    frame.bars = frame.bars.map(barOf);
     frame.rejected = frame.rejected.map(rejectedOf);
     frame.ready = true;
   }
@@ -340,7 +359,7 @@ function show(index) {
     return;
   }
   const count = Object.fromEntries(frame.counts), [w, h] = frame.size;
-  $("summary").textContent = `${w} × ${h} px, disparities below ${setup.max_disparity} px: ${count.matched} of ${count.segments_left} segments matched, ${count.points} points`;
+  $("summary").textContent = `${w} × ${h} px, disparities below ${setup.max_disparity} px: ${count.matched} of ${count.segments_left} segments matched, ${count.points} points, ${frame.bars.length} bars`;
   $("legend").replaceChildren();
   const [far, near] = frame.range;
   element($("legend"), "span", {}, `${far} px, far`);

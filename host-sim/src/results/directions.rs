@@ -1,4 +1,5 @@
-//! Distance per direction of one pair: what an autopilot would be told, as a table, a list and the bytes of MAVLink.
+//! Distance per direction of one pair: what an autopilot would be told, as a table, a list and the
+//! bytes of MAVLink.
 
 use core::convert::Infallible;
 use core::fmt::Write;
@@ -33,7 +34,12 @@ pub struct Direction {
 
 impl Directions {
     /// Of the matches and points of a pair with this health.
-    pub fn new(plan: ObstaclePlan, matches: &[Match], points: &[Point], health: HealthFlags) -> Self {
+    pub fn new(
+        plan: ObstaclePlan,
+        matches: &[Match],
+        points: &[Point],
+        health: HealthFlags,
+    ) -> Self {
         let mut obstacles = Obstacles::new();
         obstacles.update(&plan, matches, points.iter().copied(), health, 0);
         Self { plan, obstacles }
@@ -85,7 +91,8 @@ impl Directions {
 
     /// The directions in view from left to right, one line each.
     pub fn table(&self) -> String {
-        let mut text = format!("sectors of {} degrees, up to {} m", self.width_deg(), self.range_m());
+        let mut text =
+            format!("sectors of {} degrees, up to {} m", self.width_deg(), self.range_m());
         text.push_str(if self.obstacles.is_fit() {
             "\n"
         } else {

@@ -24,13 +24,16 @@ pub struct Ground {
 impl Ground {
     /// Of a plane in images of this size.
     pub fn new(plane: GroundPlane, rig: Option<&Rig>, dims: Dims) -> Self {
-        let [down, across, origin] =
-            [plane.down_q16, plane.across_q16, plane.origin_q16].map(|value| f64::from(value) / 65_536.0);
+        let [down, across, origin] = [plane.down_q16, plane.across_q16, plane.origin_q16]
+            .map(|value| f64::from(value) / 65_536.0);
         let stance = rig.map(|rig| {
             let rig = rig.centred(dims);
             let focal = rig.focal_q16() as f64 / 65_536.0;
             let baseline = rig.focal_baseline_q16() as f64 / 65_536.0 / focal;
-            let [column, row] = rig.principal_point_q16().unwrap_or_default().map(|value| f64::from(value) / 65_536.0);
+            let [column, row] = rig
+                .principal_point_q16()
+                .unwrap_or_default()
+                .map(|value| f64::from(value) / 65_536.0);
             let on_axis = down * row + across * column + origin + rig.offset_q6() as f64 / 64.0;
             // The plane's normal, as long as baseline / height.
             let normal = [across, down, on_axis / focal];
@@ -69,10 +72,15 @@ mod tests {
         let dims = Dims { width: 320, height: 240 };
         let rig = Rig::new(200.0, 0.06, 0.0).unwrap();
         // 0.4 px per row from the middle row on: 0.06 m / 0.4.
-        let plane = GroundPlane { down_q16: 26_214, across_q16: 0, origin_q16: (-0.4 * 119.5 * 65_536.0) as i32 };
+        let plane = GroundPlane {
+            down_q16: 26_214,
+            across_q16: 0,
+            origin_q16: (-0.4 * 119.5 * 65_536.0) as i32,
+        };
         let ground = Ground::new(plane, Some(&rig), dims);
-        let near =
-            |value: Option<f64>, expected: f64| (value.unwrap() - expected).abs() < 0.01 * expected.abs().max(1.0);
+        let near = |value: Option<f64>, expected: f64| {
+            (value.unwrap() - expected).abs() < 0.01 * expected.abs().max(1.0)
+        };
         assert!((ground.camera_height_m.unwrap() - 0.15).abs() < 0.001, "{ground:?}");
         assert!(near(ground.pitch_deg, 0.0) && near(ground.roll_deg, 0.0), "{ground:?}");
         // Pitched down by 10 degrees: the horizon lies f * tan(10 degrees) higher, and the same
@@ -81,9 +89,15 @@ mod tests {
         let pitched = GroundPlane { origin_q16: (-0.4 * horizon * 65_536.0) as i32, ..plane };
         let ground = Ground::new(pitched, Some(&rig), dims);
         assert!(near(ground.pitch_deg, 10.0), "{ground:?}");
-        assert!((ground.camera_height_m.unwrap() - 0.15 * 10.0_f64.to_radians().cos()).abs() < 0.001, "{ground:?}");
+        assert!(
+            (ground.camera_height_m.unwrap() - 0.15 * 10.0_f64.to_radians().cos()).abs() < 0.001,
+            "{ground:?}"
+        );
         let text = ground.summary();
-        assert!(text.starts_with("ground: 0.40 px per row; cameras 0.148 m above it, pitched 10.0"), "{text}");
+        assert!(
+            text.starts_with("ground: 0.40 px per row; cameras 0.148 m above it, pitched 10.0"),
+            "{text}"
+        );
         assert!(Ground::new(plane, None, dims).summary() == "ground: 0.40 px per row\n");
     }
 }

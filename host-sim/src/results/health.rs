@@ -1,16 +1,24 @@
 //! The health of a pair, for people and for JSON.
 
 use crate::engine::FrameResult;
-use linestereo::HealthFlags;
 use linestereo::health::CameraHealth;
+use linestereo::{HealthFlags, Rejection};
 use linestereo_wire::{Health, PairReport, RangeReport};
 use serde::Serialize;
+
+/// Least number of compared segments, and their share below which the matched ones are said to be
+/// few.
+const LEAST_COMPARED: u16 = 24;
+const FEW: f64 = 0.15;
 
 /// Flags with their remedies: first those by which the pair is not fit to be used, then warnings,
 /// then what only costs yield.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
-    let mut told: Vec<_> =
-        Health::NAMES.into_iter().zip(Health::ADVICE).filter(|((flag, _), _)| health.contains(*flag)).collect();
+    let mut told: Vec<_> = Health::NAMES
+        .into_iter()
+        .zip(Health::ADVICE)
+        .filter(|((flag, _), _)| health.contains(*flag))
+        .collect();
     told.sort_by_key(|&((_, name), _)| urgency(name));
     told.into_iter().map(|(_, told)| told)
 }
@@ -18,7 +26,10 @@ pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static st
 /// Order in which flags are told, lowest first: 0 not fit to be used, 1 a warning, 2 a loss of
 /// yield.
 pub fn urgency(name: &str) -> u8 {
-    let flag = Health::NAMES.into_iter().find(|(_, known)| *known == name).map_or(Health::GOOD, |(flag, _)| flag);
+    let flag = Health::NAMES
+        .into_iter()
+        .find(|(_, known)| *known == name)
+        .map_or(Health::GOOD, |(flag, _)| flag);
     u8::from(is_fit(flag)) + u8::from(is_loss(flag))
 }
 
@@ -27,16 +38,30 @@ fn is_loss(flag: Health) -> bool {
     (Health::SEGMENTS_DROPPED | Health::RESULTS_SKIPPED).contains(flag)
 }
 
-/// May what is matched be believed? With one of these flags it may be wrong, or from another time; the others cost yield, or warn.
+/// May what is matched be believed? With one of these flags it may be wrong, or from another time;
+/// the others cost yield, or warn.
 pub fn is_fit(health: Health) -> bool {
     let of_pair = health.of_pair();
-    !health.contains(Health::PAIR_MISSING) && !health.contains(Health::SIZE_MISMATCH) && of_pair.is_fit()
+    !health.contains(Health::PAIR_MISSING)
+        && !health.contains(Health::SIZE_MISMATCH)
+        && of_pair.is_fit()
+}
+
+/// Matches of the exchanged images, if they are far more.
+fn exchange(result: &FrameResult) -> Option<String> {
+    result.exchanged.map(|[matched, segments]| {
+        format!(
+            "left and right are exchanged, or both images are mirrored or upside down: exchange \
+             them, then {matched} of {segments} segments match"
+        )
+    })
 }
 
 /// Why nothing of a pair is to be used, with what to do; `None` where something is matched, and may
 /// be believed.
 pub fn refusal(result: &FrameResult) -> Option<String> {
-    let told = advice(result.health).next().map(|(flag, what)| format!("{flag}: {what}"));
+    let by_flag = || advice(result.health).next().map(|(flag, what)| format!("{flag}: {what}"));
+    let told = exchange(result).or_else(by_flag);
     if !is_fit(result.health) {
         return Some(format!("the pair is not fit to be used; {}", told.unwrap_or_default()));
     }
@@ -60,6 +85,9 @@ pub fn names(health: Health) -> Vec<String> {
 #[derive(Clone, Debug, Serialize)]
 pub struct Listing {
     flags: Vec<String>,
+    /// Segments of the exchanged pair that match, and all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exchanged: Option<[u16; 2]>,
     #[serde(flatten)]
     numbers: Option<Numbers>,
 }
@@ -115,8 +143,13 @@ struct Rows {
 
 impl Listing {
     /// Flags and, when somebody looked, the numbers behind them.
-    pub fn new(health: Health, pair: Option<&PairReport>) -> Self {
-        Self { flags: names(health), numbers: pair.map(Numbers::from) }
+    pub fn new(result: &FrameResult) -> Self {
+        let FrameResult { health, pair, exchanged, .. } = result;
+        Self {
+            flags: names(*health),
+            exchanged: *exchanged,
+            numbers: pair.as_ref().map(Numbers::from),
+        }
     }
 }
 
@@ -163,12 +196,44 @@ impl From<&CameraHealth> for Camera {
     }
 }
 
-/// One line per flag with what to do, and the difference of rows behind those about rows; nothing when all is well.
-pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
+/// One line per flag with what to do; nothing when all is well.
+pub fn remedies(health: Health) -> String {
+    let mut text: String =
+        advice(health).map(|(name, what)| format!("health: {name}: {what}\n")).collect();
+    if !is_fit(health) {
+        text.push_str(
+            "health: the pair is not fit to be used: no segments, points, objects, pixels or \
+             directions are given\n",
+        );
+    }
+    text
+}
+
+/// The [`remedies`], and the numbers behind those about exchanged images, rows and range.
+pub fn summary(result: &FrameResult) -> String {
+    let (health, pair) = (result.health, result.pair.as_ref());
     let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_DRIFT;
-    let mut text: String = advice(health).map(|(name, what)| format!("health: {name}: {what}\n")).collect();
+    let mut text = String::new();
+    if let Some(exchange) = exchange(result) {
+        text.push_str(&format!("health: {exchange}\n"));
+    }
+    text.push_str(&remedies(health));
+    let counts = &result.counts;
+    let compared = counts.segments_left.saturating_sub(counts.rejected(Rejection::LessProminent));
+    if is_fit(health)
+        && compared >= LEAST_COMPARED
+        && f64::from(counts.matched) < FEW * f64::from(compared)
+    {
+        text.push_str(&format!(
+            "health: only {} of {compared} segments match: reduce noise, blur and compression \
+             (JPEG below quality 90 halves the number of matches)\n",
+            counts.matched
+        ));
+    }
     let offset = pair.and_then(|pair| pair.row_offset_q8);
-    if let Some(offset) = offset.filter(|_| rows.names().any(|name| health.names().any(|set| set == name))) {
+    if let Some(offset) =
+        offset.filter(|_| rows.names().any(|name| health.names().any(|set| set == name)))
+    {
         let px = f64::from(offset) / 256.0;
         text.push_str(&format!(
             "health: the right image is {:.2} px too {}\n",
@@ -177,7 +242,9 @@ pub fn summary(health: Health, pair: Option<&PairReport>) -> String {
         ));
     }
     let is_small = health.of_pair().contains(HealthFlags::RANGE_SMALL);
-    if let Some(RangeReport { windows, beyond, disparity }) = pair.and_then(|pair| pair.range).filter(|_| is_small) {
+    if let Some(RangeReport { windows, beyond, disparity }) =
+        pair.and_then(|pair| pair.range).filter(|_| is_small)
+    {
         text.push_str(&format!(
             "health: {beyond} of {windows} windows match beyond the range, at up to {disparity} px: \
              --max-disparity {} or more\n",
@@ -197,7 +264,10 @@ mod tests {
         let told: Vec<&str> = advice(all).map(|(name, _)| name).collect();
         let place = |name: &str| told.iter().position(|told| *told == name).unwrap();
         assert_eq!(told.len(), Health::NAMES.len());
-        assert!(place("few_matches") < place("left_exposure") && place("rows_far") < place("exposures_differ"));
+        assert!(
+            place("few_matches") < place("left_exposure")
+                && place("rows_far") < place("exposures_differ")
+        );
         assert_eq!(told[told.len() - 2..], ["segments_dropped", "results_skipped"]);
     }
 }

@@ -1,7 +1,8 @@
 //! A frame's result as JSON and as CSV.
 //!
-//! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and metres have five decimals. An
-//! infinite depth (a disparity plus offset of zero or less) is `null` in JSON and empty in CSV.
+//! Decimals: positions and disparities are exact (steps of 1/32 and 1/64 px), probabilities and
+//! metres have five decimals. An infinite depth (a disparity plus offset of zero or less) is `null`
+//! in JSON and empty in CSV.
 
 use super::directions::{Direction, five_decimals};
 use super::ground::Ground;
@@ -9,8 +10,8 @@ use crate::engine::FrameResult;
 use crate::results::health;
 use core::fmt::Write;
 use linestereo::{
-    Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner, PixelDepth,
-    PixelRejection, Rejection,
+    Bar, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner,
+    PixelDepth, PixelRejection, Rejection,
 };
 use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
@@ -22,6 +23,7 @@ const CSV_HEAD: &str = "id,x0,y0,x1,y1,disparity0_px,disparity1_px,sigma_px,conf
 struct Listing<'a> {
     size: [u16; 2],
     segments: Vec<Segment>,
+    bars: Vec<ListedBar>,
     /// x, y, disparity in px, confidence.
     points: Vec<(u16, u16, f64, f64)>,
     #[serde(serialize_with = "as_map")]
@@ -151,6 +153,28 @@ struct Segment {
     techniques: TechniqueDisparities,
 }
 
+/// A thin thing: ends of its left edge in the left image, and how far its right one is along a row.
+#[derive(Serialize)]
+struct ListedBar {
+    left: [[f64; 2]; 2],
+    width_px: f64,
+    disparity_px: [f64; 2],
+    sigma_px: f64,
+    confidence: f64,
+}
+
+impl ListedBar {
+    fn new(bar: &Bar) -> Self {
+        Self {
+            left: bar.ends().map(position),
+            width_px: bar.width().to_num(),
+            disparity_px: bar.disparity().map(Disparity::to_num),
+            sigma_px: bar.sigma().to_num(),
+            confidence: five_decimals(bar.confidence().to_num()),
+        }
+    }
+}
+
 #[derive(Serialize)]
 struct TechniqueDisparities {
     feature: Option<f64>,
@@ -158,15 +182,19 @@ struct TechniqueDisparities {
     census: f64,
 }
 
-/// The result as JSON: `size`, `segments`, `points`, `counts` and `health`, and the answers to what was asked.
+/// The result as JSON: `size`, `segments`, `points`, `counts` and `health`, and the answers to what
+/// was asked.
 pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::Result<String> {
     let points = result.points.iter();
     let listing = Listing {
         size: [dims.width, dims.height],
         segments: result.matches.iter().enumerate().map(segment).collect(),
-        points: points.map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num()))).collect(),
+        bars: result.bars.iter().map(ListedBar::new).collect(),
+        points: points
+            .map(|p| (p.x, p.y, p.disparity.to_num(), five_decimals(p.confidence.to_num())))
+            .collect(),
         counts: counts(&result.counts),
-        health: health::Listing::new(result.health, result.pair.as_ref()),
+        health: health::Listing::new(result),
         answers,
     };
     let mut text = serde_json::to_string(&listing)?;
@@ -206,8 +234,9 @@ pub fn csv(result: &FrameResult) -> String {
 
 /// Objects as CSV, one line each below a line of names; what is unknown is empty.
 pub fn objects_csv(objects: &[Object]) -> String {
-    let mut text =
-        String::from("label,name,disparity_px,sigma_px,depth_m,sigma_m,nearest_m,support,confidence,reason\n");
+    let mut text = String::from(
+        "label,name,disparity_px,sigma_px,depth_m,sigma_m,nearest_m,support,confidence,reason\n",
+    );
     let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     for object in objects {
         let name = object.name.as_deref().unwrap_or("");
@@ -233,7 +262,8 @@ pub fn objects_csv(objects: &[Object]) -> String {
     text
 }
 
-/// Everything counted in a frame by name: found, matched, one entry per [`Rejection`], dropped for space.
+/// Everything counted in a frame by name: found, matched, one entry per [`Rejection`], dropped for
+/// space.
 pub fn counts(counts: &Counts) -> Vec<(&'static str, u32)> {
     let mut list = vec![
         ("segments_left", u32::from(counts.segments_left)),
@@ -296,10 +326,10 @@ mod tests {
     use super::*;
     use linestereo::diagnostics::Techniques;
     use linestereo::{Confidence, Point, Position};
-    use linestereo_wire::Health;
 
     fn example() -> FrameResult {
-        let point = |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
+        let point =
+            |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
         let matched = Match {
             ends: [point(1.5, 2.0), point(3.03125, 40.0)],
             disparity: [Disparity::from_num(10.25), Disparity::from_num(0)],
@@ -321,14 +351,7 @@ mod tests {
             confidence: Confidence::MAX,
             source: linestereo::Source::Segment(0),
         };
-        FrameResult {
-            matches: vec![matched],
-            points: vec![point],
-            counts: Counts::default(),
-            health: Health::GOOD,
-            pair: None,
-            ground: None,
-        }
+        FrameResult { matches: vec![matched], ..FrameResult::of_points(vec![point]) }
     }
 
     #[test]
@@ -339,12 +362,16 @@ mod tests {
             r#"{"size":[64,48],"segments":[{"id":0,"left":[[1.5,2.0],[3.03125,40.0]],"disparity_px":[10.25,0.0],"#
                 .to_owned()
                 + r#""sigma_px":0.125,"confidence":0.875,"owner":"left","depth_m":[2.5,null],"#
-                + r#""techniques":{"feature":null,"window":10.25,"census":10.5}}],"points":[[7,9,10.0,0.99998]],"#;
+                + r#""techniques":{"feature":null,"window":10.25,"census":10.5}}],"#
+                + r#""bars":[],"points":[[7,9,10.0,0.99998]],"#;
         assert_eq!(head, expected);
         let (counts, health) = counts.split_once(r#","health":"#).unwrap();
         assert_eq!(health, "{\"flags\":[]}}\n");
         let counts = counts.trim_end_matches('}');
-        let head = format!(r#"{{"segments_left":0,"segments_right":0,"matched":0,"{}":0,"#, Rejection::ALL[0].name());
+        let head = format!(
+            r#"{{"segments_left":0,"segments_right":0,"matched":0,"{}":0,"#,
+            Rejection::ALL[0].name()
+        );
         assert!(counts.starts_with(&head), "{counts}");
         assert!(counts.ends_with(r#""points":0"#), "{counts}");
     }
@@ -386,6 +413,9 @@ mod tests {
 
     #[test]
     fn csv_leaves_what_is_unknown_empty() {
-        assert_eq!(csv(&example()).lines().nth(1), Some("0,1.5,2,3.03125,40,10.25,0,0.125,0.875,left,2.5,,,"));
+        assert_eq!(
+            csv(&example()).lines().nth(1),
+            Some("0,1.5,2,3.03125,40,10.25,0,0.125,0.875,left,2.5,,,")
+        );
     }
 }

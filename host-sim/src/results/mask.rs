@@ -67,7 +67,8 @@ impl Mask {
         self.pixels[y * usize::from(self.dims.width) + x]
     }
 
-    /// Every pixel that `keep` makes of its own and its four neighbours' flags; there are none beyond the border.
+    /// Every pixel that `keep` makes of its own and its four neighbours' flags; there are none
+    /// beyond the border.
     fn step(&self, keep: impl Fn(bool, [bool; 4]) -> bool) -> Self {
         let (width, height) = (usize::from(self.dims.width), usize::from(self.dims.height));
         let pixels = (0..width * height).map(|i| {
@@ -90,7 +91,8 @@ impl Mask {
 
     /// Smaller by so many steps; the image's border erodes too.
     pub fn eroded(&self, steps: usize) -> Self {
-        (0..steps).fold(self.clone(), |mask, _| mask.step(|own, near| own && !near.contains(&false)))
+        (0..steps)
+            .fold(self.clone(), |mask, _| mask.step(|own, near| own && !near.contains(&false)))
     }
 
     /// Its runs, all with this label.

@@ -1,4 +1,5 @@
-//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as as messages of ROS 2.
+//! Results of a pair: as JSON, CSV and text, as files of other programs, as directions, as as
+//! messages of ROS 2.
 
 pub mod directions;
 pub mod ground;

@@ -10,7 +10,8 @@
 //! /linestereo/left/image_rect, camera_info, right/..                           where they are asked for
 //! ```
 //!
-//! Frame: the optical one of the left camera, x right, y down, z forward, m. What has no finite depth is left out.
+//! Frame: the optical one of the left camera, x right, y down, z forward, m. What has no finite
+//! depth is left out.
 
 use super::health;
 use crate::engine::FrameResult;
@@ -24,12 +25,18 @@ use linestereo_wire::RigUpdate;
 use serde::Serialize;
 use std::io::{self, Write};
 
-const POINTS: Topic = Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
-const SEGMENTS: Topic = Topic { name: "/linestereo/segments", package: "visualization_msgs", message: "Marker" };
-const OBJECTS: Topic = Topic { name: "/linestereo/objects", package: "visualization_msgs", message: "MarkerArray" };
-const DETECTIONS: Topic = Topic { name: "/linestereo/detections", package: "vision_msgs", message: "Detection3DArray" };
-const HEALTH: Topic = Topic { name: "/linestereo/health", package: "diagnostic_msgs", message: "DiagnosticArray" };
-const DISPARITY: Topic = Topic { name: "/linestereo/disparity", package: "stereo_msgs", message: "DisparityImage" };
+const POINTS: Topic =
+    Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
+const SEGMENTS: Topic =
+    Topic { name: "/linestereo/segments", package: "visualization_msgs", message: "Marker" };
+const OBJECTS: Topic =
+    Topic { name: "/linestereo/objects", package: "visualization_msgs", message: "MarkerArray" };
+const DETECTIONS: Topic =
+    Topic { name: "/linestereo/detections", package: "vision_msgs", message: "Detection3DArray" };
+const HEALTH: Topic =
+    Topic { name: "/linestereo/health", package: "diagnostic_msgs", message: "DiagnosticArray" };
+const DISPARITY: Topic =
+    Topic { name: "/linestereo/disparity", package: "stereo_msgs", message: "DisparityImage" };
 const IMAGES: [Topic; 2] = [
     Topic { name: "/linestereo/left/image_rect", package: "sensor_msgs", message: "Image" },
     Topic { name: "/linestereo/right/image_rect", package: "sensor_msgs", message: "Image" },
@@ -78,8 +85,14 @@ impl<W: Write> RosFile<W> {
     }
 
     /// The messages of a pair.
-    pub fn frame(&mut self, stamp: Stamp<'_>, named: (u64, &str), frame: &Frame<'_>) -> io::Result<()> {
-        let (result, size) = (frame.result, [frame.images[0].dims.width, frame.images[0].dims.height]);
+    pub fn frame(
+        &mut self,
+        stamp: Stamp<'_>,
+        named: (u64, &str),
+        frame: &Frame<'_>,
+    ) -> io::Result<()> {
+        let (result, size) =
+            (frame.result, [frame.images[0].dims.width, frame.images[0].dims.height]);
         let rig = frame.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some());
         if let Some(rig) = rig {
             self.send(POINTS, stamp, &sent::point_cloud(stamp, &points(rig, result)))?;
@@ -95,7 +108,11 @@ impl<W: Write> RosFile<W> {
         if self.extras.contains(&Extra::Images) {
             let projection = rig.map(|rig| projection(rig, frame.rig_numbers));
             for eye in 0..2 {
-                self.send(IMAGES[eye], stamp, &sent::image(stamp, size, &frame.images[eye].pixels))?;
+                self.send(
+                    IMAGES[eye],
+                    stamp,
+                    &sent::image(stamp, size, &frame.images[eye].pixels),
+                )?;
                 if let Some(projection) = &projection {
                     let info = sent::camera_info(stamp, size, projection, eye == 1);
                     self.send(INFOS[eye], stamp, &info)?;
@@ -138,7 +155,8 @@ impl<W: Write> RosFile<W> {
         message: String,
         values: Vec<(String, String)>,
     ) -> io::Result<()> {
-        let named = [("frame".to_owned(), number.to_string()), ("name".to_owned(), name.to_owned())];
+        let named =
+            [("frame".to_owned(), number.to_string()), ("name".to_owned(), name.to_owned())];
         let values = named.into_iter().chain(values).collect();
         self.send(HEALTH, stamp, &sent::diagnostics(stamp, level, message, values))
     }
@@ -185,11 +203,14 @@ fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
 
 /// The label of an object, placed at the middle of its area, with the area's size at its depth, m.
 pub fn placed(rig: &Rig, area: Area, disparity_px: f64, said: Label) -> Option<Label> {
-    let middle = |from: u16, to: u16| Position::saturating_from_num((f64::from(from) + f64::from(to) - 1.0) / 2.0);
+    let middle = |from: u16, to: u16| {
+        Position::saturating_from_num((f64::from(from) + f64::from(to) - 1.0) / 2.0)
+    };
     let at = ImagePosition { x: middle(area.left, area.right), y: middle(area.top, area.bottom) };
     let position = point(rig, at, Disparity::saturating_from_num(disparity_px))?;
     let metres_a_pixel = position[2] * 65_536.0 / rig.focal_q16() as f64;
-    let size = [area.right - area.left, area.bottom - area.top].map(|px| f64::from(px) * metres_a_pixel);
+    let size =
+        [area.right - area.left, area.bottom - area.top].map(|px| f64::from(px) * metres_a_pixel);
     Some(Label { position, size, ..said })
 }
 
@@ -207,7 +228,8 @@ fn disparity_image(stamp: Stamp<'_>, frame: &Frame<'_>) -> DisparityImage<'stati
     let Dims { width, height } = frame.images[0].dims;
     let projection = frame.params.rig.as_ref().map(|rig| projection(rig, frame.rig_numbers));
     let offset = projection.map_or(0.0, |rig| (rig.centres[1][0] - rig.centres[0][0]) as f32);
-    let range = [f32::from(frame.params.min_disparity), f32::from(frame.params.max_disparity)].map(|end| end + offset);
+    let range = [f32::from(frame.params.min_disparity), f32::from(frame.params.max_disparity)]
+        .map(|end| end + offset);
     // As OpenCV marks them.
     let mut values: Vec<f32> = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
     for point in &frame.result.points {
@@ -220,10 +242,19 @@ fn disparity_image(stamp: Stamp<'_>, frame: &Frame<'_>) -> DisparityImage<'stati
     let (encoding, step) = ("32FC1".to_owned(), 4 * u32::from(width));
     DisparityImage {
         header: stamp.into(),
-        image: Image { encoding, step, data: data.into(), ..sent::image(stamp, [width, height], &[]) },
+        image: Image {
+            encoding,
+            step,
+            data: data.into(),
+            ..sent::image(stamp, [width, height], &[])
+        },
         f: projection.map_or(0.0, |rig| rig.focal_px as f32),
         t: projection.map_or(0.0, |rig| rig.baseline_m as f32),
-        valid_window: RegionOfInterest { height: height.into(), width: width.into(), ..RegionOfInterest::default() },
+        valid_window: RegionOfInterest {
+            height: height.into(),
+            width: width.into(),
+            ..RegionOfInterest::default()
+        },
         min_disparity: range[0],
         max_disparity: range[1],
         delta_d: DISPARITY_STEP,

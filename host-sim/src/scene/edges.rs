@@ -1,4 +1,5 @@
-//! One straight edge with everything about it known: position, direction, disparity along it, slant, owner.
+//! One straight edge with everything about it known: position, direction, disparity along it,
+//! slant, owner.
 
 use super::geometry::{Pair, Surface, Vector, along, cross, length, unit};
 use super::{Pattern, Scene, Texture};
@@ -21,14 +22,24 @@ impl DisparityPlane {
         self.disparity + self.slope[0] * (x - self.at[0]) + self.slope[1] * (y - self.at[1])
     }
 
-    /// The plane as an unbounded surface whose first axis is seen along `direction` through [`Self::at`] and whose second one
-    /// points to the right of that direction, as seen in the image.
-    pub fn surface(&self, pair: &Pair, direction: [f64; 2], texture: Texture, label: u8) -> Surface {
+    /// The plane as an unbounded surface whose first axis is seen along `direction` through
+    /// [`Self::at`] and whose second one points to the right of that direction, as seen in the
+    /// image.
+    pub fn surface(
+        &self,
+        pair: &Pair,
+        direction: [f64; 2],
+        texture: Texture,
+        label: u8,
+    ) -> Surface {
         let [x, y] = self.at;
-        let point = |x: f64, y: f64| -> Vector { pair.point(x, y, pair.depth(self.disparity_at(x, y))) };
+        let point =
+            |x: f64, y: f64| -> Vector { pair.point(x, y, pair.depth(self.disparity_at(x, y))) };
         let origin = point(x, y);
-        // A small step keeps the depth positive on any plane; the direction in space does not depend on it.
-        let toward = |dx: f64, dy: f64| unit(along(point(x + 1e-3 * dx, y + 1e-3 * dy), -1.0, origin));
+        // A small step keeps the depth positive on any plane; the direction in space does not
+        // depend on it.
+        let toward =
+            |dx: f64, dy: f64| unit(along(point(x + 1e-3 * dx, y + 1e-3 * dy), -1.0, origin));
         let u = toward(direction[0], direction[1]);
         let normal = unit(cross(u, toward(-direction[1], direction[0])));
         let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
@@ -36,7 +47,8 @@ impl DisparityPlane {
     }
 }
 
-/// A single edge through an image: the border between two greys on one surface, or the border of a surface before another.
+/// A single edge through an image: the border between two greys on one surface, or the border of a
+/// surface before another.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeCase {
     /// The plane the edge lies on; the edge passes through its `at`.
@@ -67,14 +79,16 @@ impl EdgeCase {
         if forward { [dx, dy] } else { [-dx, -dy] }
     }
 
-    /// Distance of a pixel position from the edge in pixels: negative on the left (upper) side, positive on the right (lower) one.
+    /// Distance of a pixel position from the edge in pixels: negative on the left (upper) side,
+    /// positive on the right (lower) one.
     pub fn side(&self, x: f64, y: f64) -> f64 {
         let [dx, dy] = self.ordered_direction();
         let norm = length([dx, dy, 0.0]);
         ((y - self.plane.at[1]) * dx - (x - self.plane.at[0]) * dy) / norm
     }
 
-    /// The case as a scene for images of this size: labels are 1 for the plane and 2 for the wall behind.
+    /// The case as a scene for images of this size: labels are 1 for the plane and 2 for the wall
+    /// behind.
     pub fn scene(&self, dims: Dims) -> Scene {
         let pair = Pair::centred(dims, f64::from(dims.width), 0.1);
         let texture = |pattern: Pattern, disparity: f64, seed: u64| {
@@ -88,19 +102,26 @@ impl EdgeCase {
             Owner::Left => (Pattern::Blank(left), right, Some([f64::NEG_INFINITY, 0.0])),
             Owner::Right => (Pattern::Blank(right), left, Some([0.0, f64::INFINITY])),
         };
-        let mut front = self.plane.surface(&pair, direction, texture(pattern, self.plane.disparity, self.seed), 1);
+        let mut front = self.plane.surface(
+            &pair,
+            direction,
+            texture(pattern, self.plane.disparity, self.seed),
+            1,
+        );
         let Some(reach) = reach else {
             return Scene { pair, surfaces: vec![front], objects: vec!["plane"] };
         };
         front.extent[1] = reach;
         let wall = DisparityPlane { disparity: self.background, slope: [0.0; 2], ..self.plane };
-        let rear_texture = texture(Pattern::Blank(rear_grey), self.background, self.seed.wrapping_add(1));
+        let rear_texture =
+            texture(Pattern::Blank(rear_grey), self.background, self.seed.wrapping_add(1));
         let surfaces = vec![front, wall.surface(&pair, direction, rear_texture, 2)];
         Scene { pair, surfaces, objects: vec!["plane", "wall behind"] }
     }
 
-    /// Cases over directions (every 15 degrees or so, and near-horizontal ones), slants, sub-pixel shifts and owners, the
-    /// edges passing near the middle of images of this size at a disparity near `disparity`, in front of a wall at half of it.
+    /// Cases over directions (every 15 degrees or so, and near-horizontal ones), slants, sub-pixel
+    /// shifts and owners, the edges passing near the middle of images of this size at a disparity
+    /// near `disparity`, in front of a wall at half of it.
     pub fn grid(dims: Dims, disparity: f64) -> Vec<Self> {
         const DIRECTIONS: [[f64; 2]; 10] = [
             [0.0, 1.0],
@@ -122,12 +143,23 @@ impl EdgeCase {
                 for shift in SHIFTS {
                     for owner in [Owner::Left, Owner::Right, Owner::Both] {
                         let seed = cases.len() as u64;
-                        // The edge's column and its disparity shift by different fractions, so that they do not cancel.
+                        // The edge's column and its disparity shift by different fractions, so that
+                        // they do not cancel.
                         let at = [f64::from(dims.width / 2) + shift, f64::from(dims.height / 2)];
-                        let plane = DisparityPlane { at, disparity: disparity + 1.5 * shift, slope };
-                        let greys = if seed.is_multiple_of(2) { [80.0, 160.0] } else { [150.0, 70.0] };
+                        let plane =
+                            DisparityPlane { at, disparity: disparity + 1.5 * shift, slope };
+                        let greys =
+                            if seed.is_multiple_of(2) { [80.0, 160.0] } else { [150.0, 70.0] };
                         let background = 0.5 * disparity;
-                        cases.push(Self { plane, direction, owner, background, greys, grain: 25.0, seed });
+                        cases.push(Self {
+                            plane,
+                            direction,
+                            owner,
+                            background,
+                            greys,
+                            grain: 25.0,
+                            seed,
+                        });
                     }
                 }
             }

@@ -9,10 +9,16 @@ use serde_json::json;
 const SCALE: f32 = 256.0;
 
 /// Name and contents of every file of the folder of a scene called `name`.
-pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<(&'static str, Vec<u8>)>> {
+pub fn files(
+    name: &str,
+    pair: &Pair,
+    rendering: &Rendering,
+) -> ImageResult<Vec<(&'static str, Vec<u8>)>> {
     let dims = rendering.left.dims;
-    let mask: Vec<u8> = rendering.visible.iter().map(|&visible| if visible { 255 } else { 0 }).collect();
-    let truth: Vec<u8> = rendering.disparity.iter().flat_map(|&d| stored(d).to_ne_bytes()).collect();
+    let mask: Vec<u8> =
+        rendering.visible.iter().map(|&visible| if visible { 255 } else { 0 }).collect();
+    let truth: Vec<u8> =
+        rendering.disparity.iter().flat_map(|&d| stored(d).to_ne_bytes()).collect();
     let note = "16-bit; disparity of the left image in px = value / 256; 0 = unknown";
     let description = json!({
         "set": "synthetic",
@@ -29,7 +35,8 @@ pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<
             "disparity_offset_px": pair.disparity_offset_px,
         },
     });
-    let png = |samples: &[u8], colour| png_file(samples, [dims.width.into(), dims.height.into()], colour);
+    let png =
+        |samples: &[u8], colour| png_file(samples, [dims.width.into(), dims.height.into()], colour);
     Ok(vec![
         ("left.png", png(&rendering.left.pixels, ExtendedColorType::L8)?),
         ("right.png", png(&rendering.right.pixels, ExtendedColorType::L8)?),
@@ -40,7 +47,8 @@ pub fn files(name: &str, pair: &Pair, rendering: &Rendering) -> ImageResult<Vec<
     ])
 }
 
-/// The disparity range a search needs: above everything in the scene, in steps of 16, within the core's limits.
+/// The disparity range a search needs: above everything in the scene, in steps of 16, within the
+/// core's limits.
 pub fn search_range(rendering: &Rendering) -> u16 {
     let largest = rendering.disparity.iter().copied().fold(0.0_f32, f32::max); // NaN loses against any number
     let range = (largest as u16 + 2).next_multiple_of(16);

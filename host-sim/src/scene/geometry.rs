@@ -36,7 +36,8 @@ pub struct Pair {
     pub baseline_m: f64,
     /// Optical centre of the left image in pixels.
     pub centre: [f64; 2],
-    /// Added to a disparity before it becomes a depth: the right optical centre lies this many pixels further right.
+    /// Added to a disparity before it becomes a depth: the right optical centre lies this many
+    /// pixels further right.
     pub disparity_offset_px: f64,
 }
 
@@ -67,7 +68,8 @@ impl Pair {
     }
 }
 
-/// A rectangle in space, possibly unbounded on some sides. `u` and `v` are its axes: unit vectors, perpendicular.
+/// A rectangle in space, possibly unbounded on some sides. `u` and `v` are its axes: unit vectors,
+/// perpendicular.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     /// Where the texture's coordinates start.
@@ -82,27 +84,42 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The rectangle from `corner` along `across` and, as far as that is perpendicular to `across`, along `down`.
-    pub fn rectangle(corner: Vector, across: Vector, down: Vector, texture: Texture, label: u8) -> Self {
+    /// The rectangle from `corner` along `across` and, as far as that is perpendicular to `across`,
+    /// along `down`.
+    pub fn rectangle(
+        corner: Vector,
+        across: Vector,
+        down: Vector,
+        texture: Texture,
+        label: u8,
+    ) -> Self {
         let u = unit(across);
         let down = along(down, -dot(down, u), u);
         let extent = [[0.0, length(across)], [0.0, length(down)]];
         Self { origin: corner, u, v: unit(down), extent, texture, label }
     }
 
-    /// The six faces of a box: its centre, its three edges (perpendicular to each other), one texture per pair of faces.
-    pub fn cuboid(centre: Vector, edges: [Vector; 3], textures: [Texture; 3], label: u8) -> [Self; 6] {
+    /// The six faces of a box: its centre, its three edges (perpendicular to each other), one
+    /// texture per pair of faces.
+    pub fn cuboid(
+        centre: Vector,
+        edges: [Vector; 3],
+        textures: [Texture; 3],
+        label: u8,
+    ) -> [Self; 6] {
         core::array::from_fn(|face| {
             let (axis, side) = (face / 2, if face % 2 == 0 { -0.5 } else { 0.5 });
             let (across, down) = (edges[(axis + 1) % 3], edges[(axis + 2) % 3]);
             let corner = along(along(along(centre, side, edges[axis]), -0.5, across), -0.5, down);
-            let texture = Texture { seed: textures[axis].seed.wrapping_add(face as u64), ..textures[axis] };
+            let texture =
+                Texture { seed: textures[axis].seed.wrapping_add(face as u64), ..textures[axis] };
             Self::rectangle(corner, across, down, texture, label)
         })
     }
 }
 
-/// A surface as one camera sees it: every quantity that does not depend on the ray, worked out once.
+/// A surface as one camera sees it: every quantity that does not depend on the ray, worked out
+/// once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facing {
     normal: Vector,
@@ -124,7 +141,8 @@ impl Facing {
         for (u, v) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             let [across, down] = [surface.extent[0][u], surface.extent[1][v]];
             let corner = along(along(to_origin, across, surface.u), down, surface.v);
-            // A corner behind the eye or at infinity has no useful projection: such a surface may be anywhere.
+            // A corner behind the eye or at infinity has no useful projection: such a surface may
+            // be anywhere.
             let in_front = across.is_finite() && down.is_finite() && corner[2] > 1e-6;
             for (axis, bound) in bounds.iter_mut().enumerate() {
                 let slope = corner[axis] / corner[2];
@@ -142,7 +160,8 @@ impl Facing {
         }
     }
 
-    /// Depth and surface coordinates where the ray of slopes `x/z`, `y/z` meets the surface in front of the eye.
+    /// Depth and surface coordinates where the ray of slopes `x/z`, `y/z` meets the surface in
+    /// front of the eye.
     #[inline]
     pub(super) fn hit(&self, ray: [f64; 2]) -> Option<(f64, [f64; 2])> {
         let direction = [ray[0], ray[1], 1.0];

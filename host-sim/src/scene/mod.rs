@@ -1,11 +1,13 @@
 //! Synthetic rectified stereo scenes with exact ground truth.
 //!
-//! In: flat surfaces in metres with procedural textures, a pinhole pair, a sensor. Out: the two images, and for every
-//! pixel centre of the left one its disparity, its surface and whether the right camera sees the same point: all by casting
-//! rays at the geometry, nothing is resampled, so edges have a sub-pixel truth.
+//! In: flat surfaces in metres with procedural textures, a pinhole pair, a sensor. Out: the two
+//! images, and for every pixel centre of the left one its disparity, its surface and whether the
+//! right camera sees the same point: all by casting rays at the geometry, nothing is resampled, so
+//! edges have a sub-pixel truth.
 //!
-//! The same scene and seed give the same bytes on every machine: only `+ - * /`, `sqrt` and `floor` on f64 and integer
-//! hashes are used, never sines or other functions whose last bit belongs to a platform's library.
+//! The same scene and seed give the same bytes on every machine: only `+ - * /`, `sqrt` and `floor`
+//! on f64 and integer hashes are used, never sines or other functions whose last bit belongs to a
+//! platform's library.
 
 mod builtin;
 mod edges;

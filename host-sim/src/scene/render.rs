@@ -1,7 +1,8 @@
 //! From surfaces to two images and the truth, by ray casting.
 //!
-//! A pixel is the mean over its area, taken at the points of a Fibonacci lattice: an edge of any direction sweeps over them one
-//! at a time, so its position shows in steps of 1/55 px (a square grid of as many points would give 1/7).
+//! A pixel is the mean over its area, taken at the points of a Fibonacci lattice: an edge of any
+//! direction sweeps over them one at a time, so its position shows in steps of 1/55 px (a square
+//! grid of as many points would give 1/7).
 
 use super::Scene;
 use super::geometry::{Facing, Surface, Vector, along};
@@ -93,15 +94,21 @@ impl Camera {
         candidates.iter().copied().filter(meets).collect()
     }
 
-    /// Calls `visit(column, row, candidates)` for every pixel with the surfaces that may be seen in it.
+    /// Calls `visit(column, row, candidates)` for every pixel with the surfaces that may be seen in
+    /// it.
     fn for_each_pixel(&self, dims: Dims, mut visit: impl FnMut(f64, f64, &[usize])) {
         let all: Vec<usize> = (0..self.facings.len()).collect();
         for row in 0..dims.height {
             let y = f64::from(row);
-            let in_row = self.between(&all, 1, self.ray(0.0, y - 0.5)[1], self.ray(0.0, y + 0.5)[1]);
+            let in_row =
+                self.between(&all, 1, self.ray(0.0, y - 0.5)[1], self.ray(0.0, y + 0.5)[1]);
             for column in 0..dims.width {
                 let x = f64::from(column);
-                visit(x, y, &self.between(&in_row, 0, self.ray(x - 0.5, 0.0)[0], self.ray(x + 0.5, 0.0)[0]));
+                visit(
+                    x,
+                    y,
+                    &self.between(&in_row, 0, self.ray(x - 0.5, 0.0)[0], self.ray(x + 0.5, 0.0)[0]),
+                );
             }
         }
     }
@@ -110,13 +117,16 @@ impl Camera {
     fn image(&self, dims: Dims, surfaces: &[Surface]) -> Vec<f64> {
         let (count, step) = LATTICE;
         let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(count) - 0.5;
-        let lattice: Vec<[f64; 2]> = (0..count).map(|i| [offset(i), offset(i * step % count)]).collect();
+        let lattice: Vec<[f64; 2]> =
+            (0..count).map(|i| [offset(i), offset(i * step % count)]).collect();
         let mut greys = Vec::with_capacity(usize::from(dims.width) * usize::from(dims.height));
         let mut grain = Grain::default();
         self.for_each_pixel(dims, |x, y, candidates| {
             let grey = |&[dx, dy]: &[f64; 2]| {
                 self.nearest(candidates, self.ray(x + dx, y + dy))
-                    .map_or(0.0, |(number, _, [u, v])| surfaces[number].texture.grey_near(&mut grain, u, v))
+                    .map_or(0.0, |(number, _, [u, v])| {
+                        surfaces[number].texture.grey_near(&mut grain, u, v)
+                    })
             };
             greys.push(lattice.iter().map(grey).sum::<f64>() / f64::from(count));
         });
@@ -127,7 +137,8 @@ impl Camera {
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];
-    let right_centre = [pair.centre[0] + pair.disparity_offset_px, pair.centre[1] + sensor.row_offset];
+    let right_centre =
+        [pair.centre[0] + pair.disparity_offset_px, pair.centre[1] + sensor.row_offset];
     let left = Camera::new(pair.focal_px, pair.centre, [0.0; 3], surfaces);
     let right = Camera::new(pair.focal_px, right_centre, eye, surfaces);
     let (left_greys, right_greys) = std::thread::scope(|threads| {
@@ -155,12 +166,14 @@ pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
             position >= -0.5 && position <= f64::from(side) - 0.5
         };
         // Another surface hides the point only if it is nearer by more than rounding.
-        let free = right.nearest(&all, seen).is_none_or(|(_, nearest, _)| nearest > depth * (1.0 - 1e-9));
+        let free =
+            right.nearest(&all, seen).is_none_or(|(_, nearest, _)| nearest > depth * (1.0 - 1e-9));
         let visible = in_image(0, dims.width) && in_image(1, dims.height) && free;
         truth.push(pair.disparity(depth) as f32, visible, surfaces[number].label);
     });
 
-    let exposed: Vec<f64> = right_greys.iter().map(|grey| grey * sensor.gain + sensor.bias).collect();
+    let exposed: Vec<f64> =
+        right_greys.iter().map(|grey| grey * sensor.gain + sensor.bias).collect();
     Rendering {
         left: digitize(&left_greys, dims, sensor, 0),
         right: digitize(&exposed, dims, sensor, 1),
@@ -186,12 +199,16 @@ impl Truth {
 
 /// Adds the sensor's noise and rounds to 8 bits.
 fn digitize(greys: &[f64], dims: Dims, sensor: &Sensor, camera: u64) -> GrayImage {
-    // Four uniform numbers have a standard deviation of sqrt(4 / 12): their sum is near enough to a normal distribution.
+    // Four uniform numbers have a standard deviation of sqrt(4 / 12): their sum is near enough to a
+    // normal distribution.
     let normal = |index: usize| {
-        let uniform = |part: u64| unit_from(hash(sensor.seed, index as f64, (4 * camera + part) as f64)) - 0.5;
+        let uniform = |part: u64| {
+            unit_from(hash(sensor.seed, index as f64, (4 * camera + part) as f64)) - 0.5
+        };
         (uniform(0) + uniform(1) + uniform(2) + uniform(3)) * 3.0_f64.sqrt()
     };
     let noise = |index: usize| if sensor.noise == 0.0 { 0.0 } else { sensor.noise * normal(index) };
-    let digit = |(index, grey): (usize, &f64)| (grey + noise(index) + 0.5).floor().clamp(0.0, 255.0) as u8;
+    let digit =
+        |(index, grey): (usize, &f64)| (grey + noise(index) + 0.5).floor().clamp(0.0, 255.0) as u8;
     GrayImage { dims, pixels: greys.iter().enumerate().map(digit).collect() }
 }

@@ -24,7 +24,8 @@ pub enum Pattern {
         /// Width and height of a rectangle in metres.
         cell: [f64; 2],
     },
-    /// One straight edge along the first surface axis: the first grey where the second coordinate is negative.
+    /// One straight edge along the first surface axis: the first grey where the second coordinate
+    /// is negative.
     Edge([f64; 2]),
     /// A band around the first surface axis: the first grey outside, the second inside.
     Band {
@@ -54,13 +55,15 @@ impl Texture {
         Self { pattern, grain, grain_size, seed }
     }
 
-    /// The grey at `u, v` metres from the surface's origin. Positions close to each other share what
-    /// they have in common where they are asked for one after the other with the same `grain`.
+    /// The grey at `u, v` metres from the surface's origin. Positions close to each other share
+    /// what they have in common where they are asked for one after the other with the same `grain`.
     pub(super) fn grey_near(&self, grain: &mut Grain, u: f64, v: f64) -> f64 {
         let base = match self.pattern {
             Pattern::Blank(grey) => grey,
             Pattern::Stripes { greys, period } => greys[usize::from(is_odd(2.0 * u / period))],
-            Pattern::Checker { greys, side } => greys[usize::from(is_odd(u / side) != is_odd(v / side))],
+            Pattern::Checker { greys, side } => {
+                greys[usize::from(is_odd(u / side) != is_odd(v / side))]
+            }
             Pattern::Mosaic { greys, cell } => {
                 let unit = unit_from(hash(self.seed, floor(u / cell[0]), floor(v / cell[1])));
                 greys[0] + (greys[1] - greys[0]) * unit
@@ -136,7 +139,8 @@ fn is_odd(value: f64) -> bool {
     (floor(value) as i64) & 1 != 0
 }
 
-/// 64 well mixed bits for one cell of an integer grid (the finalizer of SplitMix64, once per coordinate).
+/// 64 well mixed bits for one cell of an integer grid (the finalizer of SplitMix64, once per
+/// coordinate).
 pub(super) fn hash(seed: u64, column: f64, row: f64) -> u64 {
     let mix = |value: u64| {
         let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -144,7 +148,8 @@ pub(super) fn hash(seed: u64, column: f64, row: f64) -> u64 {
         value ^ (value >> 31)
     };
     let step = 0x9e37_79b9_7f4a_7c15_u64;
-    mix(mix(seed.wrapping_add(step) ^ (column as i64 as u64)).wrapping_add(step) ^ (row as i64 as u64))
+    mix(mix(seed.wrapping_add(step) ^ (column as i64 as u64)).wrapping_add(step)
+        ^ (row as i64 as u64))
 }
 
 /// The hash as a number in 0 .. 1.

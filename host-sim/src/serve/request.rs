@@ -35,13 +35,15 @@ pub(super) type Refusal = (&'static str, &'static str);
 
 const MALFORMED: Refusal = ("400 Bad Request", "this is no request of the page\n");
 /// It came from a page of another host, or without the token.
-const FORBIDDEN: Refusal = ("403 Forbidden", "open the whole address that the program printed, with its token\n");
-const NOT_FOUND: Refusal = ("404 Not Found", "there is /, /events and /boxes\n");
-const METHOD: Refusal = ("405 Method Not Allowed", "boxes are posted, all else is got\n");
+const FORBIDDEN: Refusal =
+    ("403 Forbidden", "open the whole address that the program printed, with its token\n");
+const NOT_FOUND: Refusal = ("404 Not Found", "the paths are /, /events and /boxes\n");
+const METHOD: Refusal = ("405 Method Not Allowed", "use POST for /boxes and GET for all else\n");
 const TOO_SLOW: Refusal = ("408 Request Timeout", "the request did not come within 5 s\n");
 const BODY_TOO_LARGE: Refusal = ("413 Content Too Large", "at most 1 KiB is read\n");
 const HEAD_TOO_LARGE: Refusal = ("431 Request Header Fields Too Large", "at most 8 KiB are read\n");
-pub(super) const TOO_MANY: Refusal = ("503 Service Unavailable", "too many visitors; close another page\n");
+pub(super) const TOO_MANY: Refusal =
+    ("503 Service Unavailable", "too many visitors; close another page\n");
 
 impl Door {
     /// Reads a request, and decides.
@@ -59,7 +61,9 @@ impl Door {
                     }
                 }
                 Ok(httparse::Status::Partial) if bytes.len() < HEAD_BYTES => {}
-                Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => return Err(HEAD_TOO_LARGE),
+                Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
+                    return Err(HEAD_TOO_LARGE);
+                }
                 Err(_) => return Err(MALFORMED),
             }
             more(stream, &mut bytes, until)?;
@@ -67,9 +71,13 @@ impl Door {
     }
 
     /// The path of an allowed request, and the length of its body.
-    fn checked<'a>(&self, request: &httparse::Request<'_, 'a>) -> Result<(&'a str, usize), Refusal> {
+    fn checked<'a>(
+        &self,
+        request: &httparse::Request<'_, 'a>,
+    ) -> Result<(&'a str, usize), Refusal> {
         let field = |name: &str| {
-            let mut found = request.headers.iter().filter(|field| field.name.eq_ignore_ascii_case(name));
+            let mut found =
+                request.headers.iter().filter(|field| field.name.eq_ignore_ascii_case(name));
             let first = found.next().map(|field| field.value);
             // Twice is as good as wrong.
             if found.next().is_some() { Err(MALFORMED) } else { Ok(first) }
@@ -78,9 +86,11 @@ impl Door {
         // A page of another name may have had that point here; its scripts are not let in.
         let is_ours = |value: &[u8]| hosts.iter().any(|host| host.as_bytes() == value);
         let is_host = field("host")?.is_some_and(is_ours);
-        let is_origin = field("origin")?.is_none_or(|origin| origin.strip_prefix(b"http://").is_some_and(is_ours));
+        let is_origin = field("origin")?
+            .is_none_or(|origin| origin.strip_prefix(b"http://").is_some_and(is_ours));
         let (path, query) = request.path.and_then(|path| path.split_once('?')).ok_or(FORBIDDEN)?;
-        let has_token = query.split('&').any(|pair| pair.strip_prefix("token=") == Some(&self.token));
+        let has_token =
+            query.split('&').any(|pair| pair.strip_prefix("token=") == Some(&self.token));
         if !(is_host && is_origin && has_token) {
             return Err(FORBIDDEN);
         }
@@ -92,7 +102,8 @@ impl Door {
         if field("transfer-encoding")?.is_some() {
             return Err(MALFORMED);
         }
-        let length = field("content-length")?.map_or(Some(0), |value| core::str::from_utf8(value).ok()?.parse().ok());
+        let length = field("content-length")?
+            .map_or(Some(0), |value| core::str::from_utf8(value).ok()?.parse().ok());
         match length.ok_or(MALFORMED)? {
             length @ 0..=BODY_BYTES => Ok((path, length)),
             _ => Err(BODY_TOO_LARGE),
@@ -107,7 +118,8 @@ fn wanted(path: &str, body: &[u8]) -> Result<Wanted, Refusal> {
         _ => {
             let boxes: Option<Vec<AskedBox>> = serde_json::from_slice(body).ok();
             let is_box = |[left, top, right, bottom]: &AskedBox| left < right && top < bottom;
-            let boxes = boxes.filter(|boxes| boxes.len() <= MAX_REGIONS && boxes.iter().all(is_box));
+            let boxes =
+                boxes.filter(|boxes| boxes.len() <= MAX_REGIONS && boxes.iter().all(is_box));
             boxes.map(Wanted::Boxes).ok_or(MALFORMED)
         }
     }
@@ -127,7 +139,9 @@ fn more(stream: &mut TcpStream, bytes: &mut Vec<u8>, until: Instant) -> Result<(
             Ok(())
         }
         Err(error) if error.kind() == ErrorKind::Interrupted => Ok(()),
-        Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => Err(TOO_SLOW),
+        Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+            Err(TOO_SLOW)
+        }
         Err(_) => Err(MALFORMED),
     }
 }

@@ -48,7 +48,8 @@ struct Shared {
 }
 
 impl Server {
-    /// Listens on this port of 127.0.0.1, a free one for 0. `page` makes the page, whose scripts and styles are marked by the word it is given.
+    /// Listens on this port of 127.0.0.1, a free one for 0. `page` makes the page, whose scripts
+    /// and styles are marked by the word it is given.
     pub fn start(port: u16, page: impl FnOnce(&str) -> String) -> Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| {
             anyhow!("cannot listen on 127.0.0.1:{port}: {error}; give another --port, or 0 for one that is free")
@@ -109,7 +110,8 @@ impl Drop for Server {
 /// 128 random bits, hexadecimal.
 fn secret() -> Result<String> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).context("this system gives no random numbers, so nobody could be kept out")?;
+    getrandom::fill(&mut bytes)
+        .context("the system gives no random numbers for the page's secret token")?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -161,7 +163,8 @@ fn answer(stream: &mut TcpStream, shared: &Shared) -> io::Result<()> {
         }
         Ok(Wanted::Events) => match shared.visitors.enter() {
             Some(queue) => {
-                let outcome = head(stream, "200 OK", "text/event-stream", "").and_then(|()| tell(stream, &queue));
+                let outcome = head(stream, "200 OK", "text/event-stream", "")
+                    .and_then(|()| tell(stream, &queue));
                 shared.visitors.leave(&queue);
                 outcome
             }
@@ -176,7 +179,9 @@ fn tell(stream: &mut TcpStream, queue: &Queue) -> io::Result<()> {
     loop {
         match queue.next(BEAT) {
             Next::Text(text, 0) => stream.write_all(text.as_bytes())?,
-            Next::Text(text, dropped) => write!(stream, "event: dropped\ndata: {dropped}\n\n{text}")?,
+            Next::Text(text, dropped) => {
+                write!(stream, "event: dropped\ndata: {dropped}\n\n{text}")?
+            }
             Next::Silence => stream.write_all(b":\n\n")?,
             Next::End => return Ok(()),
         }
@@ -191,7 +196,13 @@ fn refuse(stream: &mut TcpStream, (status, text): Refusal) -> io::Result<()> {
     io::copy(&mut Read::take(stream, UNREAD_BYTES), &mut io::sink()).map(drop)
 }
 
-fn respond(stream: &mut TcpStream, status: &str, kind: &str, fields: &str, text: &str) -> io::Result<()> {
+fn respond(
+    stream: &mut TcpStream,
+    status: &str,
+    kind: &str,
+    fields: &str,
+    text: &str,
+) -> io::Result<()> {
     head(stream, status, kind, &format!("{fields}Content-Length: {}\r\n", text.len()))?;
     stream.write_all(text.as_bytes())
 }

@@ -1,4 +1,5 @@
-//! Events to visitors: a bounded queue for each, and the latest of each group for those that come later.
+//! Events to visitors: a bounded queue for each, and the latest of each group for those that come
+//! later.
 
 use core::time::Duration;
 use std::collections::VecDeque;
@@ -103,7 +104,9 @@ impl Queue {
         let mut waiting = locked(&self.waiting);
         waiting.bytes += text.len();
         waiting.texts.push_back(text);
-        while waiting.texts.len() > MOST_WAITING || (waiting.bytes > MOST_BYTES && waiting.texts.len() > 1) {
+        while waiting.texts.len() > MOST_WAITING
+            || (waiting.bytes > MOST_BYTES && waiting.texts.len() > 1)
+        {
             let oldest = waiting.texts.pop_front().map_or(0, |text| text.len());
             waiting.bytes -= oldest;
             waiting.dropped += 1;
@@ -172,7 +175,10 @@ mod tests {
         assert!(visitors.enter().is_none());
         for queue in &queues {
             let found = [0; 3].map(|_: u8| queue.next(NO_TIME));
-            assert_eq!(found, [Next::Text("second".into(), 0), Next::Text("third".into(), 0), Next::End]);
+            assert_eq!(
+                found,
+                [Next::Text("second".into(), 0), Next::Text("third".into(), 0), Next::End]
+            );
             visitors.leave(queue);
         }
         assert!(!visitors.is_empty());

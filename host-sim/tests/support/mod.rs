@@ -1,6 +1,8 @@
 //! The program as a user calls it, for every test of the command line.
 
+use linestereo::Dims;
 use linestereo_frames::GrayImage;
+use linestereo_tests::drawn::{Random, painted};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -29,7 +31,8 @@ pub(crate) fn succeed(folder: &Path, args: &[&str]) -> String {
     stdout(&linestereo(folder, args))
 }
 
-/// Calls it and has it fail as it promises: exit code 2, nothing on stdout, one line on stderr, which is given.
+/// Calls it and has it fail as it promises: exit code 2, nothing on stdout, one line on stderr,
+/// which is given.
 #[track_caller]
 pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
     let output = linestereo(folder, args);
@@ -39,7 +42,8 @@ pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
     line
 }
 
-/// Calls it once for each list of arguments, and has each fail as it promises, in words that contain the second of the pair.
+/// Calls it once for each list of arguments, and has each fail as it promises, in words that
+/// contain the second of the pair.
 #[track_caller]
 pub(crate) fn all_refused(folder: &Path, cases: &[(&[&str], &str)]) {
     cases.iter().for_each(|(args, says)| refused_with(folder, args, &[*says]));
@@ -49,7 +53,9 @@ pub(crate) fn all_refused(folder: &Path, cases: &[(&[&str], &str)]) {
 #[track_caller]
 pub(crate) fn refused_with(folder: &Path, args: &[&str], words: &[&str]) {
     let line = refused(folder, args);
-    words.iter().for_each(|word| assert!(line.contains(word), "{args:?} does not say {word}: {line}"));
+    words
+        .iter()
+        .for_each(|word| assert!(line.contains(word), "{args:?} does not say {word}: {line}"));
 }
 
 /// Calls it, has it succeed, and gives the JSON it printed.
@@ -82,7 +88,10 @@ pub(crate) fn with_drawn_pairs() -> TempDir {
     let folder = with_scene("demo", "320x240", "rec/1");
     for seed in ["2", "3"] {
         let name = format!("rec/{seed}");
-        succeed(folder.path(), &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &name]);
+        succeed(
+            folder.path(),
+            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &name],
+        );
     }
     folder
 }
@@ -91,5 +100,36 @@ pub(crate) fn with_drawn_pairs() -> TempDir {
 pub(crate) fn with_rig(rig: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("rig.toml"), rig).unwrap();
+    folder
+}
+
+/// Size of [`pole`].
+pub(crate) const POLE_DIMS: Dims = Dims { width: 320, height: 240 };
+
+/// A wall with a random grain at 8 px, and before it, from column 150 on in the rows 30 to 209, a
+/// pole of so many columns.
+pub(crate) fn pole(columns: i32, disparity: i32, seed: u64) -> [GrayImage; 2] {
+    let bits = |key: u64, count: u32| (Random(seed ^ key).bits() >> (64 - count)) as i32;
+    let cell = |x: i32, y: i32| bits(((x / 2) as u64 * 7919) ^ ((y / 2) as u64 * 104_729), 5);
+    let grain = |x: i32, y: i32| cell(x, y) + cell(x + 1, y) + cell(x, y + 1);
+    [0, 1].map(|eye: i32| {
+        painted(POLE_DIMS.width, POLE_DIMS.height, |x, y| {
+            let (x, y) = (i32::from(x), i32::from(y));
+            let is_pole = (150..150 + columns).contains(&(x + eye * disparity));
+            let grey =
+                if is_pole && (30..210).contains(&y) { 50 } else { 90 + grain(x + eye * 8, y) };
+            (grey + bits(eye as u64 ^ (x as u64 * 31 + y as u64 * 65_537), 2)) as u8
+        })
+    })
+}
+
+/// A folder with a pole of 5 columns at 24 px, `rec/1`.
+pub(crate) fn with_pole() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path().join("rec/1");
+    fs::create_dir_all(&at).unwrap();
+    let [left, right] = pole(5, 24, 2);
+    save(&left, &at.join("left.png"));
+    save(&right, &at.join("right.png"));
     folder
 }

@@ -67,12 +67,18 @@ pub(super) fn show(args: &Args) -> Result<String> {
     };
     let outcome = loop {
         let outcome = show.follow(&mut port);
-        if outcome.is_err() || is_live || !args.repeat || interruption::requested() || show.link.has_nothing() {
+        if outcome.is_err()
+            || is_live
+            || !args.repeat
+            || interruption::requested()
+            || show.link.has_nothing()
+        {
             break outcome;
         }
         port = open(args)?;
     };
-    if let (Ok(()), Some(path)) = (&outcome, args.path.as_ref().filter(|_| show.link.has_nothing())) {
+    if let (Ok(()), Some(path)) = (&outcome, args.path.as_ref().filter(|_| show.link.has_nothing()))
+    {
         bail!(
             "{} holds nothing that a board sent, in {} bytes; give a file of linestereo monitor --record, a folder, an .mcap \
              file or a video",
@@ -89,7 +95,12 @@ pub(super) fn show(args: &Args) -> Result<String> {
         show.wait(None);
     }
     let summary = show.link.summary();
-    end(server, &outcome.as_ref().map_or_else(|error| format!("{error:#}\n{summary}"), |()| summary.clone()));
+    end(
+        server,
+        &outcome
+            .as_ref()
+            .map_or_else(|error| format!("{error:#}\n{summary}"), |()| summary.clone()),
+    );
     outcome.map(|()| summary)
 }
 
@@ -123,7 +134,8 @@ impl Show<'_> {
         Ok(())
     }
 
-    /// Asks the board for a photograph, where one is due, and for the visitors' boxes, where they are others than before.
+    /// Asks the board for a photograph, where one is due, and for the visitors' boxes, where they
+    /// are others than before.
     fn ask(&mut self) {
         let every = self.args.photograph.map(|seconds| Duration::from_secs(seconds.into()));
         if every.is_some_and(|every| self.photographed.is_none_or(|last| last.elapsed() >= every))
@@ -136,7 +148,13 @@ impl Show<'_> {
             return;
         }
         let numbered = self.asked.boxes.iter().zip(0..);
-        let boxes = numbered.map(|(&[left, top, right, bottom], label)| RegionBox { label, left, top, right, bottom });
+        let boxes = numbered.map(|(&[left, top, right, bottom], label)| RegionBox {
+            label,
+            left,
+            top,
+            right,
+            bottom,
+        });
         let request = Request::SetRegions(Regions { boxes: boxes.collect(), only: false });
         self.link.ask(Wanted { request, words: "the boxes of the page".to_owned() });
     }
@@ -182,14 +200,14 @@ impl Show<'_> {
         };
         let setup = self.setup.insert(setup);
         if let Some(space) = Space::of(&mut self.space, self.args, setup)? {
-            events.extend(space.events(&frame.matches, &[], frame.head.health)?);
+            events.extend(space.events(&frame.matches, [&[], &[]], None, frame.head.health)?);
         }
         self.server.send("pair", &events);
         Ok(())
     }
 
-    /// Shows the left image under the segments of the frames that come: with --rig as the board rectifies it. One that is not of the rig's size
-    /// is left out, with a note.
+    /// Shows the left image under the segments of the frames that come: with --rig as the board
+    /// rectifies it. One that is not of the rig's size is left out, with a note.
     fn photo(&mut self, [left, _]: &[GrayImage; 2]) -> Result<()> {
         if self.rectifier.is_none() {
             match self.args.input.rectifier_of(left.dims) {
@@ -214,7 +232,10 @@ impl Show<'_> {
     /// Depths by the board, of the visitors' boxes by their labels, or of those of --send.
     fn objects(&self, list: &[ObjectDepth]) {
         let objects: Vec<_> = list.iter().map(|depth| listing::Object::new(depth, None)).collect();
-        let boxes: Vec<_> = list.iter().filter_map(|depth| self.asked.boxes.get(usize::from(depth.label))).collect();
+        let boxes: Vec<_> = list
+            .iter()
+            .filter_map(|depth| self.asked.boxes.get(usize::from(depth.label)))
+            .collect();
         let has_metres = list.iter().any(|depth| depth.depth.is_some());
         let told = json!({"boxes": boxes, "objects": objects, "rig": has_metres});
         self.server.send("objects", &[("objects", told.to_string())]);

@@ -1,4 +1,5 @@
-//! `linestereo view`: pairs as they are matched, or a board's results as they arrive, on a page in the browser.
+//! `linestereo view`: pairs as they are matched, or a board's results as they arrive, on a page in
+//! the browser.
 
 mod boards;
 mod pairs;
@@ -29,7 +30,8 @@ const LOOK: Duration = Duration::from_millis(5);
 #[command(after_help = include_str!("../help/view.txt"))]
 #[command(group(clap::ArgGroup::new("shown").required(true).args(["path", "tcp", "serial", "camera"])))]
 pub struct Args {
-    /// Folder of pairs, recording of ROS 2 (.mcap), or video; or bytes that a board sent, "-" is stdin.
+    /// Folder of pairs, recording of ROS 2 (.mcap), or video; or bytes that a board sent, "-" is
+    /// stdin.
     #[arg(conflicts_with = "baud")]
     path: Option<PathBuf>,
     #[command(flatten)]
@@ -48,7 +50,7 @@ pub struct Args {
     /// Send a command to the board, as linestereo monitor --send does; may be given several times.
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["path", "camera"])]
     send: Vec<String>,
-    /// Ask the board for a photograph every so many seconds.
+    /// Ask the board for a photograph at this interval.
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=3600), conflicts_with_all = ["path", "camera"])]
     photograph: Option<u32>,
     #[command(flatten)]
@@ -79,7 +81,10 @@ impl Args {
     fn serve(&self) -> Result<Server> {
         let PortArgs { tcp, serial, .. } = &self.board;
         let path = self.path.as_ref().map(|path| path.display().to_string());
-        let source = path.or_else(|| tcp.clone()).or_else(|| serial.clone()).unwrap_or_else(|| "camera".to_owned());
+        let source = path
+            .or_else(|| tcp.clone())
+            .or_else(|| serial.clone())
+            .unwrap_or_else(|| "camera".to_owned());
         let server = Server::start(self.port, |nonce| live::page(&source, nonce))?;
         // Wanted even by who wants no notes.
         print(&format!("{}\n", server.address()))?;
@@ -125,9 +130,11 @@ impl Pace {
     fn due(&mut self, captured_us: Option<u64>) -> Instant {
         let now = Instant::now();
         let due = self.last.map_or(now, |(last, before_us)| {
-            let since_us = captured_us.zip(before_us).and_then(|(this, before)| this.checked_sub(before));
-            let recorded =
-                since_us.map(Duration::from_micros).filter(|since| !since.is_zero() && *since <= Self::LONGEST);
+            let since_us =
+                captured_us.zip(before_us).and_then(|(this, before)| this.checked_sub(before));
+            let recorded = since_us
+                .map(Duration::from_micros)
+                .filter(|since| !since.is_zero() && *since <= Self::LONGEST);
             let step = self.rate.map(|rate| Duration::from_secs_f64(1.0 / rate)).or(recorded);
             now.max(last + step.unwrap_or(Self::STEP))
         });

@@ -6,10 +6,8 @@ use crate::commands::objects::ObjectArgs;
 use crate::commands::pairs::{has_ended, video_note};
 use crate::commands::player::{Player, line};
 use crate::commands::recording::Played;
-use crate::engine::FrameResult;
 use crate::interruption;
 use crate::output::say;
-use crate::results::health;
 use crate::results::listing;
 use crate::serve::{AskedBox, Server};
 use anyhow::{Result, bail};
@@ -28,7 +26,7 @@ struct Show<'a> {
     player: Player<'a>,
     space: Option<Space>,
     asked: Asked,
-    last: Option<FrameResult>,
+    is_matched: bool,
     shown: u64,
     failed: u64,
     first_error: Option<String>,
@@ -41,8 +39,18 @@ pub(super) fn show(args: &Args) -> Result<String> {
     let frames = args.source.chosen(path, &found)?;
     let player = Player::new(&args.input, path)?;
     let server = &args.serve()?;
-    let (asked, last, space) = (Asked::default(), None, None);
-    let mut show = Show { args, server, player, space, asked, last, shown: 0, failed: 0, first_error: None };
+    let (asked, is_matched, space) = (Asked::default(), false, None);
+    let mut show = Show {
+        args,
+        server,
+        player,
+        space,
+        asked,
+        is_matched,
+        shown: 0,
+        failed: 0,
+        first_error: None,
+    };
     let is_live = frames.count().is_none();
     loop {
         let mut pace = Pace::new(args);
@@ -83,7 +91,8 @@ impl Show<'_> {
         if outcome.is_err() && (interruption::requested() || has_ended(found)) {
             return Ok(false);
         }
-        let played = outcome.map_err(|error| format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" "));
+        let played = outcome
+            .map_err(|error| format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" "));
         let mut events = Vec::new();
         if let Ok(Played { images: [left, _], .. }) = &played {
             events.push(picture(left));
@@ -95,9 +104,14 @@ impl Show<'_> {
                 if let Some(setup) = self.player.setup()
                     && let Some(space) = Space::of(&mut self.space, self.args, setup)?
                 {
-                    events.extend(space.events(&result.matches, &result.points, result.health)?);
+                    events.extend(space.events(
+                        &result.matches,
+                        [&result.points, &result.obstacle_points],
+                        result.ground,
+                        result.health,
+                    )?);
                 }
-                self.last = Some(result);
+                self.is_matched = true;
             }
             Err(error) => {
                 self.failed += 1;
@@ -130,15 +144,17 @@ impl Show<'_> {
     }
 
     fn answers(&mut self) -> Option<String> {
-        let (result, (setup, matcher)) = (self.last.as_ref()?, self.player.at_hand()?);
+        let (setup, matcher) = self.player.at_hand().filter(|_| self.is_matched)?;
         let dims = setup.dims();
         let region = |(&asked, label): (&AskedBox, u16)| {
             let [left, top, right, bottom] = asked;
             Some((asked, Region::boxed(label, Area { left, top, right, bottom }, dims).ok()?))
         };
-        let (boxes, regions): (Vec<_>, Vec<_>) = self.asked.boxes.iter().zip(0..).filter_map(region).unzip();
-        let depths = matcher.engine.objects(&regions, health::is_fit(result.health));
-        let objects: Vec<_> = depths.iter().map(|depth| listing::Object::new(depth, None)).collect();
+        let (boxes, regions): (Vec<_>, Vec<_>) =
+            self.asked.boxes.iter().zip(0..).filter_map(region).unzip();
+        let depths = matcher.engine.objects(&regions);
+        let objects: Vec<_> =
+            depths.iter().map(|depth| listing::Object::new(depth, None)).collect();
         let has_metres = setup.params.rig.is_some();
         Some(json!({"boxes": boxes, "objects": objects, "rig": has_metres}).to_string())
     }

@@ -6,7 +6,7 @@ use crate::results::directions::Directions;
 use crate::serve::Event;
 use anyhow::Result;
 use linestereo::obstacles::ObstaclePlan;
-use linestereo::{Dims, Disparity, ImagePosition, Match, Params, Point, Rig};
+use linestereo::{Dims, Disparity, GroundPlane, ImagePosition, Match, Params, Point, Rig};
 use linestereo_wire::Health;
 use serde_json::{Value, json};
 
@@ -20,7 +20,11 @@ pub(super) struct Space {
 
 impl Space {
     /// That of this set-up, made anew where it is another one than before; `None` without a rig.
-    pub(super) fn of<'s>(held: &'s mut Option<Self>, args: &Args, setup: &Setup<'_>) -> Result<Option<&'s Self>> {
+    pub(super) fn of<'s>(
+        held: &'s mut Option<Self>,
+        args: &Args,
+        setup: &Setup<'_>,
+    ) -> Result<Option<&'s Self>> {
         let set_up_as = (setup.params, setup.dims());
         if held.as_ref().is_none_or(|space| space.set_up_as != set_up_as) {
             let plan = |&rig: &Rig| -> Result<Self> {
@@ -32,18 +36,34 @@ impl Space {
         Ok(held.as_ref())
     }
 
-    /// Events that tell it of a pair.
-    pub(super) fn events(&self, matches: &[Match], points: &[Point], health: Health) -> Result<Vec<Event>> {
+    /// Events that tell it of a pair: its matches, its points, and those that sectors take.
+    pub(super) fn events(
+        &self,
+        matches: &[Match],
+        [points, obstacle_points]: [&[Point]; 2],
+        ground: Option<GroundPlane>,
+        health: Health,
+    ) -> Result<Vec<Event>> {
         let above = |at: ImagePosition, disparity: Disparity| {
-            let [x, _, z] = self.rig.xyz(at, disparity)?.map(|metres| (metres.to_num::<f64>() * 1e3).round() / 1e3);
+            let [x, _, z] = self
+                .rig
+                .xyz(at, disparity)?
+                .map(|metres| (metres.to_num::<f64>() * 1e3).round() / 1e3);
             Some(json!([x, z, disparity.to_num::<f64>()]))
         };
         let of_points = points.iter().filter_map(|point| above(point.position(), point.disparity));
         let ends = matches.iter().flat_map(|found| found.ends.into_iter().zip(found.disparity));
-        let placed: Vec<Value> = of_points.chain(ends.filter_map(|(at, disparity)| above(at, disparity))).collect();
+        let placed: Vec<Value> =
+            of_points.chain(ends.filter_map(|(at, disparity)| above(at, disparity))).collect();
         let product = self.rig.focal_baseline_q16() as f64 / 65536.0;
         let rig = json!({"product": product, "offset": self.rig.offset_q6() as f64 / 64.0});
-        let directions = Directions::new(self.sectors, matches, points, health.of_pair()).list();
+        let directions = Directions::new(
+            self.sectors.on_ground(ground),
+            matches,
+            obstacle_points,
+            health.of_pair(),
+        )
+        .list();
         Ok(vec![
             ("above", json!({"points": placed, "rig": rig, "yaw_deg": self.yaw_deg}).to_string()),
             ("sectors", serde_json::to_string(&directions)?),
