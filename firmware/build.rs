@@ -1,8 +1,9 @@
-//! Linker arguments of a board build, and the board's map of flash and RAM. They stand here because the variable `RUSTFLAGS` would replace
-//! those of a configuration file.
+//! Linker arguments of a board build, and the board's map of flash and RAM. They stand here because
+//! the variable `RUSTFLAGS` would replace those of a configuration file.
 //!
-//! The linker runs at the top of the repository and finds `memory.x` there before any other; that file includes `board.x`, which is
-//! written here: `src/boards/NAME.x` of the one board whose feature is on.
+//! The linker runs at the top of the repository and finds `memory.x` there before any other; that
+//! file includes `board.x`, which is written here: `src/boards/NAME.x` of the one board whose
+//! feature is on.
 
 use std::env;
 use std::fs;
@@ -25,7 +26,9 @@ fn main() {
         panic!("{} cannot be copied: {error}", map.display());
     }
     println!("cargo:rustc-link-search={}", out.display());
-    if let Some(top) = env::var_os("CARGO_MANIFEST_DIR").as_deref().map(Path::new).and_then(Path::parent) {
+    if let Some(top) =
+        env::var_os("CARGO_MANIFEST_DIR").as_deref().map(Path::new).and_then(Path::parent)
+    {
         println!("cargo:rustc-link-search={}", top.display());
     }
     println!("cargo:rustc-link-arg-bins=--nmagic");
@@ -46,8 +49,9 @@ fn map() -> PathBuf {
         .unwrap_or_default();
     maps.retain(|path| path.extension().is_some_and(|extension| extension == "x"));
     maps.sort();
-    let name =
-        |path: &PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().replace('_', "-")).unwrap_or_default();
+    let name = |path: &PathBuf| {
+        path.file_stem().map(|stem| stem.to_string_lossy().replace('_', "-")).unwrap_or_default()
+    };
     let found: Vec<&PathBuf> = maps.iter().filter(|map| has(&name(map))).collect();
     match found[..] {
         [map] => map.clone(),

@@ -1,7 +1,7 @@
 //! Obstacles of every pair to an autopilot, as MAVLink on a port of its own.
 //!
-//! In: the view of the rig, and of every pair its matches and health; bytes of the autopilot. Out: frames on a port, paced by
-//! [`AutopilotStream`]; requests that are answered ([`Received`]).
+//! In: the view of the rig, and of every pair its matches and health; bytes of the autopilot. Out:
+//! frames on a port, paced by [`AutopilotStream`]; requests that are answered ([`Received`]).
 //!
 //! # Cost
 //! 0.6 KB; instructions in `xtask/board-numbers.toml`.
@@ -10,7 +10,9 @@ use crate::ports::{ByteSink, packets};
 use crate::vehicle::Vehicle;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::{HealthFlags, Matched};
-use linestereo_mavlink::{AutopilotParams, AutopilotStream, Mavlink, ParamValue, Received, Receiver, Sender};
+use linestereo_mavlink::{
+    AutopilotParams, AutopilotStream, Mavlink, ParamValue, Received, Receiver, Sender,
+};
 use linestereo_wire::{SETTINGS, Setting, SettingValues};
 
 /// Obstacles by direction, and their stream to an autopilot. Silent until there is a rig.
@@ -30,8 +32,19 @@ impl Autopilot {
     /// Nothing seen, no rig.
     #[must_use]
     pub const fn new(vehicle: Vehicle) -> Self {
-        let sender = Sender { system: vehicle.system, component: AutopilotParams::DEFAULT.component, sequence: 0 };
-        Self { vehicle, obstacles: Obstacles::new(), view: None, receiver: Receiver::new(), sender, listed: None }
+        let sender = Sender {
+            system: vehicle.system,
+            component: AutopilotParams::DEFAULT.component,
+            sequence: 0,
+        };
+        Self {
+            vehicle,
+            obstacles: Obstacles::new(),
+            view: None,
+            receiver: Receiver::new(),
+            sender,
+            listed: None,
+        }
     }
 
     /// Another vehicle from now on: what is known of obstacles is forgotten.
@@ -56,8 +69,14 @@ impl Autopilot {
     }
 
     /// Answers with a parameter: a setting as it is. `false` when there is none of this number.
-    pub fn send_parameter(&mut self, values: &SettingValues, number: u8, port: &mut impl ByteSink) -> bool {
-        let (Some(setting), Some(&value)) = (Setting::get(number), values.get(usize::from(number))) else {
+    pub fn send_parameter(
+        &mut self,
+        values: &SettingValues,
+        number: u8,
+        port: &mut impl ByteSink,
+    ) -> bool {
+        let (Some(setting), Some(&value)) = (Setting::get(number), values.get(usize::from(number)))
+        else {
             return false;
         };
         let mut id = [0; 16];
@@ -74,8 +93,9 @@ impl Autopilot {
             return;
         }
         self.obstacles = Obstacles::new();
-        self.view =
-            plan.and_then(|plan| Some((plan, AutopilotStream::new(self.vehicle.autopilot(&plan), &plan).ok()?)));
+        self.view = plan.and_then(|plan| {
+            Some((plan, AutopilotStream::new(self.vehicle.autopilot(&plan), &plan).ok()?))
+        });
     }
 
     /// Is it known how pairs are seen?
@@ -91,7 +111,7 @@ impl Autopilot {
                 self.obstacles.update(
                     &plan.on_ground(matched.ground()),
                     matched.segments(),
-                    matched.support_points(),
+                    matched.obstacle_points(),
                     health,
                     time_us,
                 );

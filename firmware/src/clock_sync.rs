@@ -1,17 +1,20 @@
 //! The board's time in another clock: a host's or an autopilot's.
 //!
-//! In: offsets that a host has measured, answers of an autopilot to TIMESYNC. Out: times of capture in that clock, and whose clock it is; questions
-//! to the autopilot.
+//! In: offsets that a host has measured, answers of an autopilot to TIMESYNC. Out: times of capture
+//! in that clock, and whose clock it is; questions to the autopilot.
 //!
 //! ```text
-//! an offset                            counts at once, for 10 s; then the board's own clock does again
+//! an offset                            counts at once, for 10 s; then the board's own clock does
+//!                                      again
 //! a host's                             counts before an autopilot's
-//! an answer to the last question       the autopilot's time in the middle of the way, less than 0.3 s long
+//! an answer to the last question       the autopilot's time in the middle of the way, less than
+//!                                      0.3 s long
 //! ```
 //!
 //! # Bounds
-//! The clocks of boards are within 1 % (an STM32H7 runs without a crystal): times are off by at most 10 ms for each second since the last offset,
-//! and by half of the round trip in which it was measured. A new offset moves times by as much.
+//! The clocks of boards are within 1 % (an STM32H7 runs without a crystal): times are off by at
+//! most 10 ms for each second since the last offset, and by half of the round trip in which it was
+//! measured. A new offset moves times by as much.
 
 use linestereo_mavlink::Timesync;
 use linestereo_wire::TimeSource;
@@ -36,7 +39,8 @@ pub struct ClockSync {
 
 impl ClockSync {
     /// The board's clock alone.
-    pub const BOARD: Self = Self { source: TimeSource::Board, offset_us: 0, measured_us: 0, asked_us: None };
+    pub const BOARD: Self =
+        Self { source: TimeSource::Board, offset_us: 0, measured_us: 0, asked_us: None };
 
     /// Takes an offset that was measured now: the other clock less the board's, microseconds.
     pub fn set(&mut self, source: TimeSource, offset_us: i64, now_us: u64) {
@@ -61,7 +65,8 @@ impl ClockSync {
         Some(Timesync { tc1: 0, ts1: nanoseconds(now_us) })
     }
 
-    /// Takes a TIMESYNC of an autopilot: an answer to the last question; or a question, whose answer it gives.
+    /// Takes a TIMESYNC of an autopilot: an answer to the last question; or a question, whose
+    /// answer it gives.
     pub fn receive(&mut self, Timesync { tc1, ts1 }: Timesync, now_us: u64) -> Option<Timesync> {
         if tc1 == 0 {
             return Some(Timesync { tc1: nanoseconds(now_us), ts1 });
@@ -98,7 +103,11 @@ mod tests {
         let mut sync = ClockSync::BOARD;
         assert_eq!(sync.stamp(10), (10, TimeSource::Board));
         sync.set(HOST, 1_700_000_000_000_000, 1_000_000);
-        assert_eq!(sync.stamp(900_000), (1_700_000_000_900_000, HOST), "captured before it was measured");
+        assert_eq!(
+            sync.stamp(900_000),
+            (1_700_000_000_900_000, HOST),
+            "captured before it was measured"
+        );
         assert_eq!(sync.stamp(10_999_999).1, HOST);
         assert_eq!(sync.stamp(11_000_000), (11_000_000, TimeSource::Board), "stale");
         sync.set(HOST, -500, 20_000_000);
@@ -120,7 +129,10 @@ mod tests {
 
     #[test]
     fn an_answer_counts_if_it_is_the_last_questions_and_soon() {
-        let answer = |asked_us: u64, their_us: i64| Timesync { tc1: 1000 * their_us, ts1: nanoseconds(asked_us) };
+        let answer = |asked_us: u64, their_us: i64| Timesync {
+            tc1: 1000 * their_us,
+            ts1: nanoseconds(asked_us),
+        };
         let mut sync = ClockSync::BOARD;
         assert_eq!(sync.question(5_000_000), Some(Timesync { tc1: 0, ts1: 5_000_000_000 }));
         assert_eq!(sync.question(5_999_999), None);

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! emulated   text to the PC's error output; the exit code of the simulator
-//! hardware   text nowhere; after a panic or a fault a note in memory that survives the reset that follows, so that the next run can tell
-//!            the host; a program that has ended otherwise sleeps
+//! hardware   text nowhere; after a panic or a fault a note in memory that survives the reset that
+//!            follows, so that the next run can tell the host; a program that has ended otherwise
+//!            sleeps
 //! ```
 
 use linestereo_boards::Exit;
@@ -35,8 +36,9 @@ mod by_reset {
     use core::sync::atomic::{AtomicU32, Ordering};
     use linestereo_wire::{Reset, ResetCause};
 
-    /// The note in four words: its mark, the exit code, its complement, the location ([`Reset::location`]). Memory holds anything when power
-    /// comes: the first word and the complement say that it was written.
+    /// The note in four words: its mark, the exit code, its complement, the location
+    /// ([`Reset::location`]). Memory holds anything when power comes: the first word and the
+    /// complement say that it was written.
     // SAFETY: the section is not initialised, and every pattern of bits is a number.
     #[unsafe(link_section = ".uninit.note")]
     static NOTE: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];
@@ -72,7 +74,8 @@ mod by_reset {
 
     /// Note of the last run before its end, once.
     pub fn last_note() -> Option<Reset> {
-        let [written, exit, complement, location] = NOTE.each_ref().map(|word| word.load(Ordering::Relaxed));
+        let [written, exit, complement, location] =
+            NOTE.each_ref().map(|word| word.load(Ordering::Relaxed));
         NOTE[0].store(0, Ordering::Relaxed);
         let cause = match Exit::ALL.into_iter().find(|&known| known as u32 == exit)? {
             Exit::Panic => ResetCause::Panic,

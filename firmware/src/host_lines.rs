@@ -1,9 +1,12 @@
-//! A line to the host, or two that carry the same records, for example USB and a UART: commands come on either, records go to both.
+//! A line to the host, or two that carry the same records, for example USB and a UART: commands
+//! come on either, records go to both.
 //!
 //! ```text
 //! nobody listens       records are dropped
-//! perhaps              what fits is sent, the rest is dropped: a line that does not know, on which nothing has come yet
-//! somebody             waits for room, but not for ever: after that the line is dropped until it has room by itself
+//! perhaps              what fits is sent, the rest is dropped: a line that does not know, on which
+//!                      nothing has come yet
+//! somebody             waits for room, but not for ever: after that the line is dropped until it
+//!                      has room by itself
 //! ```
 //! A record is sent whole or not at all: half of one would cost the next one as well.
 
@@ -54,7 +57,8 @@ impl<L: Line, N: Fn() -> u64> HostLine<L, N> {
     /// Waits for so many bytes of room, as long as somebody listens.
     fn has_room(&mut self, bytes: usize) -> bool {
         let is_waited_for = !self.is_stuck && self.line.listener() == Listener::Somebody;
-        let until_us = if is_waited_for { (self.now_us)().saturating_add(self.patience_us) } else { 0 };
+        let until_us =
+            if is_waited_for { (self.now_us)().saturating_add(self.patience_us) } else { 0 };
         while self.line.room().free < bytes {
             if self.line.listener() == Listener::Nobody || (self.now_us)() >= until_us {
                 return false;
@@ -92,7 +96,8 @@ impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
 pub struct HostLines<A, B, N>(pub HostLine<A, N>, pub HostLine<B, N>);
 
 impl<A: Line, B: Line, N> ByteSource for HostLines<A, B, N> {
-    /// Bytes of one line, so that two commands do not mix as long as the two hosts do not send at once.
+    /// Bytes of one line, so that two commands do not mix as long as the two hosts do not send at
+    /// once.
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         match self.0.read(bytes) {
             0 => self.1.read(bytes),
@@ -109,9 +114,11 @@ impl<A: Line, B: Line, N: Fn() -> u64> ByteSink for HostLines<A, B, N> {
 
     /// Of the lines on which somebody listens, else of those that do not know, the one with less.
     fn room(&self) -> Room {
-        let lines = [(self.0.line.listener(), self.0.room()), (self.1.line.listener(), self.1.room())];
-        let of =
-            |wanted: Listener| lines.iter().filter(move |(listener, _)| *listener == wanted).map(|(_, room)| *room);
+        let lines =
+            [(self.0.line.listener(), self.0.room()), (self.1.line.listener(), self.1.room())];
+        let of = |wanted: Listener| {
+            lines.iter().filter(move |(listener, _)| *listener == wanted).map(|(_, room)| *room)
+        };
         let least = |rooms: &mut dyn Iterator<Item = Room>| rooms.min_by_key(|room| room.free);
         least(&mut of(Listener::Somebody))
             .or_else(|| least(&mut of(Listener::Perhaps)))

@@ -1,10 +1,11 @@
 //! Codes of a board's light: cause of the reset, state of the pairs.
 //!
-//! In: why the board was reset, how its pairs are, the time. Out: lit or dark. Driven once a turn: a light that does not change any more is a program
-//! that does not either.
+//! In: why the board was reset, how its pairs are, the time. Out: lit or dark. Driven once a turn:
+//! a light that does not change any more is a program that does not either.
 //!
 //! ```text
-//! n flashes, pause    in the first 8 s after a reset by the watchdog (2), a panic (3), a fault (4), a stack overflow (5), a brown-out (6)
+//! n flashes, pause    in the first 8 s after a reset by the watchdog (2), a panic (3), a fault
+//!                     (4), a stack overflow (5), a brown-out (6)
 //! short flash         every 3 s: nobody wants pairs
 //! on, short gap       every 3 s: pairs come and are fit
 //! 1 s on, 1 s off     pairs come, and are not fit or refused: look at their health
@@ -46,7 +47,8 @@ const CAUSE_MS: u32 = 8000;
 /// Half of a flash and its pause, ms.
 const FLASH_MS: u32 = 250;
 
-/// True when the light is on, so many milliseconds after the start. They may wrap: the cause is told again after 49 days.
+/// True when the light is on, so many milliseconds after the start. They may wrap: the cause is
+/// told again after 49 days.
 #[must_use]
 pub fn is_lit(reset: Option<ResetCause>, status: Status, time_ms: u32) -> bool {
     let flashes = reset.map_or(0, flashes);
@@ -81,7 +83,11 @@ mod tests {
     use linestereo::HealthFlags;
 
     /// Starts and lengths of light in ms, over some time.
-    fn lights(reset: Option<ResetCause>, status: Status, times: core::ops::Range<u32>) -> Vec<(u32, u32)> {
+    fn lights(
+        reset: Option<ResetCause>,
+        status: Status,
+        times: core::ops::Range<u32>,
+    ) -> Vec<(u32, u32)> {
         let mut found: Vec<(u32, u32)> = Vec::new();
         for ms in times.filter(|&ms| is_lit(reset, status, ms)) {
             match found.last_mut() {
@@ -103,16 +109,30 @@ mod tests {
     #[test]
     fn a_fault_is_told_twice_and_then_never_again() {
         use ResetCause::*;
-        for (cause, flashes) in [(Watchdog, 2), (Panic, 3), (Fault, 4), (StackOverflow, 5), (BrownOut, 6)] {
+        for (cause, flashes) in
+            [(Watchdog, 2), (Panic, 3), (Fault, 4), (StackOverflow, 5), (BrownOut, 6)]
+        {
             for start in [0, 4000] {
-                let expected: Vec<_> = (0..flashes).map(|flash| (start + 500 * flash, 250)).collect();
-                assert_eq!(lights(Some(cause), Status::Fit, start..start + 4000), expected, "{cause:?}");
+                let expected: Vec<_> =
+                    (0..flashes).map(|flash| (start + 500 * flash, 250)).collect();
+                assert_eq!(
+                    lights(Some(cause), Status::Fit, start..start + 4000),
+                    expected,
+                    "{cause:?}"
+                );
             }
             let times = 8000..20_000;
-            assert_eq!(lights(Some(cause), Status::Fit, times.clone()), lights(None, Status::Fit, times));
+            assert_eq!(
+                lights(Some(cause), Status::Fit, times.clone()),
+                lights(None, Status::Fit, times)
+            );
         }
         for cause in [PowerOn, Pin, Software, Unknown] {
-            assert_eq!(lights(Some(cause), Status::Fit, 0..9000), lights(None, Status::Fit, 0..9000), "{cause:?}");
+            assert_eq!(
+                lights(Some(cause), Status::Fit, 0..9000),
+                lights(None, Status::Fit, 0..9000),
+                "{cause:?}"
+            );
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! bin/            a few lines each: a program on the chosen board
-//! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested on a PC with fakes
+//! programs/       selftest, kernels, bench, rectify, replay, live: generic over the ports, tested
+//!                 on a PC with fakes
 //! boards/         one file per board: its memory, what its peripherals are
 //! session         commands of a host so far, and their answers
 //! autopilot       obstacles as MAVLink, on a port of their own
@@ -16,13 +17,14 @@
 //! slot_store      the rig and settings in two slots of a flash each
 //! settings        settings as numbered values and as an image
 //! memory          frames, rectifiers, scratch memory and output
-//! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a build
+//! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a
+//!                 build
 //! fence, once     memory that kernels must not touch; what a static hands out once
 //! startup, fault, ending, semihosting, arch, stack    from the reset to the program's end, only on a board
 //! ```
 //!
-//! A module knows those below it alone: programs know no board, boards no program. Everything but the last line also compiles on a PC, for
-//! tests; unsafe code is there, in `once` and in `boards`.
+//! A module knows those below it alone: programs know no board, boards no program. Everything but
+//! the last line also compiles on a PC, for tests; unsafe code is there, in `once` and in `boards`.
 #![cfg_attr(not(test), no_std)]
 #![deny(missing_debug_implementations)]
 

@@ -1,4 +1,5 @@
-//! Clock, ports, cameras, flash and watchdog as a program sees them. Implemented by the boards, by the PC, and by fakes in tests.
+//! Clock, ports, cameras, flash and watchdog as a program sees them. Implemented by the boards, by
+//! the PC, and by fakes in tests.
 
 use crate::memory::Memory;
 use core::convert::Infallible;
@@ -42,8 +43,8 @@ impl Clock for NoClock {
 
 /// Where bytes come from: a file, a serial port.
 pub trait ByteSource {
-    /// Puts bytes that are there at the start of `bytes` and says how many. None are there at the end of a file, and while a serial port
-    /// is silent.
+    /// Puts bytes that are there at the start of `bytes` and says how many. None are there at the
+    /// end of a file, and while a serial port is silent.
     fn read(&mut self, bytes: &mut [u8]) -> usize;
 }
 
@@ -77,9 +78,14 @@ pub fn packets(port: &mut impl ByteSink) -> impl FnMut(&[u8]) -> Result<(), Infa
 
 /// Where pairs come from: a camera, or what stands for one.
 pub trait PairSource {
-    /// Puts the next pair into the memory's frames, from their starts and without padding, and says what it is: with the size that the
-    /// memory's rig rectifies to, rectified, else as it comes. `None` when the camera delivered no whole pair.
-    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair>;
+    /// Puts the next pair into the memory's frames, from their starts and without padding, and says
+    /// what it is: with the size that the memory's rig rectifies to, rectified, else as it comes.
+    /// `None` when the camera delivered no whole pair.
+    fn next_pair(
+        &mut self,
+        memory: &mut impl Memory,
+        rectified: Option<Dims>,
+    ) -> Option<CapturedPair>;
 
     /// Size of the images that the cameras deliver; `None` when they come rectified.
     fn raw_dims(&self) -> Option<Dims> {
@@ -91,7 +97,8 @@ pub trait PairSource {
         None
     }
 
-    /// Images may be captured so far apart, microseconds, where the scene is known to stand still; `None`: as the health check says.
+    /// Images may be captured so far apart, microseconds, where the scene is known to stand still;
+    /// `None`: as the health check says.
     fn still_us(&self) -> Option<u32> {
         None
     }
@@ -102,7 +109,8 @@ pub trait PairSource {
     }
 }
 
-/// The sensors of both cameras, as the source of pairs needs them. `camera::StereoCamera` is what boards have.
+/// The sensors of both cameras, as the source of pairs needs them. `camera::StereoCamera` is what
+/// boards have.
 pub trait Cameras {
     /// Makes both take a frame, unless they do by themselves. `false` when they cannot.
     fn shoot(&mut self) -> bool;
@@ -110,8 +118,9 @@ pub trait Cameras {
     /// Frames of both have started, or are not waited for any more: lowers a trigger that is held.
     fn let_go(&mut self) {}
 
-    /// After a pair, or when it is missing: both are exposed alike. From the start of a frame to the middle of its exposure, left and right, microseconds; `None`
-    /// when it is not known any more.
+    /// After a pair, or when it is missing: both are exposed alike. From the start of a frame to
+    /// the middle of its exposure, left and right, microseconds; `None` when it is not known any
+    /// more.
     fn follow(&mut self) -> Option<[i32; 2]>;
 
     /// A camera has stopped: both are started again before the next frame.
@@ -123,7 +132,8 @@ pub trait Cameras {
     }
 }
 
-/// Cameras that can be triggered while the program does something else. Not by a level: it would be held for as long as that takes.
+/// Cameras that can be triggered while the program does something else. Not by a level: it would be
+/// held for as long as that takes.
 pub trait TimedCameras: Cameras {
     /// [`Cameras::shoot`] at this time of the cameras' clock, microseconds; at once if it is past.
     fn shoot_at(&mut self, time_us: u64) -> bool;
@@ -176,13 +186,15 @@ pub struct Peripherals<C, H, A, P, F, W, L> {
     pub rest: fn(),
     /// Why the board was reset, if it knows.
     pub reset: Option<Reset>,
-    /// Ends the program for the boot loader's, as soon as what waits for the host is sent; `None` where there is none.
+    /// Ends the program for the boot loader's, as soon as what waits for the host is sent; `None`
+    /// where there is none.
     pub bootloader: Option<fn() -> !>,
     /// A [`Light`].
     pub light: L,
 }
 
-/// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches, watchdog, the host's port.
+/// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches,
+/// watchdog, the host's port.
 #[derive(Debug)]
 pub struct BarePeripherals<C, T, H, W> {
     /// A [`Clock`] that counts costs: cycles, or the instructions of an emulator.
@@ -215,10 +227,11 @@ pub enum FrameStart {
 pub struct CapturedPair {
     /// Size of both images.
     pub dims: Dims,
-    /// When the left and the right image were captured, microseconds of one clock, if the cameras' driver knows: a pair whose images were
-    /// captured too far apart is not matched.
+    /// When the left and the right image were captured, microseconds of one clock, if the cameras'
+    /// driver knows: a pair whose images were captured too far apart is not matched.
     pub times_us: Option<[u64; 2]>,
-    /// Start of the frames, if the driver knows it: of cameras that run free, the difference of their times is chance.
+    /// Start of the frames, if the driver knows it: of cameras that run free, the difference of
+    /// their times is chance.
     pub frame_start: Option<FrameStart>,
 }
 

@@ -1,5 +1,5 @@
-//! Arm's semihosting ("Semihosting for AArch32 and AArch64", 2.0), which RISC-V has too: files, command line and exit code of the PC that runs
-//! QEMU or a probe.
+//! Arm's semihosting ("Semihosting for AArch32 and AArch64", 2.0), which RISC-V has too: files,
+//! command line and exit code of the PC that runs QEMU or a probe.
 
 use crate::arch::semihosting_call as call;
 use crate::ports::{ByteSink, ByteSource};
@@ -45,9 +45,13 @@ impl File {
     /// Opens a file by its name, relative to the folder that the PC's side runs in.
     pub fn open(name: &[u8], mode: Mode) -> Result<Self, CannotOpen> {
         let mut text = [0_u8; LONGEST];
-        text.get_mut(..name.len()).filter(|text| text.len() < LONGEST).ok_or(CannotOpen)?.copy_from_slice(name);
+        text.get_mut(..name.len())
+            .filter(|text| text.len() < LONGEST)
+            .ok_or(CannotOpen)?
+            .copy_from_slice(name);
         let block = [text.as_ptr().addr() as u32, mode as u32, name.len() as u32];
-        // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the answer.
+        // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the
+        // answer.
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
         if handle == u32::MAX { Err(CannotOpen) } else { Ok(Self(handle)) }
     }
@@ -73,7 +77,8 @@ impl File {
 impl ByteSource for File {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         let block = [self.0, bytes.as_mut_ptr().addr() as u32, bytes.len() as u32];
-        // SAFETY: handle, memory, length; the memory is borrowed until the answer. The answer is what was not read.
+        // SAFETY: handle, memory, length; the memory is borrowed until the answer. The answer is
+        // what was not read.
         let missing = unsafe { call(operation::READ, block.as_ptr()) };
         bytes.len().saturating_sub(missing as usize)
     }
@@ -115,7 +120,8 @@ impl Arguments {
     pub fn read() -> Self {
         let mut text = [0_u8; LONGEST];
         let mut block = [text.as_mut_ptr().addr() as u32, text.len() as u32];
-        // SAFETY: memory and its length; the PC writes the text there and its length into the block.
+        // SAFETY: memory and its length; the PC writes the text there and its length into the
+        // block.
         let failed = unsafe { call(operation::GET_CMDLINE, block.as_mut_ptr()) } != 0;
         Self { text, length: if failed { 0 } else { block[1] as usize } }
     }
@@ -146,7 +152,8 @@ fn report_bytes(text: &[u8]) {
     }
 }
 
-/// Writes a number in hexadecimal to the PC's error output: without the formatting machinery, which needs stack and flash.
+/// Writes a number in hexadecimal to the PC's error output: without the formatting machinery, which
+/// needs stack and flash.
 pub fn report_hex(number: u32) {
     let mut digits = [0_u8; 8];
     for (slot, shift) in digits.iter_mut().zip((0..8).rev()) {

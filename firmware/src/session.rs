@@ -11,8 +11,9 @@ use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth
 use linestereo_boards::Board;
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    Answer, Command, FrameHead, Health, Hello, KeptReport, MAX_REGIONS, Message, Outcome, PairHead, Refusal, Regions,
-    Request, Reset, RigFault, RigInUse, RigReport, Setting, SettingValue, SettingValues, name,
+    Answer, Command, FrameHead, Health, Hello, KeptReport, MAX_REGIONS, Message, Outcome, PairHead,
+    Refusal, Regions, Request, Reset, RigFault, RigInUse, RigReport, Setting, SettingValue,
+    SettingValues, name,
 };
 
 /// The state that commands change.
@@ -27,7 +28,8 @@ pub struct Session<'a> {
     /// A reset changes none of the settings.
     is_kept: bool,
     settings_slots: [Result<u32, RigFault>; 2],
-    /// Plan for the size of the last pair, health and row offset of the pairs so far; `None` before the first.
+    /// Plan for the size of the last pair, health and row offset of the pairs so far; `None` before
+    /// the first.
     matcher: Option<Matcher>,
     /// The matcher's plan is one of these parameters.
     is_planned: bool,
@@ -59,7 +61,8 @@ pub enum Reply {
     Settings(Answer),
     /// The time of the clock of pairs, then the answer.
     Clock(Answer),
-    /// Times are in the host's clock from now on, which was so many microseconds when the board's was 0.
+    /// Times are in the host's clock from now on, which was so many microseconds when the board's
+    /// was 0.
     SetClock(Answer, u64),
     /// An answer, then the end of the program.
     Leave(Answer),
@@ -104,7 +107,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The state after a reset of a board whose flash keeps rigs and settings: the newest good ones are used.
+    /// The state after a reset of a board whose flash keeps rigs and settings: the newest good ones
+    /// are used.
     #[must_use]
     pub fn with_flash(board: Board, keeper: &'a mut dyn Keeper, memory: &mut impl Memory) -> Self {
         let mut session = Self::new(board);
@@ -120,14 +124,17 @@ impl<'a> Session<'a> {
         self.report.slots = slots.map(|slot| slot.map_err(RigFault::from));
         if let Some((slot, image)) = newest {
             let params = self.params_for(&image);
-            match params.and_then(|params| memory.set_rig(image.remap()).map(|()| params).map_err(Refusal::from)) {
+            match params.and_then(|params| {
+                memory.set_rig(image.remap()).map(|()| params).map_err(Refusal::from)
+            }) {
                 Ok(params) => self.use_rig(&image, params, Some(slot)),
                 Err(_) => *slot.of(&mut self.report.slots) = Err(RigFault::TooLarge),
             }
         }
     }
 
-    /// Takes the kept settings. If this program does not take one, none of the values is taken and the slot says so.
+    /// Takes the kept settings. If this program does not take one, none of the values is taken and
+    /// the slot says so.
     #[inline(never)]
     fn load_settings(&mut self, keeper: &mut dyn Keeper) {
         let Loaded { newest, slots } = keeper.load_settings();
@@ -172,8 +179,11 @@ impl<'a> Session<'a> {
             Request::Start => self.running = true,
             Request::Stop => self.running = false,
             Request::Photograph => return Reply::Photograph { command: command.id },
-            Request::RunCase(_) => return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported))),
-            // Checked for the largest pairs; a smaller one may still be too narrow for the disparities.
+            Request::RunCase(_) => {
+                return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported)));
+            }
+            // Checked for the largest pairs; a smaller one may still be too narrow for the
+            // disparities.
             Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
                 Ok((params, _)) => {
                     self.set_params(params);
@@ -181,18 +191,32 @@ impl<'a> Session<'a> {
                 }
                 Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
             },
-            Request::Pair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: false },
-            Request::SetRig(bytes) => return Reply::Answer(answer(self.set_rig(bytes, memory).into())),
-            Request::SetRegions(regions) => return Reply::Answer(answer(self.set_regions(regions).into())),
-            Request::RawPair(head) => return Reply::Pair { command: command.id, head: *head, is_raw: true },
+            Request::Pair(head) => {
+                return Reply::Pair { command: command.id, head: *head, is_raw: false };
+            }
+            Request::SetRig(bytes) => {
+                return Reply::Answer(answer(self.set_rig(bytes, memory).into()));
+            }
+            Request::SetRegions(regions) => {
+                return Reply::Answer(answer(self.set_regions(regions).into()));
+            }
+            Request::RawPair(head) => {
+                return Reply::Pair { command: command.id, head: *head, is_raw: true };
+            }
             Request::Set(SettingValue { number, value }) => {
                 return Reply::Answer(answer(self.set(*number, *value).into()));
             }
             Request::Settings => return Reply::Settings(answer(Outcome::Accepted)),
             Request::ReadClock => return Reply::Clock(answer(Outcome::Accepted)),
-            Request::SetClock(offset_us) => return Reply::SetClock(answer(Outcome::Accepted), *offset_us),
-            Request::Bootloader if self.has_bootloader => return Reply::Leave(answer(Outcome::Accepted)),
-            Request::Bootloader => return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported))),
+            Request::SetClock(offset_us) => {
+                return Reply::SetClock(answer(Outcome::Accepted), *offset_us);
+            }
+            Request::Bootloader if self.has_bootloader => {
+                return Reply::Leave(answer(Outcome::Accepted));
+            }
+            Request::Bootloader => {
+                return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported)));
+            }
             Request::KeepSettings => return Reply::Answer(answer(self.keep_settings().into())),
             Request::ResetSettings => return Reply::Answer(answer(self.reset_settings().into())),
         }
@@ -242,14 +266,16 @@ impl<'a> Session<'a> {
                 *value = None;
             }
         }
-        let settings = KeptSettings { rig: self.rig_sequence(), values, regions: self.regions.clone() };
+        let settings =
+            KeptSettings { rig: self.rig_sequence(), values, regions: self.regions.clone() };
         let Some(keeper) = &mut self.keeper else { return Err(Refusal::NotKept) };
         self.is_kept = keeper.store_settings(&settings).is_ok();
         self.settings_slots = keeper.load_settings().slots.map(|slot| slot.map_err(RigFault::from));
         if self.is_kept { Ok(()) } else { Err(Refusal::NotKept) }
     }
 
-    /// Goes back to the settings that the board was built with and to the disparity range of its rig, in the flash as well if there is one.
+    /// Goes back to the settings that the board was built with and to the disparity range of its
+    /// rig, in the flash as well if there is one.
     #[inline(never)]
     fn reset_settings(&mut self) -> Result<(), Refusal> {
         let mut params = Params::DEFAULT;
@@ -281,7 +307,8 @@ impl<'a> Session<'a> {
 
     /// Takes the objects whose depths are wanted from now on.
     fn set_regions(&mut self, regions: &Regions) -> Result<(), Refusal> {
-        let outside = (0..).zip(&regions.boxes).find(|(_, of)| of.region(self.board.largest).is_err());
+        let outside =
+            (0..).zip(&regions.boxes).find(|(_, of)| of.region(self.board.largest).is_err());
         if let Some((index, _)) = outside {
             return Err(Refusal::Region(index));
         }
@@ -302,7 +329,8 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Depths of the wanted objects in this pair. Boxes that a smaller pair does not show are left out.
+    /// Depths of the wanted objects in this pair. Boxes that a smaller pair does not show are left
+    /// out.
     #[inline(never)]
     pub fn objects(&self, matched: &mut Matched<'_>) -> Vec<ObjectDepth, MAX_REGIONS> {
         let mut regions: Vec<_, MAX_REGIONS> = Vec::new();
@@ -401,16 +429,25 @@ impl<'a> Session<'a> {
 
     /// The size that raw pairs of this size are rectified to.
     pub fn rectified(&self, raw: Dims) -> Result<Dims, Refusal> {
-        let RigInUse { raw: needed, rectified: [width, height], .. } = self.report.in_use.ok_or(Refusal::NoRig)?;
+        let RigInUse { raw: needed, rectified: [width, height], .. } =
+            self.report.in_use.ok_or(Refusal::NoRig)?;
         let given = [raw.width, raw.height];
-        if needed == given { Ok(Dims { width, height }) } else { Err(Refusal::RawSize { needed, given }) }
+        if needed == given {
+            Ok(Dims { width, height })
+        } else {
+            Err(Refusal::RawSize { needed, given })
+        }
     }
 
     /// Can the board hold such a pair?
     fn check_size(&self, dims: Dims) -> Result<(), Refusal> {
         let side = |name: &str, value: u16, high: u16| {
             let fits = (MIN_SIDE..=high).contains(&value);
-            if fits { Ok(()) } else { Err(out_of_range(name, value.into(), MIN_SIDE.into(), high.into())) }
+            if fits {
+                Ok(())
+            } else {
+                Err(out_of_range(name, value.into(), MIN_SIDE.into(), high.into()))
+            }
         };
         side("width", dims.width, self.board.largest.width)?;
         side("height", dims.height, linestereo::image::MAX_HEIGHT)?;
@@ -419,7 +456,11 @@ impl<'a> Session<'a> {
         }
         let pixels = |dims: Dims| u32::from(dims.width) * u32::from(dims.height);
         let name = name("frame");
-        Err(Refusal::MemoryTooSmall { name, needed: pixels(dims), given: pixels(self.board.largest) })
+        Err(Refusal::MemoryTooSmall {
+            name,
+            needed: pixels(dims),
+            given: pixels(self.board.largest),
+        })
     }
 
     /// The number of the next pair: one more than the last one's.
@@ -442,9 +483,12 @@ pub fn failed_frame(sequence: u32, capture_time_us: u64, dims: Dims, health: Hea
 #[must_use]
 pub fn refusal(error: RunError) -> Refusal {
     match error {
-        RunError::Size(dims) => {
-            out_of_range("width", dims.width.into(), MIN_SIDE.into(), linestereo::image::MAX_WIDTH.into())
-        }
+        RunError::Size(dims) => out_of_range(
+            "width",
+            dims.width.into(),
+            MIN_SIDE.into(),
+            linestereo::image::MAX_WIDTH.into(),
+        ),
         RunError::NoRoom(error) => error.into(),
     }
 }
@@ -453,9 +497,11 @@ impl From<NoRoom> for Refusal {
     fn from(error: NoRoom) -> Self {
         let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         match error {
-            NoRoom::Small { name: what, needed, given } => {
-                Self::MemoryTooSmall { name: name(what), needed: count(needed), given: count(given) }
-            }
+            NoRoom::Small { name: what, needed, given } => Self::MemoryTooSmall {
+                name: name(what),
+                needed: count(needed),
+                given: count(given),
+            },
             NoRoom::NothingSeen => Self::Rig(RigFault::View),
         }
     }

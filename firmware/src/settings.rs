@@ -1,6 +1,7 @@
 //! Settings of a board as numbered values, and as an image for two slots of a flash.
 //!
-//! In: parameters and vehicle. Out: [`SettingValues`] and back, and [`KeptSettings::BYTES`] bytes and back.
+//! In: parameters and vehicle. Out: [`SettingValues`] and back, and [`KeptSettings::BYTES`] bytes
+//! and back.
 //!
 //! ```text
 //! offset  bytes            words of 32 bits, little endian; the first twelve bytes and the last four are as in a rig image
@@ -54,10 +55,22 @@ pub fn values(params: &Params, vehicle: &Vehicle) -> SettingValues {
 /// Probability 1 as [`Confidence`] bits.
 const ONE: f32 = 65_536.0;
 
-/// `params` with the values that they have settings for, and the vehicle. The values are in their ranges ([`linestereo_wire::Setting::check`]).
+/// `params` with the values that they have settings for, and the vehicle. The values are in their
+/// ranges ([`linestereo_wire::Setting::check`]).
 #[must_use]
 pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) {
-    let [min_disparity, max_disparity, anchor, edge, extent, cell, reach, confidence, parts, vehicle @ ..] = *values;
+    let [
+        min_disparity,
+        max_disparity,
+        anchor,
+        edge,
+        extent,
+        cell,
+        reach,
+        confidence,
+        parts,
+        vehicle @ ..,
+    ] = *values;
     let params = Params {
         min_disparity: min_disparity as i32 as i16,
         max_disparity: max_disparity as i32 as u16,
@@ -70,18 +83,24 @@ pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) 
         parts: if parts > 0.0 { Parts::Support } else { Parts::Both },
         ..params
     };
-    let [yaw_deg, range_m, lowest, highest, system, rate_hz, policy, block_cm, distance_sensor] = vehicle;
+    let [yaw_deg, range_m, lowest, highest, system, rate_hz, policy, block_cm, distance_sensor] =
+        vehicle;
     let policy = Policy::ALL.get(policy as i32 as usize).copied().unwrap_or(Policy::Block);
     let block_cm = (block_cm > 0.0).then_some(block_cm as i32 as u16);
-    let (system, rate_hz, distance_sensor) = (system as i32 as u8, rate_hz as i32 as u8, distance_sensor > 0.0);
+    let (system, rate_hz, distance_sensor) =
+        (system as i32 as u8, rate_hz as i32 as u8, distance_sensor > 0.0);
     let heights_m = [lowest, highest];
-    (params, Vehicle { yaw_deg, range_m, heights_m, system, rate_hz, policy, block_cm, distance_sensor })
+    (
+        params,
+        Vehicle { yaw_deg, range_m, heights_m, system, rate_hz, policy, block_cm, distance_sensor },
+    )
 }
 
 /// Settings that outlive a reset.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeptSettings {
-    /// The number of the rig in flash that they were made with: with another one, the disparity range is that of that rig.
+    /// The number of the rig in flash that they were made with: with another one, the disparity
+    /// range is that of that rig.
     pub rig: Option<u32>,
     /// Values; `None` for those that the board was built with.
     pub values: [Option<f32>; SETTINGS],
@@ -127,7 +146,9 @@ impl KeptSettings {
         for (place, word) in places.iter_mut().zip(words) {
             *place = word.to_le_bytes();
         }
-        if let Some((content, crc)) = bytes.get_mut(..Self::BYTES).and_then(<[u8]>::split_last_chunk_mut) {
+        if let Some((content, crc)) =
+            bytes.get_mut(..Self::BYTES).and_then(<[u8]>::split_last_chunk_mut)
+        {
             *crc = CRC_32.checksum(content).to_le_bytes();
         }
     }

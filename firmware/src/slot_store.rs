@@ -1,21 +1,25 @@
-//! Two slots of a flash for the rig and two for settings, written in turn: whenever power fails, one of them is whole.
+//! Two slots of a flash for the rig and two for settings, written in turn: whenever power fails,
+//! one of them is whole.
 //!
-//! In: a flash (any `embedded-storage` NOR flash) and where in it the two slots lie. Out: the newest image that is whole and usable, and
-//! what is wrong with the slots that hold none.
+//! In: a flash (any `embedded-storage` NOR flash) and where in it the two slots lie. Out: the
+//! newest image that is whole and usable, and what is wrong with the slots that hold none.
 //!
 //! ```text
 //! load    both slots -> sequence numbers of whole images -> the newest one that decodes
-//! store   erase the slot that is not in use, write the image with the next sequence number, read it back
+//! store   erase the slot that is not in use, write the image with the next sequence number, read
+//!         it back
 //! ```
 //!
-//! The slot in use is never touched, and an image is whole only when its last bytes, the checksum, are written.
+//! The slot in use is never touched, and an image is whole only when its last bytes, the checksum,
+//! are written.
 //!
 //! # Bounds
 //! Sequence numbers wrap: of two, the one that is less than 2^31 ahead is newer.
 //!
 //! # Cost
-//! 1 KiB of stack and what decoding an image takes ([`RigImage::decode`]). A store erases once and writes each word once; an image that is in use already
-//! is not written again. Both kinds of images share the code: they are bytes here.
+//! 1 KiB of stack and what decoding an image takes ([`RigImage::decode`]). A store erases once and
+//! writes each word once; an image that is in use already is not written again. Both kinds of
+//! images share the code: they are bytes here.
 
 use crate::settings::KeptSettings;
 use core::fmt;
@@ -58,7 +62,8 @@ impl Slot {
     }
 }
 
-/// An image of a fixed size. It starts as a [`RigImage`] does, with magic, version, length and sequence number, and ends with a CRC-32.
+/// An image of a fixed size. It starts as a [`RigImage`] does, with magic, version, length and
+/// sequence number, and ends with a CRC-32.
 pub trait SlotImage: Sized {
     /// Its size, bytes.
     const BYTES: usize;
@@ -144,7 +149,8 @@ impl core::error::Error for SlotError {}
 pub struct Loaded<T> {
     /// The newest usable image and its slot.
     pub newest: Option<(Slot, T)>,
-    /// The sequence number of each slot's image, or what is wrong with it. An older image than the one in use is only known to be whole.
+    /// The sequence number of each slot's image, or what is wrong with it. An older image than the
+    /// one in use is only known to be whole.
     pub slots: [Result<u32, SlotError>; 2],
 }
 
@@ -162,7 +168,8 @@ pub enum StoreError {
 /// Why two slots cannot lie where they should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayoutError {
-    /// The flash reads or writes more than 512 bytes at once, or its sizes do not divide each other.
+    /// The flash reads or writes more than 512 bytes at once, or its sizes do not divide each
+    /// other.
     Granularity,
     /// A slot does not start where the flash can erase.
     NotAligned(Slot),
@@ -202,13 +209,18 @@ pub struct BoardStore<F> {
 }
 
 impl<F: NorFlash> BoardStore<F> {
-    /// The rig's slots, each of [`SlotStore::SLOT`] bytes, and those of the settings, start at these addresses of the flash.
+    /// The rig's slots, each of [`SlotStore::SLOT`] bytes, and those of the settings, start at
+    /// these addresses of the flash.
     pub fn new(mut flash: F, rig: [u32; 2], settings: [u32; 2]) -> Result<Self, LayoutError> {
         RigStore::new(&mut flash, rig)?;
         SettingsStore::new(&mut flash, settings)?;
         let largest = SettingsStore::<F>::SLOT.max(RigStore::<F>::SLOT);
         let is_apart = |&of: &u32| rig.iter().all(|&rig| rig.abs_diff(of) >= largest);
-        if settings.iter().all(is_apart) { Ok(Self { flash, rig, settings }) } else { Err(LayoutError::Overlap) }
+        if settings.iter().all(is_apart) {
+            Ok(Self { flash, rig, settings })
+        } else {
+            Err(LayoutError::Overlap)
+        }
     }
 
     /// The flash.
@@ -260,14 +272,21 @@ impl<F: NorFlash, T: SlotImage> SlotStore<F, T> {
     pub fn new(flash: F, starts: [u32; 2]) -> Result<Self, LayoutError> {
         let step = step::<F>();
         let divides = |size: usize| step.is_multiple_of(size);
-        if T::BYTES.next_multiple_of(step) > MOST_BYTES || !divides(F::READ_SIZE) || !divides(F::WRITE_SIZE) {
+        if T::BYTES.next_multiple_of(step) > MOST_BYTES
+            || !divides(F::READ_SIZE)
+            || !divides(F::WRITE_SIZE)
+        {
             return Err(LayoutError::Granularity);
         }
         for (slot, start) in Slot::BOTH.into_iter().zip(starts) {
             if !(start as usize).is_multiple_of(F::ERASE_SIZE) {
                 return Err(LayoutError::NotAligned(slot));
             }
-            if flash.capacity().checked_sub(start as usize).is_none_or(|rest| rest < Self::SLOT as usize) {
+            if flash
+                .capacity()
+                .checked_sub(start as usize)
+                .is_none_or(|rest| rest < Self::SLOT as usize)
+            {
                 return Err(LayoutError::OutOfBounds(slot));
             }
         }
@@ -285,7 +304,11 @@ impl<F: NorFlash, T: SlotImage> SlotStore<F, T> {
     }
 
     fn slots(&mut self) -> Slots<'_, F> {
-        let format = Format { bytes: T::BYTES, sequence: T::sequence, check: |bytes| T::decode(bytes).map(drop) };
+        let format = Format {
+            bytes: T::BYTES,
+            sequence: T::sequence,
+            check: |bytes| T::decode(bytes).map(drop),
+        };
         Slots { flash: &mut self.flash, starts: self.starts, format }
     }
 
@@ -332,18 +355,29 @@ struct Slots<'f, F> {
 
 impl<F: NorFlash> Slots<'_, F> {
     /// Reads a slot's image to the start of `bytes`.
-    fn read<'a>(&mut self, slot: Slot, bytes: &'a mut [u8; MOST_BYTES]) -> Result<&'a [u8], SlotError> {
-        let bytes = bytes.get_mut(..self.format.bytes.next_multiple_of(step::<F>())).unwrap_or_default(); // `new` checked that it fits
+    fn read<'a>(
+        &mut self,
+        slot: Slot,
+        bytes: &'a mut [u8; MOST_BYTES],
+    ) -> Result<&'a [u8], SlotError> {
+        // `new` checked that it fits.
+        let bytes =
+            bytes.get_mut(..self.format.bytes.next_multiple_of(step::<F>())).unwrap_or_default();
         let start = *slot.of(&mut self.starts);
         self.flash.read(start, bytes).map_err(|error| SlotError::Flash(error.kind()))?;
         Ok(bytes.get(..self.format.bytes).unwrap_or_default())
     }
 
-    /// The sequence number of each slot, and the slot of the newest usable image, which then is at the start of `bytes`.
+    /// The sequence number of each slot, and the slot of the newest usable image, which then is at
+    /// the start of `bytes`.
     #[inline(never)]
-    fn load(&mut self, bytes: &mut [u8; MOST_BYTES]) -> ([Result<u32, SlotError>; 2], Option<Slot>) {
+    fn load(
+        &mut self,
+        bytes: &mut [u8; MOST_BYTES],
+    ) -> ([Result<u32, SlotError>; 2], Option<Slot>) {
         let format = self.format;
-        let mut slots = Slot::BOTH.map(|slot| (format.sequence)(self.read(slot, bytes)?).map_err(SlotError::Image));
+        let mut slots = Slot::BOTH
+            .map(|slot| (format.sequence)(self.read(slot, bytes)?).map_err(SlotError::Image));
         let newest = match slots {
             [Ok(first), Ok(second)] if !is_newer(second, first) => Slot::First,
             [Ok(_), Err(_)] => Slot::First,
@@ -354,7 +388,10 @@ impl<F: NorFlash> Slots<'_, F> {
             if state.is_err() {
                 continue;
             }
-            match self.read(slot, bytes).and_then(|bytes| (format.check)(bytes).map_err(SlotError::Image)) {
+            match self
+                .read(slot, bytes)
+                .and_then(|bytes| (format.check)(bytes).map_err(SlotError::Image))
+            {
                 Ok(()) => return (slots, Some(slot)),
                 Err(error) => *state = Err(error),
             }
@@ -364,24 +401,35 @@ impl<F: NorFlash> Slots<'_, F> {
 
     /// Stores the image that `put` writes with a sequence number into `bytes`, which hold ones.
     #[inline(never)]
-    fn store(&mut self, bytes: &mut [u8; MOST_BYTES], put: &mut dyn FnMut(u32, &mut [u8])) -> Result<Slot, StoreError> {
+    fn store(
+        &mut self,
+        bytes: &mut [u8; MOST_BYTES],
+        put: &mut dyn FnMut(u32, &mut [u8]),
+    ) -> Result<Slot, StoreError> {
         let mut found = [0; MOST_BYTES];
         let (mut slots, newest) = self.load(&mut found);
         put(0, bytes);
         let content = HEAD..self.format.bytes - CRC_BYTES;
         let (slot, sequence) = match newest {
-            Some(used) if found.get(content.clone()) == bytes.get(content.clone()) => return Ok(used),
-            Some(used) => (used.other(), used.of(&mut slots).map_or(0, |sequence| sequence.wrapping_add(1))),
+            Some(used) if found.get(content.clone()) == bytes.get(content.clone()) => {
+                return Ok(used);
+            }
+            Some(used) => {
+                (used.other(), used.of(&mut slots).map_or(0, |sequence| sequence.wrapping_add(1)))
+            }
             None => (Slot::First, 0),
         };
         put(sequence, bytes);
-        let image = bytes.get(..self.format.bytes.next_multiple_of(step::<F>())).unwrap_or_default(); // `new` checked that it fits
+        // `new` checked that it fits.
+        let image =
+            bytes.get(..self.format.bytes.next_multiple_of(step::<F>())).unwrap_or_default();
         let start = *slot.of(&mut self.starts);
         let end = start + slot_bytes::<F>(self.format.bytes);
         self.flash.erase(start, end).map_err(|error| StoreError::Erase(error.kind()))?;
         self.flash.write(start, image).map_err(|error| StoreError::Write(error.kind()))?;
         let (_, newest) = self.load(&mut found);
-        let is_kept = newest == Some(slot) && found.get(..self.format.bytes) == bytes.get(..self.format.bytes);
+        let is_kept = newest == Some(slot)
+            && found.get(..self.format.bytes) == bytes.get(..self.format.bytes);
         if is_kept { Ok(slot) } else { Err(StoreError::NotKept) }
     }
 }

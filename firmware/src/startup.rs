@@ -1,13 +1,17 @@
-//! From reset to the program: memory protection, a painted stack, and the program on a stack of its own.
+//! From reset to the program: memory protection, a painted stack, and the program on a stack of its
+//! own.
 //!
 //! ```text
-//! below           no access, 512 KiB: memory protection turns every overflow of the stack into a fault, however large its step
+//! below           no access, 512 KiB: memory protection turns every overflow of the stack into a
+//!                 fault, however large its step
 //! start of RAM    stack of the program, grows down
-//!                 stack of handlers, of the size that the board says: still good when the other has overflowed
+//!                 stack of handlers, of the size that the board says: still good when the
+//!                     other has overflowed
 //!                 statics
 //! ```
 
-/// Makes a function `fn() -> Exit` the program of a binary. On a PC, where it cannot run, the binary says how to build it.
+/// Makes a function `fn() -> Exit` the program of a binary. On a PC, where it cannot run, the
+/// binary says how to build it.
 #[macro_export]
 macro_rules! program {
     ($program:path) => {
@@ -37,7 +41,10 @@ mod board {
         arch::switch_stack(enter, program)
     }
 
-    #[expect(improper_ctypes_definitions, reason = "both sides are this crate; a function pointer is one register")]
+    #[expect(
+        improper_ctypes_definitions,
+        reason = "both sides are this crate; a function pointer is one register"
+    )]
     extern "C" fn enter(program: fn() -> Exit) -> ! {
         ending::end(program(), 0)
     }

@@ -1,5 +1,6 @@
-//! Settings of a vehicle. A robot starts without a host: they are kept in flash ([`crate::settings`]), or chosen before a build: change [`VEHICLE`],
-//! build, flash. `docs/autopilots.md` says what suits which autopilot.
+//! Settings of a vehicle. A robot starts without a host: they are kept in flash
+//! ([`crate::settings`]), or chosen before a build: change [`VEHICLE`], build, flash.
+//! `docs/autopilots.md` says what suits which autopilot.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo_mavlink::{AutopilotParams, Policy};
@@ -23,14 +24,16 @@ pub struct Vehicle {
     pub rate_hz: u8,
     /// Distances that are sent while the pair is not fit.
     pub policy: Policy,
-    /// Where [`Policy::Block`] sees obstacles, cm; the near limit of the rig if `None`, and never nearer.
+    /// Where [`Policy::Block`] sees obstacles, cm; the near limit of the rig if `None`, and never
+    /// nearer.
     pub block_cm: Option<u16>,
     /// Send DISTANCE_SENSOR as well.
     pub distance_sensor: bool,
 }
 
 impl Vehicle {
-    /// Cameras that look ahead, obstacles to 10 m at all heights; system 1, 15 distances a second, `block` at the near limit.
+    /// Cameras that look ahead, obstacles to 10 m at all heights; system 1, 15 distances a second,
+    /// `block` at the near limit.
     pub const DEFAULT: Self = Self {
         yaw_deg: 0.0,
         range_m: 10.0,
@@ -54,7 +57,8 @@ impl Vehicle {
     pub fn autopilot(&self, plan: &ObstaclePlan) -> AutopilotParams {
         let Self { system, rate_hz, policy, block_cm, distance_sensor, .. } = *self;
         let near = AutopilotParams::of(plan);
-        let block_cm = block_cm.map_or(near.block_cm, |block_cm| block_cm.max(near.min_distance_cm));
+        let block_cm =
+            block_cm.map_or(near.block_cm, |block_cm| block_cm.max(near.min_distance_cm));
         AutopilotParams { system, rate_hz, policy, block_cm, distance_sensor, ..near }
     }
 
@@ -66,8 +70,19 @@ impl Vehicle {
             Some(block_cm) => block_cm as f32,
             None => 0.0,
         };
-        let (system, policy, distance_sensor) = (self.system as f32, self.policy as u8, self.distance_sensor as u8);
-        [yaw_deg, range_m, lowest, highest, system, rate_hz as f32, policy as f32, block_cm, distance_sensor as f32]
+        let (system, policy, distance_sensor) =
+            (self.system as f32, self.policy as u8, self.distance_sensor as u8);
+        [
+            yaw_deg,
+            range_m,
+            lowest,
+            highest,
+            system,
+            rate_hz as f32,
+            policy as f32,
+            block_cm,
+            distance_sensor as f32,
+        ]
     }
 
     /// Settings that depend on another one: heights in their order, a block within the range.
@@ -79,13 +94,18 @@ impl Vehicle {
         if !is_ordered(lowest, highest) {
             return refusal(3, highest, lowest, 1000.0);
         }
-        if is_within(block_cm, range_m) { Ok(()) } else { refusal(7, block_cm, 0.0, 100.0 * range_m) }
+        if is_within(block_cm, range_m) {
+            Ok(())
+        } else {
+            refusal(7, block_cm, 0.0, 100.0 * range_m)
+        }
     }
 
     /// Are all numbers in their ranges?
     const fn is_valid(&self) -> bool {
         let values = self.values();
-        let (mut rest, mut settings) = (values.as_slice(), Setting::ALL.split_at(Setting::VEHICLE).1);
+        let (mut rest, mut settings) =
+            (values.as_slice(), Setting::ALL.split_at(Setting::VEHICLE).1);
         while let ([value, values @ ..], [setting, others @ ..]) = (rest, settings) {
             if !setting.takes(*value) {
                 return false;
@@ -122,7 +142,8 @@ mod tests {
     #[test]
     fn the_default_is_the_default_of_both_it_is_made_of() {
         let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
-        let expected = ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap();
+        let expected =
+            ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap();
         assert_eq!(plan(&Vehicle::DEFAULT), expected);
         assert_eq!(Vehicle::DEFAULT.autopilot(&expected), AutopilotParams::of(&expected));
     }
@@ -133,11 +154,16 @@ mod tests {
             let vehicle = Vehicle { block_cm: asked, policy: Policy::Block, ..Vehicle::DEFAULT };
             let plan = plan(&vehicle);
             let params = vehicle.autopilot(&plan);
-            assert_eq!((params.min_distance_cm, params.block_cm), (plan.near_cm(), given.max(plan.near_cm())));
+            assert_eq!(
+                (params.min_distance_cm, params.block_cm),
+                (plan.near_cm(), given.max(plan.near_cm()))
+            );
         }
         assert!(!Vehicle { block_cm: Some(1000), ..Vehicle::DEFAULT }.is_valid());
         assert!(!Vehicle { yaw_deg: 181.0, ..Vehicle::DEFAULT }.is_valid());
-        assert!(Vehicle { yaw_deg: -90.0, range_m: 4.0, rate_hz: 20, ..Vehicle::DEFAULT }.is_valid());
+        assert!(
+            Vehicle { yaw_deg: -90.0, range_m: 4.0, rate_hz: 20, ..Vehicle::DEFAULT }.is_valid()
+        );
     }
 
     /// The ranges stand here again because those who check them cannot do it while it is built.
@@ -153,7 +179,8 @@ mod tests {
         let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
         for vehicle in [&yaws[..], &ranges, &heights, &rates, &blocks].concat() {
             let plan = vehicle.directions().plan(&params, Dims { width: 320, height: 240 });
-            let is_taken = plan.is_ok_and(|plan| AutopilotStream::new(vehicle.autopilot(&plan), &plan).is_ok());
+            let is_taken = plan
+                .is_ok_and(|plan| AutopilotStream::new(vehicle.autopilot(&plan), &plan).is_ok());
             assert_eq!(vehicle.is_valid(), is_taken, "{vehicle:?}");
         }
     }

@@ -1,7 +1,9 @@
-//! Pairs that are triggered while the ones before them are worked on, by the fake of a camera interface with both cameras' rows.
+//! Pairs that are triggered while the ones before them are worked on, by the fake of a camera
+//! interface with both cameras' rows.
 
 use crate::stream::{
-    DIMS, Fake, FakeStream, PERIOD_US, ROW_US, ROWS, Step, TWO_ROWS, WIDTH, both, frames_of, injected, limits,
+    DIMS, Fake, FakeStream, PERIOD_US, ROW_US, ROWS, Step, TWO_ROWS, WIDTH, both, frames_of,
+    injected, limits,
 };
 use crate::support::random::Random;
 use core::cell::RefCell;
@@ -14,7 +16,8 @@ use std::rc::Rc;
 
 /// 32 rows: more than a frame, and fewer than two.
 const A_FRAME: RingLayout = RingLayout { rows: 32, ..TWO_ROWS };
-/// From a trigger to the start of the frame; time that a pair is worked on; and time that is too long for one.
+/// From a trigger to the start of the frame; time that a pair is worked on; and time that is too
+/// long for one.
 const LONG_EXPOSURE_US: u64 = 300;
 const WORK_US: u64 = 480;
 const PATIENCE_US: u64 = 4 * PERIOD_US;
@@ -22,7 +25,8 @@ const PATIENCE_US: u64 = 4 * PERIOD_US;
 /// Start of a frame, and its fault.
 type Shot = (u64, Option<Fault>);
 
-/// Both cameras behind a joiner, with faults or none. What is told to sensors while a frame is on its way would reach one or the other image.
+/// Both cameras behind a joiner, with faults or none. What is told to sensors while a frame is on
+/// its way would reach one or the other image.
 struct Joined {
     fake: Rc<RefCell<Fake>>,
     faults: Option<Random>,
@@ -32,7 +36,8 @@ struct Joined {
 impl Joined {
     /// Is no frame on its way? One that has a row too many is taken for one that has ended.
     fn is_between(&self) -> bool {
-        let has_one_more = self.shots.borrow().last().is_some_and(|shot| shot.1 == Some(Fault::MissingVsync));
+        let has_one_more =
+            self.shots.borrow().last().is_some_and(|shot| shot.1 == Some(Fault::MissingVsync));
         has_one_more || self.fake.borrow().steps.iter().all(|step| matches!(step.1, Step::End))
     }
 }
@@ -54,7 +59,8 @@ impl TimedCameras for Joined {
     fn shoot_at(&mut self, time_us: u64) -> bool {
         assert!(self.is_between(), "triggered in the middle of a frame");
         let mut fake = self.fake.borrow_mut();
-        let (frame, start_us) = (self.shots.borrow().len() as u32, fake.now_us.max(time_us) + LONG_EXPOSURE_US);
+        let (frame, start_us) =
+            (self.shots.borrow().len() as u32, fake.now_us.max(time_us) + LONG_EXPOSURE_US);
         let fault = match &mut self.faults {
             Some(random) => injected(random, &mut fake, frame, start_us),
             None => {
@@ -67,7 +73,8 @@ impl TimedCameras for Joined {
     }
 }
 
-/// A run: of each call the number of the pair's frame, when it was captured, and when it was handed on; the shots; losses.
+/// A run: of each call the number of the pair's frame, when it was captured, and when it was handed
+/// on; the shots; losses.
 struct Work {
     pairs: Vec<Option<(u32, u64, u64)>>,
     shots: Vec<Shot>,
@@ -75,7 +82,13 @@ struct Work {
 }
 
 /// Asks for so many pairs and works on each for a time that its number says.
-fn work(layout: RingLayout, is_ahead: bool, seed: Option<u64>, count: u64, work_us: impl Fn(u64) -> u64) -> Work {
+fn work(
+    layout: RingLayout,
+    is_ahead: bool,
+    seed: Option<u64>,
+    count: u64,
+    work_us: impl Fn(u64) -> u64,
+) -> Work {
     let fake = Rc::new(RefCell::new(Fake::new(layout)));
     let shots = Rc::new(RefCell::new(Vec::new()));
     let cameras = Joined { fake: fake.clone(), faults: seed.map(Random), shots: shots.clone() };
@@ -94,11 +107,15 @@ fn work(layout: RingLayout, is_ahead: bool, seed: Option<u64>, count: u64, work_
     };
     let (pairs, losses) = if is_ahead {
         let mut source = AheadSource::new(source);
-        let pairs = (0..count).map(|number| turn(number, &mut |memory| source.next_pair(memory, None))).collect();
+        let pairs = (0..count)
+            .map(|number| turn(number, &mut |memory| source.next_pair(memory, None)))
+            .collect();
         (pairs, source.losses().unwrap())
     } else {
         let mut source = source;
-        let pairs = (0..count).map(|number| turn(number, &mut |memory| source.next_pair(memory, None))).collect();
+        let pairs = (0..count)
+            .map(|number| turn(number, &mut |memory| source.next_pair(memory, None)))
+            .collect();
         (pairs, source.losses().unwrap())
     };
     let shots = shots.borrow().clone();
@@ -118,7 +135,10 @@ fn a_pair_is_exposed_while_the_one_before_it_is_worked_on_and_is_no_older() {
             assert_eq!((frame, captured_us + middle_us), (number as u32, shots[number].0));
             // Two are triggered before it is known how long the work takes.
             let is_timed = !is_ahead || ![1, 2].contains(&number);
-            assert!(!is_timed || (readout_us..readout_us + 9).contains(&(handed_us - captured_us)), "{number}");
+            assert!(
+                !is_timed || (readout_us..readout_us + 9).contains(&(handed_us - captured_us)),
+                "{number}"
+            );
         }
         assert_eq!((pairs.len(), shots.len()), (50, 50 + usize::from(is_ahead)));
         for pair in pairs[3..].windows(2) {
@@ -131,15 +151,20 @@ fn a_pair_is_exposed_while_the_one_before_it_is_worked_on_and_is_no_older() {
 #[test]
 fn a_bad_frame_costs_its_pair_alone() {
     let seed = 7;
-    let Work { pairs, shots, losses } = work(A_FRAME, true, Some(seed), 3000, |number| WORK_US + number % 5 * 40);
+    let Work { pairs, shots, losses } =
+        work(A_FRAME, true, Some(seed), 3000, |number| WORK_US + number % 5 * 40);
     let mut expected = [0; Fault::ALL.len()];
     // The last shot is still on its way.
-    shots[..shots.len() - 1].iter().filter_map(|shot| shot.1).for_each(|fault| expected[fault as usize] += 1);
+    shots[..shots.len() - 1]
+        .iter()
+        .filter_map(|shot| shot.1)
+        .for_each(|fault| expected[fault as usize] += 1);
     for of in losses.faults {
         assert_eq!(of, expected, "seed {seed}");
     }
     let is_lost = |fault: Option<Fault>| fault.is_some_and(|fault| fault != Fault::MissingVsync);
-    let good: Vec<_> = (0..).zip(&shots).filter(|(_, shot)| !is_lost(shot.1)).map(|(number, _)| number).collect();
+    let good: Vec<_> =
+        (0..).zip(&shots).filter(|(_, shot)| !is_lost(shot.1)).map(|(number, _)| number).collect();
     let delivered: Vec<_> = pairs.iter().flatten().map(|pair| pair.0).collect();
     assert_eq!(delivered, good[..delivered.len()], "seed {seed}");
     assert!(pairs.len() - delivered.len() > 500, "{}", delivered.len());
@@ -148,7 +173,8 @@ fn a_bad_frame_costs_its_pair_alone() {
 #[test]
 fn a_pair_that_nobody_asked_for_in_time_is_left() {
     let pauses = [(9, PATIENCE_US - 50), (19, PATIENCE_US + WORK_US), (29, 1_000_000)];
-    let pause_us = |number| pauses.iter().find(|pause| pause.0 == number).map_or(WORK_US, |pause| pause.1);
+    let pause_us =
+        |number| pauses.iter().find(|pause| pause.0 == number).map_or(WORK_US, |pause| pause.1);
     let Work { pairs, shots, losses } = work(A_FRAME, true, None, 40, pause_us);
     assert_eq!(losses, CaptureReport::default(), "cameras that nobody asks are not silent");
     let frames: Vec<_> = pairs.iter().map(|pair| pair.unwrap().0).collect();
@@ -162,12 +188,16 @@ fn a_pair_that_nobody_asked_for_in_time_is_left() {
 }
 
 #[test]
-fn work_that_takes_longer_finds_the_rows_in_a_ring_that_holds_a_frame_and_none_that_is_torn_in_a_smaller_one() {
+fn longer_work_finds_its_rows_in_a_ring_of_a_frame_and_none_torn_in_a_smaller_one() {
     for (layout, lost) in [(A_FRAME, 0), (TWO_ROWS, 1)] {
-        let Work { pairs, losses, .. } = work(layout, true, None, 20, |number| if number == 9 { 900 } else { WORK_US });
+        let Work { pairs, losses, .. } =
+            work(layout, true, None, 20, |number| if number == 9 { 900 } else { WORK_US });
         let frames: Vec<_> = pairs.iter().map(|pair| pair.map(|pair| pair.0)).collect();
         let is_lost = |frame| lost == 1 && [1, 3, 10].contains(&frame);
-        assert_eq!(frames, (0..20).map(|frame| (!is_lost(frame)).then_some(frame)).collect::<Vec<_>>());
+        assert_eq!(
+            frames,
+            (0..20).map(|frame| (!is_lost(frame)).then_some(frame)).collect::<Vec<_>>()
+        );
         assert_eq!((losses.skipped, losses.faults), (6 * lost, [[0; Fault::ALL.len()]; 2]));
     }
 }

@@ -1,7 +1,9 @@
-//! Sensor drivers: register traces replayed, and every transaction of every operation failing in turn.
+//! Sensor drivers: register traces replayed, and every transaction of every operation failing in
+//! turn.
 //!
-//! A trace is what a driver says to a fake sensor that answers as the datasheet has it; it is compared with the file in `traces/`, read by
-//! people against the datasheet. Then each of its transactions fails in turn, on a bus that accepts nothing but what is expected.
+//! A trace is what a driver says to a fake sensor that answers as the datasheet has it; it is
+//! compared with the file in `traces/`, read by people against the datasheet. Then each of its
+//! transactions fails in turn, on a bus that accepts nothing but what is expected.
 
 use crate::support::sensor::Fake;
 use core::cell::Cell;
@@ -16,7 +18,8 @@ use linestereo_firmware::ports::FrameStart;
 use linestereo_rig::CameraSide;
 use std::rc::Rc;
 
-/// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is read alone.
+/// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is
+/// read alone.
 fn text(said: &[Transaction]) -> String {
     let mut text = String::new();
     for transaction in said {
@@ -24,7 +27,10 @@ fn text(said: &[Transaction]) -> String {
         let list = |name: &str| {
             let from = debug.split(&format!("{name}: [")).nth(1).unwrap();
             let bytes = from.split(']').next().unwrap().split(", ").filter(|byte| !byte.is_empty());
-            bytes.map(|byte| format!("{:02x}", byte.parse::<u8>().unwrap())).collect::<Vec<_>>().join(" ")
+            bytes
+                .map(|byte| format!("{:02x}", byte.parse::<u8>().unwrap()))
+                .collect::<Vec<_>>()
+                .join(" ")
         };
         let (written, read) = (list("expected_data"), list("response_data"));
         let _ = match (written.is_empty(), read.is_empty()) {
@@ -43,7 +49,11 @@ fn assert_trace(name: &str, said: &[Transaction]) {
         std::fs::write(&path, text(said)).unwrap();
     }
     let expected = std::fs::read_to_string(&path).expect(&path);
-    assert_eq!(text(said), expected, "{path}: look it up in the datasheet, then bless with LINESTEREO_BLESS=1");
+    assert_eq!(
+        text(said),
+        expected,
+        "{path}: look it up in the datasheet, then bless with LINESTEREO_BLESS=1"
+    );
 }
 
 const FIXED: Exposure = Exposure { rows: 200, gain_code: 0x20 };
@@ -65,12 +75,20 @@ struct Case {
 fn mt9v034() -> Case {
     let config = config(320, 240, Binning::Two);
     let (fixed, other) = (FIXED, Exposure { rows: 480, gain_code: 64 });
-    Case { name: "mt9v034", address: Mt9v034::ADDRESSES[0], config, fixed, other, has_trigger: true }
+    Case {
+        name: "mt9v034",
+        address: Mt9v034::ADDRESSES[0],
+        config,
+        fixed,
+        other,
+        has_trigger: true,
+    }
 }
 
 fn hm01b0() -> Case {
     let config = config(324, 244, Binning::One);
-    let (fixed, other) = (Exposure { rows: 200, gain_code: 0x500 }, Exposure { rows: 258, gain_code: 0xd40 });
+    let (fixed, other) =
+        (Exposure { rows: 200, gain_code: 0x500 }, Exposure { rows: 258, gain_code: 0xd40 });
     Case { name: "hm01b0", address: Hm01b0::ADDRESS, config, fixed, other, has_trigger: true }
 }
 
@@ -101,7 +119,10 @@ enum Asked {
 }
 
 impl Asked {
-    fn of<M: Model, B: I2c, R: ResetLine>(self, chip: &mut Chip<M, B, R>) -> Result<(), CameraError<B::Error>> {
+    fn of<M: Model, B: I2c, R: ResetLine>(
+        self,
+        chip: &mut Chip<M, B, R>,
+    ) -> Result<(), CameraError<B::Error>> {
         match self {
             Self::Start(config) => chip.start(&config, &mut NoopDelay),
             Self::Stop => chip.stop(&mut NoopDelay),
@@ -117,7 +138,10 @@ fn everything(case: &Case) -> Vec<(String, Asked)> {
     let mut list = vec![
         ("auto".into(), Asked::Start(case.config)),
         ("fixed".into(), Asked::Start(Config { exposure: fixed, ..case.config })),
-        ("pattern".into(), Asked::Start(Config { exposure: fixed, test_pattern: true, ..case.config })),
+        (
+            "pattern".into(),
+            Asked::Start(Config { exposure: fixed, test_pattern: true, ..case.config }),
+        ),
         ("expose".into(), Asked::Expose(case.other)),
         ("read_exposure".into(), Asked::ReadExposure),
         ("stop".into(), Asked::Stop),
@@ -192,7 +216,10 @@ fn fail_everywhere<M: Model>(case: &Case) -> usize {
                 // Nothing was written: nothing is touched.
                 let (result, chip) = replay::<M>(case, asked, &so_far);
                 let error = result.expect_err(&what);
-                assert!(matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }), "{what}: {error}");
+                assert!(
+                    matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }),
+                    "{what}: {error}"
+                );
                 let left = if is_read_only { Condition::Running } else { Condition::Unknown };
                 assert_eq!((error.left, chip.condition()), (left, left), "{what}");
                 done(chip);
@@ -202,10 +229,18 @@ fn fail_everywhere<M: Model>(case: &Case) -> usize {
             let then = [&so_far[..], &standby].concat();
             let (result, chip) = replay::<M>(case, asked, &then);
             let error = result.expect_err(&what);
-            assert!(matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }), "{what}: {error}");
-            assert_eq!((error.left, chip.condition()), (Condition::Standby, Condition::Standby), "{what}");
+            assert!(
+                matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }),
+                "{what}: {error}"
+            );
+            assert_eq!(
+                (error.left, chip.condition()),
+                (Condition::Standby, Condition::Standby),
+                "{what}"
+            );
             done(chip);
-            // It does not, at each transaction of the way to standby: said so, and nothing but a start is taken.
+            // It does not, at each transaction of the way to standby: said so, and nothing but a
+            // start is taken.
             for stop in 0..standby.len() {
                 let broken = standby[stop].clone().with_error(ErrorKind::ArbitrationLoss);
                 let then = [&so_far[..], &standby[..stop], &[broken]].concat();
@@ -218,7 +253,10 @@ fn fail_everywhere<M: Model>(case: &Case) -> usize {
                 );
                 assert!(error.to_string().contains("half configured"), "{error}");
                 let refused = chip.set_exposure(case.fixed, &mut NoopDelay).unwrap_err();
-                assert_eq!(refused, CameraError { cause: Cause::NotRunning, left: Condition::HalfConfigured });
+                assert_eq!(
+                    refused,
+                    CameraError { cause: Cause::NotRunning, left: Condition::HalfConfigured }
+                );
                 assert_eq!(chip.exposure().unwrap_err().cause, Cause::NotRunning);
                 done(chip);
             }
@@ -250,15 +288,23 @@ fn a_register_that_keeps_something_else_is_named() {
     fn check<M: Model>(case: &Case) {
         let config = Config { exposure: ExposureControl::Fixed(case.fixed), ..case.config };
         let mut checked = Vec::new();
-        for line in text(&trace::<M>(case, Asked::Start(config))).lines().filter(|line| line.starts_with('w')) {
-            let bytes = line.split(' ').skip(1).map(|byte| u16::from_str_radix(byte, 16).unwrap()).collect::<Vec<_>>();
+        for line in text(&trace::<M>(case, Asked::Start(config)))
+            .lines()
+            .filter(|line| line.starts_with('w'))
+        {
+            let bytes = line
+                .split(' ')
+                .skip(1)
+                .map(|byte| u16::from_str_radix(byte, 16).unwrap())
+                .collect::<Vec<_>>();
             let register = match (M::WIRE, &bytes[..]) {
                 (Wire::Long8, [high, low, _]) => high << 8 | low,
                 (_, [register, _, ..]) => *register,
                 _ => continue, // the first half of a read
             };
             let fake = Fake::of::<M>();
-            // Every bit that can be wrong is; of a register that is written several times, the first write already.
+            // Every bit that can be wrong is; of a register that is written several times, the
+            // first write already.
             let value = if M::WIRE == Wire::Short16 { 0xffff } else { 0xff };
             let written = bytes.last().unwrap();
             fake.0.borrow_mut().stuck.insert(register, value ^ written);
@@ -287,10 +333,22 @@ fn another_chip_is_not_written_to() {
             let mut chip = OnFake::<M>::new(fake.clone(), case.address, NoReset);
             let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
             let (register, found) = (identity.register, identity.value ^ 1);
-            assert_eq!(error, CameraError { cause: Cause::Identity { register, found }, left: Condition::Unknown });
-            let length = if M::WIRE == Wire::Short16 || M::WIRE == Wire::Sccb { "w 00".len() } else { "w 00 00".len() };
-            let written =
-                text(&fake.said()).lines().filter(|line| line.starts_with('w')).any(|line| line.len() > length);
+            assert_eq!(
+                error,
+                CameraError {
+                    cause: Cause::Identity { register, found },
+                    left: Condition::Unknown
+                }
+            );
+            let length = if M::WIRE == Wire::Short16 || M::WIRE == Wire::Sccb {
+                "w 00".len()
+            } else {
+                "w 00 00".len()
+            };
+            let written = text(&fake.said())
+                .lines()
+                .filter(|line| line.starts_with('w'))
+                .any(|line| line.len() > length);
             assert!(!written, "{}", case.name);
         }
     }
@@ -304,7 +362,10 @@ fn nobody_answers() {
     let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), 0x48, NoReset);
     let error = chip.start(&mt9v034().config, &mut NoopDelay).unwrap_err();
     assert_eq!(error, CameraError { cause: Cause::Missing, left: Condition::Unknown });
-    assert_eq!(error.to_string(), "no camera answers: check power, clock and wires (the camera is as it was)");
+    assert_eq!(
+        error.to_string(),
+        "no camera answers: check power, clock and wires (the camera is as it was)"
+    );
     done(chip);
 }
 
@@ -323,7 +384,8 @@ fn a_reset_pin_holds_what_has_failed() {
     for place in 0..trace.len() {
         let failing = trace[place].clone().with_error(ErrorKind::Bus);
         let said = [&trace[..place], &[failing]].concat();
-        // Held and released, then held for good: nothing more is said on the bus, and it is in reset already when it is to stop.
+        // Held and released, then held for good: nothing more is said on the bus, and it is in
+        // reset already when it is to stop.
         let pin = Pin::new(&edges(&[State::Low, State::High, State::Low]));
         let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(pin));
         let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
@@ -340,7 +402,8 @@ fn a_reset_pin_that_fails_is_told() {
     for (place, states) in [(0, vec![State::Low]), (1, vec![State::Low, State::High])] {
         let mut edges = edges(&states);
         edges[place] = edges[place].clone().with_error(pin_error());
-        let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&[]), case.address, ResetPin(Pin::new(&edges)));
+        let mut chip =
+            Chip::<Mt9v034, Mock, _>::new(Mock::new(&[]), case.address, ResetPin(Pin::new(&edges)));
         let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
         assert_eq!(error, CameraError { cause: Cause::Pin, left: Condition::Unknown });
         done(chip).0.done();
@@ -351,7 +414,8 @@ fn a_reset_pin_that_fails_is_told() {
     let said = [&said[..1], &[failing], &standby::<Mt9v034>(&case)[..]].concat();
     let mut edges = edges(&[State::Low, State::High, State::Low]);
     edges[2] = edges[2].clone().with_error(pin_error());
-    let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(Pin::new(&edges)));
+    let mut chip =
+        Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(Pin::new(&edges)));
     assert_eq!(chip.start(&case.config, &mut NoopDelay).unwrap_err().left, Condition::Standby);
     done(chip).0.done();
 }
@@ -369,20 +433,34 @@ fn what_a_model_cannot_do_is_refused_before_anything_is_said() {
     fn exposed(config: Config, rows: u16, gain_code: u16) -> Config {
         Config { exposure: ExposureControl::Fixed(Exposure { rows, gain_code }), ..config }
     }
-    for (width, height, binning) in [(756, 480, Binning::One), (320, 241, Binning::One), (378, 240, Binning::Two)] {
+    for (width, height, binning) in
+        [(756, 480, Binning::One), (320, 241, Binning::One), (378, 240, Binning::Two)]
+    {
         let dims = Dims { width, height };
-        assert_eq!(refused::<Mt9v034>(config(width, height, binning)), Unsupported::Size(dims, binning));
+        assert_eq!(
+            refused::<Mt9v034>(config(width, height, binning)),
+            Unsupported::Size(dims, binning)
+        );
     }
     let fits = mt9v034().config;
     assert_eq!(refused::<Mt9v034>(exposed(fits, 0, 16)), Unsupported::Rows(0));
     assert_eq!(refused::<Mt9v034>(exposed(fits, 1, 15)), Unsupported::Gain(15));
     let dims = Dims { width: 320, height: 240 };
-    assert_eq!(refused::<Hm01b0>(config(320, 240, Binning::One)), Unsupported::Size(dims, Binning::One));
+    assert_eq!(
+        refused::<Hm01b0>(config(320, 240, Binning::One)),
+        Unsupported::Size(dims, Binning::One)
+    );
     assert_eq!(refused::<Hm01b0>(exposed(hm01b0().config, 259, 0x100)), Unsupported::Rows(259));
     assert_eq!(refused::<Hm01b0>(exposed(hm01b0().config, 258, 0x3f)), Unsupported::Gain(0x3f));
-    assert_eq!(refused::<Ov7670>(config(320, 240, Binning::One)), Unsupported::Size(dims, Binning::One));
+    assert_eq!(
+        refused::<Ov7670>(config(320, 240, Binning::One)),
+        Unsupported::Size(dims, Binning::One)
+    );
     assert_eq!(refused::<Ov7670>(exposed(ov7670().config, 511, 0)), Unsupported::Rows(511));
-    assert_eq!(refused::<Ov7670>(exposed(ov7670().config, 510, 1 << 10)), Unsupported::Gain(1 << 10));
+    assert_eq!(
+        refused::<Ov7670>(exposed(ov7670().config, 510, 1 << 10)),
+        Unsupported::Gain(1 << 10)
+    );
     let triggered = Config { start: FrameStart::Triggered, ..ov7670().config };
     let what = refused::<Ov7670>(triggered);
     assert_eq!(what.to_string(), "the sensor has no trigger pin: let it run free");
@@ -394,20 +472,30 @@ fn what_a_model_cannot_do_is_refused_before_anything_is_said() {
     let mut chip = OnFake::<Mt9v034>::new(Fake::of::<Mt9v034>(), 0x48, NoReset);
     chip.start(&fits, &mut NoopDelay).unwrap();
     let error = chip.set_exposure(Exposure { rows: 5, gain_code: 65 }, &mut NoopDelay).unwrap_err();
-    assert_eq!(error, CameraError { cause: Cause::Unsupported(Unsupported::Gain(65)), left: Condition::Running });
+    assert_eq!(
+        error,
+        CameraError { cause: Cause::Unsupported(Unsupported::Gain(65)), left: Condition::Running }
+    );
 }
 
 #[test]
 fn other_sizes_have_their_registers() {
-    for (name, dims, binning) in [("full", (752, 480), Binning::One), ("small", (160, 120), Binning::Four)] {
+    for (name, dims, binning) in
+        [("full", (752, 480), Binning::One), ("small", (160, 120), Binning::Four)]
+    {
         let case = Case { config: config(dims.0, dims.1, binning), ..mt9v034() };
-        assert_trace(&format!("mt9v034_{name}"), &trace::<Mt9v034>(&case, Asked::Start(case.config)));
+        assert_trace(
+            &format!("mt9v034_{name}"),
+            &trace::<Mt9v034>(&case, Asked::Start(case.config)),
+        );
     }
     let case = Case { config: config(162, 122, Binning::Two), ..hm01b0() };
     assert_trace("hm01b0_small", &trace::<Hm01b0>(&case, Asked::Start(case.config)));
     let case = hm01b0();
     assert_trace("hm01b0_nibbles", &trace::<Hm01b0Nibbles>(&case, Asked::Start(case.config)));
-    for (name, dims, binning) in [("full", (640, 480), Binning::One), ("small", (160, 120), Binning::Four)] {
+    for (name, dims, binning) in
+        [("full", (640, 480), Binning::One), ("small", (160, 120), Binning::Four)]
+    {
         let case = Case { config: config(dims.0, dims.1, binning), ..ov7670() };
         assert_trace(&format!("ov7670_{name}"), &trace::<Ov7670>(&case, Asked::Start(case.config)));
     }
@@ -423,7 +511,12 @@ fn gains_are_the_nearest_from_below() {
             assert!((0.0..worst).contains(&loss), "{} {gain_q6} {code:#x} {loss}", M::NAME);
             assert_eq!(M::check_exposure(Exposure { rows: 10, gain_code: code }), Ok(()));
         }
-        assert_eq!([M::gain_code(gains.start() - 1), M::gain_code(u16::MAX)], [None, None], "{}", M::NAME);
+        assert_eq!(
+            [M::gain_code(gains.start() - 1), M::gain_code(u16::MAX)],
+            [None, None],
+            "{}",
+            M::NAME
+        );
     }
     check::<Mt9v034>(64..=259, 1.0 / 16.0); // sixteenths of 1 ..= 4
     check::<Hm01b0>(64..=4079, 1.0 / 64.0); // 1 ..= 16, times 1 ..= 3.98
@@ -462,7 +555,9 @@ fn the_left_camera_chooses_for_both() {
     let triggered = Config { start: FrameStart::Triggered, ..mt9v034().config };
     pair.start(&triggered, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
     assert_eq!(pair.conditions(), [Condition::Running; 2]);
-    let of = |camera: &Fake| [COARSE_SHUTTER_WIDTH_TOTAL, ANALOG_GAIN].map(|register| camera.get(register));
+    let of = |camera: &Fake| {
+        [COARSE_SHUTTER_WIDTH_TOTAL, ANALOG_GAIN].map(|register| camera.get(register))
+    };
     assert_eq!([left.get(AEC_AGC_ENABLE), right.get(AEC_AGC_ENABLE)], [0b11, 0]);
     assert_eq!(of(&right), [111, 33]);
 
@@ -509,20 +604,28 @@ fn one_of_two_cameras_is_missing() {
     let right = OnFake::<Mt9v034>::new(Fake::of::<Mt9v034>(), 0x48, NoReset);
     let mut pair = CameraPair::new(left, right);
     let error = pair.start(&case.config, PairExposure::LeftChooses, &mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.error.cause, error.other), (CameraSide::Left, Cause::Missing, Condition::Unknown));
+    assert_eq!(
+        (error.eye, error.error.cause, error.other),
+        (CameraSide::Left, Cause::Missing, Condition::Unknown)
+    );
     done(pair.release().0);
 
     let fake = Fake::of::<Mt9v034>();
     let left = OnFake::<Mt9v034>::new(fake.clone(), 0x48, NoReset);
     let right = Chip::<Mt9v034, Mock, _>::new(Mock::new(&absent), 0x48, NoReset);
     let mut pair = CameraPair::new(left, right);
-    let error = pair.start(&case.config, PairExposure::Fixed(case.fixed), &mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.error.cause, error.other), (CameraSide::Right, Cause::Missing, Condition::Standby));
+    let error =
+        pair.start(&case.config, PairExposure::Fixed(case.fixed), &mut NoopDelay).unwrap_err();
+    assert_eq!(
+        (error.eye, error.error.cause, error.other),
+        (CameraSide::Right, Cause::Missing, Condition::Standby)
+    );
     assert_eq!(pair.conditions(), [Condition::Standby, Condition::Unknown]);
     assert_eq!(fake.get(0x07), 0, "the left one sends nothing");
     let text = error.to_string();
     assert!(
-        text.starts_with("right camera: no camera answers") && text.ends_with("the left one is in standby"),
+        text.starts_with("right camera: no camera answers")
+            && text.ends_with("the left one is in standby"),
         "{text}"
     );
     done(pair.release().1);
@@ -552,7 +655,10 @@ fn a_camera_that_fails_later_stops_the_other_one() {
     pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
     left.0.borrow_mut().stuck.insert(ANALOG_GAIN, 18);
     let error = pair.freeze(&mut NoopDelay).unwrap_err();
-    assert_eq!((error.eye, error.error.left, error.other), (CameraSide::Left, Condition::Standby, Condition::Standby));
+    assert_eq!(
+        (error.eye, error.error.left, error.other),
+        (CameraSide::Left, Condition::Standby, Condition::Standby)
+    );
     assert_eq!([left.get(CHIP_CONTROL), right.get(CHIP_CONTROL)], [0, 0]);
     // Neither can be stopped, and both are tried.
     for camera in [&left, &right] {
@@ -576,7 +682,15 @@ fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
     trigger.lower().unwrap(); // it is
     trigger.release().done();
     // It stays high once; the next pulse starts low.
-    let mut stuck = edges(&[State::Low, State::Low, State::High, State::Low, State::Low, State::High, State::Low]);
+    let mut stuck = edges(&[
+        State::Low,
+        State::Low,
+        State::High,
+        State::Low,
+        State::Low,
+        State::High,
+        State::Low,
+    ]);
     stuck[3] = stuck[3].clone().with_error(pin_error());
     let mut trigger = Trigger::new(Pin::new(&stuck)).unwrap();
     assert!(trigger.fire(10, &mut NoopDelay).is_err());
@@ -586,7 +700,15 @@ fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
 
 #[test]
 fn a_trigger_that_is_held_is_lowered_until_it_is_low() {
-    let mut states = edges(&[State::Low, State::Low, State::High, State::Low, State::Low, State::Low, State::High]);
+    let mut states = edges(&[
+        State::Low,
+        State::Low,
+        State::High,
+        State::Low,
+        State::Low,
+        State::Low,
+        State::High,
+    ]);
     states[3] = states[3].clone().with_error(pin_error());
     let mut trigger = Trigger::new(Pin::new(&states)).unwrap();
     trigger.lower().unwrap(); // it is
@@ -616,7 +738,8 @@ fn two_hm01b0_start_although_a_reset_leaves_them_more_rows_than_a_frame_has() {
     }
 }
 
-/// A sensor that says that it runs until the end of the frame in which it was stopped, and the clock of this.
+/// A sensor that says that it runs until the end of the frame in which it was stopped, and the
+/// clock of this.
 #[derive(Clone)]
 struct InFrame(Fake, Rc<Cell<u32>>);
 
@@ -625,7 +748,11 @@ impl embedded_hal::i2c::ErrorType for InFrame {
 }
 
 impl I2c for InFrame {
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), ErrorKind> {
         self.0.transaction(address, operations)?;
         if let [Operation::Write([0x01, 0x00]), Operation::Read([mode])] = operations
             && self.1.get() > 0
@@ -658,7 +785,8 @@ fn an_hm01b0_in_the_middle_of_a_frame_is_started_again() {
 
 #[test]
 fn nothing_that_a_sensor_sees_is_in_its_test_pattern() {
-    // After whatever else is written: automatic exposure, black level, defect pixels, gains; and walking ones.
+    // After whatever else is written: automatic exposure, black level, defect pixels, gains; and
+    // walking ones.
     const REGISTERS: [u16; 7] = [0x2100, 0x1000, 0x1008, 0x0205, 0x020e, 0x020f, 0x0601];
     let fixed = PairExposure::Fixed(hm01b0().other);
     for exposure in [PairExposure::LeftChooses, fixed] {
@@ -666,7 +794,11 @@ fn nothing_that_a_sensor_sees_is_in_its_test_pattern() {
         let config = Config { test_pattern: true, ..hm01b0().config };
         pair.start(&config, exposure, &mut NoopDelay).unwrap();
         for fake in &fakes {
-            assert_eq!(REGISTERS.map(|register| fake.get(register)), [0, 0, 0, 0, 0x01, 0x00, 0x11], "{exposure:?}");
+            assert_eq!(
+                REGISTERS.map(|register| fake.get(register)),
+                [0, 0, 0, 0, 0x01, 0x00, 0x11],
+                "{exposure:?}"
+            );
         }
     }
 }
@@ -674,9 +806,17 @@ fn nothing_that_a_sensor_sees_is_in_its_test_pattern() {
 #[test]
 fn reserved_bits_of_an_hm01b0_may_read_as_they_like() {
     // Without a public name, and those beside the bits that have a meaning.
-    let unnamed =
-        [0x3044, 0x3045, 0x3047, 0x3050, 0x3051, 0x3052, 0x3053, 0x3054, 0x3055, 0x3056, 0x3057, 0x3058, 0x3065];
-    let reserved = [(0x3059, 0x1f), (0x3060, 0x0a | 0xc0), (0x3064, 0xfb), (0x3067, 0xfc), (0x3068, 0x21 | 0xfe)];
+    let unnamed = [
+        0x3044, 0x3045, 0x3047, 0x3050, 0x3051, 0x3052, 0x3053, 0x3054, 0x3055, 0x3056, 0x3057,
+        0x3058, 0x3065,
+    ];
+    let reserved = [
+        (0x3059, 0x1f),
+        (0x3060, 0x0a | 0xc0),
+        (0x3064, 0xfb),
+        (0x3067, 0xfc),
+        (0x3068, 0x21 | 0xfe),
+    ];
     for (register, value) in unnamed.map(|register| (register, 0xff)).into_iter().chain(reserved) {
         let fake = Fake::of::<Hm01b0>();
         fake.0.borrow_mut().stuck.insert(register, value);
@@ -704,7 +844,8 @@ fn what_went_wrong_is_said_in_words() {
 
 #[test]
 fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
-    /// Starts a pair, or lets it follow or freeze, with a failure after so many transactions of a camera; `None` when there are fewer.
+    /// Starts a pair, or lets it follow or freeze, with a failure after so many transactions of a
+    /// camera; `None` when there are fewer.
     fn fail<M: Model>(
         case: &Case,
         eye: CameraSide,
@@ -724,7 +865,8 @@ fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
         (!is_left).then(|| pair.conditions())
     }
     type Ask = fn(&mut Both<Mt9v034>) -> bool;
-    let start: Ask = |pair| pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).is_ok();
+    let start: Ask =
+        |pair| pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).is_ok();
     let asks: [(Ask, [usize; 2]); 3] = [
         (start, [30, 30]),
         (|pair| pair.follow(&mut NoopDelay).is_ok(), [3, 8]),
@@ -732,7 +874,9 @@ fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
     ];
     for (ask, least) in asks {
         for (eye, least) in CameraSide::BOTH.into_iter().zip(least) {
-            let ends = (0..).map_while(|after| fail::<Mt9v034>(&mt9v034(), eye, after, ask)).collect::<Vec<_>>();
+            let ends = (0..)
+                .map_while(|after| fail::<Mt9v034>(&mt9v034(), eye, after, ask))
+                .collect::<Vec<_>>();
             assert!(ends.len() >= least, "{}", ends.len());
             for (after, ends) in ends.iter().enumerate() {
                 // All three that `follow` asks of the left one are reads: what runs goes on.

@@ -10,14 +10,18 @@ use linestereo_wire::{Command, Outcome, Request};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 
-/// A strong barrel, 110 degrees of view, cameras turned by 2 degrees and rolled by so many more against each other.
+/// A strong barrel, 110 degrees of view, cameras turned by 2 degrees and rolled by so many more
+/// against each other.
 fn strong(raw: Dims, roll_deg: f64) -> RigImage {
     let (width, height) = (f64::from(raw.width), f64::from(raw.height));
     let lens = Lens::BrownConrady { k: [-0.3, 0.09, -0.011], p: [0.0005, -0.0003] };
-    let camera =
-        |x: f64, y: f64| Camera::new(raw, [0.5 * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens).unwrap();
+    let camera = |x: f64, y: f64| {
+        Camera::new(raw, [0.5 * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens).unwrap()
+    };
     let turn = [1.0, 0.006, -0.008, 0.014 + (0.5 * roll_deg.to_radians()).tan()];
-    let calibration = Calibration::new(camera(1.5, -2.0), camera(-2.0, 1.0), turn, [-0.06, 0.0005, 0.001]).unwrap();
+    let calibration =
+        Calibration::new(camera(1.5, -2.0), camera(-2.0, 1.0), turn, [-0.06, 0.0005, 0.001])
+            .unwrap();
     RigImage::new(calibration, QVGA, View::default(), (0, 48)).unwrap()
 }
 
@@ -49,10 +53,23 @@ fn boards_take_the_rigs_of_their_sensors_and_name_what_is_too_large() {
         answers(Board::PICO2, &mut *Box::new(pico2::Workspace::new()), rigs),
     ] {
         let [first, second, third] = found.each_ref().map(String::as_str);
-        assert_eq!([first, second], [accepted, "raw row of the board's memory holds 320, these images need 640"]);
-        assert!(third.starts_with("band of the board's memory holds 12288, these images need "), "{third}");
+        assert_eq!(
+            [first, second],
+            [accepted, "raw row of the board's memory holds 320, these images need 640"]
+        );
+        assert!(
+            third.starts_with("band of the board's memory holds 12288, these images need "),
+            "{third}"
+        );
     }
-    let [first, second, third] = answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::Workspace::new()), rigs);
-    assert_eq!([&*first, &*second], [accepted, "raw row of the board's memory holds 480, these images need 640"]);
-    assert!(third.starts_with("band of the board's memory holds 12800, these images need "), "{third}");
+    let [first, second, third] =
+        answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::Workspace::new()), rigs);
+    assert_eq!(
+        [&*first, &*second],
+        [accepted, "raw row of the board's memory holds 480, these images need 640"]
+    );
+    assert!(
+        third.starts_with("band of the board's memory holds 12800, these images need "),
+        "{third}"
+    );
 }

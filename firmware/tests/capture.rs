@@ -1,7 +1,8 @@
 //! The capture path on fake hardware with faults.
 //!
-//! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte of a row says from which camera, frame
-//! and row it is, so that a row of another frame cannot go unnoticed. What is injected is counted where it is injected.
+//! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte
+//! of a row says from which camera, frame and row it is, so that a row of another frame cannot go
+//! unnoticed. What is injected is counted where it is injected.
 
 use crate::support::{random::Random, rectification};
 use core::cell::RefCell;
@@ -68,7 +69,12 @@ enum Step {
 }
 
 /// The steps of a frame, from the time at which it starts.
-fn script(eye: CameraSide, frame: u32, what: Injected, after_torn: Option<u32>) -> Vec<(u64, Step)> {
+fn script(
+    eye: CameraSide,
+    frame: u32,
+    what: Injected,
+    after_torn: Option<u32>,
+) -> Vec<(u64, Step)> {
     let skew_us = if eye == CameraSide::Left { 0 } else { 3 };
     let start = u64::from(frame) * PERIOD_US + skew_us;
     let mut steps = Vec::new();
@@ -82,7 +88,9 @@ fn script(eye: CameraSide, frame: u32, what: Injected, after_torn: Option<u32>) 
     for row in first..ROWS {
         let time = start + u64::from(row + 1) * ROW_US;
         match what {
-            Injected::Early(rows) | Injected::Torn(rows) | Injected::Stops(rows) if row >= rows => break,
+            Injected::Early(rows) | Injected::Torn(rows) | Injected::Stops(rows) if row >= rows => {
+                break;
+            }
             _ => {}
         }
         let bytes = if what == Injected::Short(row) { u32::from(WIDTH) - 1 } else { WIDTH.into() };
@@ -109,7 +117,8 @@ fn read(bytes: &[u8]) -> Option<(u8, u32, u8)> {
     let [eye, a, b, c, d, row, ..] = *bytes else { return None };
     let frame = u32::from_le_bytes([a, b, c, d]);
     let eyes = [CameraSide::Left, CameraSide::Right];
-    let is_whole = eyes.into_iter().any(|of| of as u8 == eye && paint(of, frame, row.into()) == *bytes);
+    let is_whole =
+        eyes.into_iter().any(|of| of as u8 == eye && paint(of, frame, row.into()) == *bytes);
     is_whole.then_some((eye, frame, row))
 }
 
@@ -131,7 +140,14 @@ struct FakeCamera {
 impl FakeCamera {
     fn new(eye: CameraSide, first_row: u32) -> Self {
         let ring = vec![[0xee; WIDTH as usize]; RING as usize];
-        Self { eye, steps: VecDeque::new(), ring, written: first_row, queue: VecDeque::new(), is_lost: false }
+        Self {
+            eye,
+            steps: VecDeque::new(),
+            ring,
+            written: first_row,
+            queue: VecDeque::new(),
+            is_lost: false,
+        }
     }
 
     fn say(&mut self, signal: Signal) {
@@ -213,12 +229,17 @@ impl RowRing for FakeRing {
         // From the end: the row that is being written is new at its start.
         let half = into.len() / 2;
         self.camera(|camera| {
-            assert!(camera.written.wrapping_sub(row) < 1 << 31 && camera.written != row, "row {row} is not complete");
+            assert!(
+                camera.written.wrapping_sub(row) < 1 << 31 && camera.written != row,
+                "row {row} is not complete"
+            );
             into[half..].copy_from_slice(&camera.ring[(row % RING) as usize][half..]);
         });
         // The hardware does not wait for a copy.
         pass(&self.hardware, self.copy_us);
-        self.camera(|camera| into[..half].copy_from_slice(&camera.ring[(row % RING) as usize][..half]));
+        self.camera(|camera| {
+            into[..half].copy_from_slice(&camera.ring[(row % RING) as usize][..half])
+        });
     }
 
     fn now_us(&self) -> u64 {
@@ -228,7 +249,11 @@ impl RowRing for FakeRing {
 }
 
 /// The hardware as a source of pairs; a microsecond passes with every look at its clock.
-fn source(hardware: &Rc<RefCell<Hardware>>, start: FrameStart, patience_us: u64) -> CameraSource<FakeRing> {
+fn source(
+    hardware: &Rc<RefCell<Hardware>>,
+    start: FrameStart,
+    patience_us: u64,
+) -> CameraSource<FakeRing> {
     let rings = rings(hardware).map(|ring| FakeRing { look_us: 1, ..ring });
     CameraSource::new(rings, FreeCameras, Capture::new(LIMITS, start), DIMS, patience_us as u32)
 }
@@ -257,7 +282,9 @@ fn frame_of(frames: &Frames) -> Result<u32, String> {
         for (y, row) in (0..).zip(frame.chunks(WIDTH.into())) {
             let (of, number, row) = read(row).ok_or(format!("{eye:?} row {y} is torn"))?;
             if (of, row) != (eye as u8, y) || *found.get_or_insert(number) != number {
-                return Err(format!("{eye:?} row {y} is row {row} of frame {number}, camera {of}, not of {found:?}"));
+                return Err(format!(
+                    "{eye:?} row {y} is row {row} of frame {number}, camera {of}, not of {found:?}"
+                ));
             }
         }
     }
@@ -303,7 +330,8 @@ impl Plan {
                 let (what, fault) = match random.below(100 * 6 / percent.max(1)) {
                     _ if is_last => (Injected::Nothing, None),
                     0 => (Injected::Overrun(row), Some(Fault::Overrun)),
-                    // The first frame is not known to be missing, and what ends early ends with a VSYNC: else it is torn.
+                    // The first frame is not known to be missing, and what ends early ends with a
+                    // VSYNC: else it is torn.
                     1 if frame > 0 && !matches!(list[frame as usize - 1], Injected::Early(_)) => {
                         (Injected::MissingVsync, Some(Fault::MissingVsync))
                     }
@@ -360,7 +388,8 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
     for frame in 0..count {
         for (camera, list) in hardware.borrow_mut().cameras.iter_mut().zip(&plan.injected) {
             let before = frame.checked_sub(1).and_then(|before| list.get(before as usize));
-            let after_torn = if let Some(Injected::Torn(rows)) = before { Some(*rows) } else { None };
+            let after_torn =
+                if let Some(Injected::Torn(rows)) = before { Some(*rows) } else { None };
             let what = list.get(frame as usize).copied().unwrap_or(Injected::Silent);
             camera.steps.extend(script(camera.eye, frame, what, after_torn));
         }
@@ -370,17 +399,25 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
             // From one thing that happens to the next; a stall goes to row 9 at once.
             let (now, next) = {
                 let hardware = hardware.borrow();
-                let next = hardware.cameras.iter().filter_map(|camera| camera.steps.front()).map(|step| step.0).min();
+                let next = hardware
+                    .cameras
+                    .iter()
+                    .filter_map(|camera| camera.steps.front())
+                    .map(|step| step.0)
+                    .min();
                 (hardware.now_us, next.unwrap_or(end).min(end))
             };
-            let is_stalled = plan.stalls.contains(&frame) && (start + 3 * ROW_US..start + 9 * ROW_US).contains(&next);
+            let is_stalled = plan.stalls.contains(&frame)
+                && (start + 3 * ROW_US..start + 9 * ROW_US).contains(&next);
             pass(&hardware, next - now);
             if !is_stalled {
                 let mut sink = Resumed { rows: rows_of, frames: &mut frames };
                 while let Some(report) = capture.turn(&mut rings, &mut sink) {
                     match report {
                         Report::Pair(pair) => pairs.push((frame_of(sink.frames)?, pair)),
-                        Report::Fault(eye, fault) => *reported.entry((eye as u8, fault as usize)).or_default() += 1,
+                        Report::Fault(eye, fault) => {
+                            *reported.entry((eye as u8, fault as usize)).or_default() += 1
+                        }
                         other => return Err(format!("{other:?}")),
                     }
                 }
@@ -411,14 +448,23 @@ impl RowSink for Resumed<'_> {
         self.frames[eye].chunks_mut(WIDTH.into()).nth(row).expect("a row too many")
     }
 
-    /// A rectifier would use the row at once: it has to be whole, of this camera, in its place, and of the frame that it is in.
+    /// A rectifier would use the row at once: it has to be whole, of this camera, in its place, and
+    /// of the frame that it is in.
     fn push(&mut self, eye: CameraSide) -> Result<(), RowError> {
         let place = usize::from(eye == CameraSide::Right);
         let rows = &mut self.rows[place];
         let mut all = self.frames[place].chunks(WIDTH.into()).map(read);
         let first = all.next().unwrap().expect("the first row is torn").1;
-        let row = if *rows == 0 { Some((eye as u8, first, 0)) } else { all.nth(usize::from(*rows) - 1).unwrap() };
-        assert_eq!(row, Some((eye as u8, first, *rows as u8)), "a row that is torn or of another frame");
+        let row = if *rows == 0 {
+            Some((eye as u8, first, 0))
+        } else {
+            all.nth(usize::from(*rows) - 1).unwrap()
+        };
+        assert_eq!(
+            row,
+            Some((eye as u8, first, *rows as u8)),
+            "a row that is torn or of another frame"
+        );
         *rows += 1;
         Ok(())
     }
@@ -435,10 +481,15 @@ fn a_hundred_thousand_frames_with_faults() {
         let plan = Plan::random(frames, percent, seed);
         let run = run(&plan, first_row).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let injected: u32 = plan.faults.values().sum();
-        println!("{frames} frames, {injected} faults: {} good pairs, {} delivered", plan.good.len(), run.pairs.len());
+        println!(
+            "{frames} frames, {injected} faults: {} good pairs, {} delivered",
+            plan.good.len(),
+            run.pairs.len()
+        );
         for (kind, fault) in Fault::ALL.into_iter().enumerate() {
-            let of =
-                |counts: &BTreeMap<(u8, usize), u32>| [0, 1].map(|eye| counts.get(&(eye, kind)).copied().unwrap_or(0));
+            let of = |counts: &BTreeMap<(u8, usize), u32>| {
+                [0, 1].map(|eye| counts.get(&(eye, kind)).copied().unwrap_or(0))
+            };
             let (injected, reported) = (of(&plan.faults), of(&run.reported));
             println!("  {fault:?}: injected {injected:?}, reported {reported:?}");
             assert_eq!(reported, injected, "seed {seed}: {fault:?}");
@@ -455,7 +506,9 @@ fn a_hundred_thousand_frames_with_faults() {
         assert!(delivered.iter().eq(&plan.good), "seed {seed}");
         // How long it takes from the last frame that something happened to.
         let is_good = |frame: u32| plan.good.binary_search(&frame).is_ok();
-        let recovery = delivered.iter().map(|&frame| (0..frame).rev().take_while(|&before| !is_good(before)).count());
+        let recovery = delivered
+            .iter()
+            .map(|&frame| (0..frame).rev().take_while(|&before| !is_good(before)).count());
         let behind = recovery.filter(|&bad| bad > 0).count();
         println!("  {behind} pairs came right behind a frame that was lost");
         assert!(behind as u32 > frames / 100);
@@ -507,7 +560,10 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
     let nothing = |_, _| Injected::Nothing;
     for work_us in [0, PAUSE_US / 2, PERIOD_US, PERIOD_US * 3 / 2, PERIOD_US * 5, PERIOD_US * 400] {
         let (delivered, losses) = play(2000, work_us, nothing, 0);
-        assert!(delivered.windows(2).all(|two| two[0] < two[1]), "{work_us}: a frame came twice, or late");
+        assert!(
+            delivered.windows(2).all(|two| two[0] < two[1]),
+            "{work_us}: a frame came twice, or late"
+        );
         assert!(
             delivered.len() as u64 >= 2000 * PERIOD_US / (work_us + 3 * PERIOD_US),
             "{work_us}: {}",
@@ -517,10 +573,14 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
         let is_skipped = work_us > PAUSE_US;
         assert_eq!(losses.skipped > 0, is_skipped, "{work_us}: {losses:?}");
         // Signals that nobody fetched are lost, and that is said, of each camera.
-        let slow = CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize] > 0);
+        let slow =
+            CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize] > 0);
         assert_eq!(slow, [is_lost; 2], "{work_us}: {losses:?}");
         let others = losses.faults.iter().flatten().sum::<u32>()
-            - CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize]).iter().sum::<u32>();
+            - CameraSide::BOTH
+                .map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize])
+                .iter()
+                .sum::<u32>();
         assert_eq!(others, 0, "{work_us}: {losses:?}");
         if !is_skipped {
             assert_eq!(delivered, (0..2000).collect::<Vec<_>>());
@@ -532,10 +592,19 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
 fn a_row_that_is_overwritten_while_it_is_copied_is_not_used() {
     for copy_us in [2, 6, 11, 25, 39] {
         let (delivered, losses) = play(500, 0, |_, _| Injected::Nothing, copy_us);
-        let slow: u32 = CameraSide::BOTH.iter().map(|&eye| losses.faults[eye as usize][Fault::TooSlow as usize]).sum();
-        // A row of both takes 2 * copy_us and comes every 10: after 12 rows the ring has to hold what is behind, in less than 4 rows.
-        let is_late = u64::from(ROWS) * (2 * copy_us).saturating_sub(ROW_US) > u64::from(RING - 1) * ROW_US;
-        assert_eq!((slow > 0, delivered.len() == 500), (is_late, !is_late), "{copy_us}: {losses:?}");
+        let slow: u32 = CameraSide::BOTH
+            .iter()
+            .map(|&eye| losses.faults[eye as usize][Fault::TooSlow as usize])
+            .sum();
+        // A row of both takes 2 * copy_us and comes every 10: after 12 rows the ring has to hold
+        // what is behind, in less than 4 rows.
+        let is_late =
+            u64::from(ROWS) * (2 * copy_us).saturating_sub(ROW_US) > u64::from(RING - 1) * ROW_US;
+        assert_eq!(
+            (slow > 0, delivered.len() == 500),
+            (is_late, !is_late),
+            "{copy_us}: {losses:?}"
+        );
     }
 }
 
@@ -548,17 +617,25 @@ fn both_cameras_stop_and_come_back() {
     };
     let (delivered, losses) = play(20, 0, what, 0);
     assert_eq!(delivered, (0..5).chain(10..20).collect::<Vec<_>>());
-    assert_eq!(CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
+    assert_eq!(
+        CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]),
+        [1, 1]
+    );
     assert_eq!((losses.faults.iter().flatten().sum::<u32>(), losses.unpaired), (2, 0));
 }
 
 #[test]
 fn a_frame_without_a_partner_is_counted() {
     // The right camera starts three frames late; the left one's are whole and of no use.
-    let what = |eye, frame| if eye == CameraSide::Right && frame < 3 { Injected::Silent } else { Injected::Nothing };
+    let what = |eye, frame| {
+        if eye == CameraSide::Right && frame < 3 { Injected::Silent } else { Injected::Nothing }
+    };
     let (delivered, losses) = play(10, 0, what, 0);
     assert_eq!(delivered, (3..10).collect::<Vec<_>>());
-    assert_eq!((losses.unpaired, losses.faults[CameraSide::Right as usize][Fault::Stopped as usize]), (3, 1));
+    assert_eq!(
+        (losses.unpaired, losses.faults[CameraSide::Right as usize][Fault::Stopped as usize]),
+        (3, 1)
+    );
 }
 
 /// Cameras that run by themselves, each at its own pace; the right one starts so much later.
@@ -584,7 +661,8 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
         assert_eq!(pair.frame_start, Some(FrameStart::Free));
         let [left_us, right_us] = pair.times_us.unwrap();
         // The times are those of the frames that lie there.
-        let [left, right] = memory.frames().map(|frame| u64::from(read(&frame[..WIDTH.into()]).unwrap().1));
+        let [left, right] =
+            memory.frames().map(|frame| u64::from(read(&frame[..WIDTH.into()]).unwrap().1));
         assert_eq!([left_us, right_us], [left * PERIOD_US, right * (PERIOD_US + 1)]);
         skews.push(left_us.abs_diff(right_us));
     }
@@ -599,7 +677,8 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
     let mut source = source(&hardware, FrameStart::Triggered, 5000);
     assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
     assert_eq!(
-        CameraSide::BOTH.map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]),
+        CameraSide::BOTH
+            .map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]),
         [1, 1]
     );
     assert!((5000..5010).contains(&hardware.borrow().now_us));
@@ -638,7 +717,10 @@ fn a_frame_that_was_begun_for_another_call_is_left() {
         let pair = source.next_pair(&mut *memory, None);
         pair.map(|pair| (frame_of(&frames(&mut *memory)).unwrap(), pair.times_us.unwrap()[0]))
     };
-    assert_eq!([next(), next(), next()], [None, Some((3, 3 * PERIOD_US)), Some((4, 4 * PERIOD_US))]);
+    assert_eq!(
+        [next(), next(), next()],
+        [None, Some((3, 3 * PERIOD_US)), Some((4, 4 * PERIOD_US))]
+    );
 }
 
 #[test]
@@ -646,7 +728,9 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
     // Of a size that the core takes; only the times matter.
     let dims = Dims { width: 128, height: 96 };
     let plan = linestereo::Params::DEFAULT.plan(dims).unwrap();
-    for (later_us, middle_us, is_refused) in [(20, [0, 0], false), (20, [0, 1000], true), (20, [-400, 0], false)] {
+    for (later_us, middle_us, is_refused) in
+        [(20, [0, 0], false), (20, [0, 1000], true), (20, [-400, 0], false)]
+    {
         let hardware = running(3, later_us, 0);
         let mut source = source(&hardware, FrameStart::Triggered, 1000);
         source.capture.set_middle_us(middle_us);
@@ -679,14 +763,18 @@ fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trac
             sink.restart(eye);
             for y in 0..48 {
                 assert_eq!(sink.complete(), None);
-                sink.row(eye).iter_mut().enumerate().for_each(|(x, pixel)| *pixel = grey(eye, x, y));
+                sink.row(eye)
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(x, pixel)| *pixel = grey(eye, x, y));
                 sink.push(eye).unwrap();
             }
         }
         assert_eq!(sink.complete(), Some(dims));
         assert_eq!(sink.push(CameraSide::Left), Err(RowError::TooMany));
         let [left, right] = memory.views(dims).unwrap();
-        [left, right].map(|view| (0..48).flat_map(|y| view.row(y).unwrap()).copied().collect::<Vec<_>>())
+        [left, right]
+            .map(|view| (0..48).flat_map(|y| view.row(y).unwrap()).copied().collect::<Vec<_>>())
     };
     assert_eq!(rectified(0), rectified(20));
 }
@@ -699,7 +787,10 @@ fn frames_refuse_what_does_not_fit() {
         rows.row(CameraSide::Left).fill(y);
         assert_eq!(rows.push(CameraSide::Left), Ok(()));
     }
-    assert_eq!((rows.row(CameraSide::Left).len(), rows.push(CameraSide::Left)), (0, Err(RowError::TooMany)));
+    assert_eq!(
+        (rows.row(CameraSide::Left).len(), rows.push(CameraSide::Left)),
+        (0, Err(RowError::TooMany))
+    );
     assert_eq!(rows.push(CameraSide::Right), Err(RowError::Frame { needed: 6, given: 5 }));
     assert_eq!(rows.complete(), None);
     rows.restart(CameraSide::Left);
@@ -735,7 +826,8 @@ fn a_rig_that_does_not_fit_is_told() {
         [(true, Report::Refused(CameraSide::Left, RowError::NoMesh)), (false, Report::Incomplete)]
     {
         let hardware = running(2, 0, 0);
-        let (mut rings, mut capture) = (rings(&hardware), Capture::new(LIMITS, FrameStart::Triggered));
+        let (mut rings, mut capture) =
+            (rings(&hardware), Capture::new(LIMITS, FrameStart::Triggered));
         let mut sink = Unfit { row: [0; _], is_refused };
         let report = loop {
             pass(&hardware, 1);

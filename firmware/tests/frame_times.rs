@@ -19,7 +19,11 @@ const BYTE_US: u32 = 10;
 struct SlowCamera(Port, Painter);
 
 impl PairSource for SlowCamera {
-    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+    fn next_pair(
+        &mut self,
+        memory: &mut impl Memory,
+        rectified: Option<Dims>,
+    ) -> Option<CapturedPair> {
         self.0.pass(PAIR_US);
         self.1.next_pair(memory, rectified)
     }
@@ -52,7 +56,8 @@ fn a_frame_says_how_long_it_waited_and_took_and_how_long_the_one_before_was_writ
     for frame in 0..3 {
         live.turn(&mut *memory, &mut camera);
         let bytes = port.bytes();
-        let mut decoder = linestereo_wire::Decoder::<Message, { linestereo_wire::MAX_PACKET }>::new();
+        let mut decoder =
+            linestereo_wire::Decoder::<Message, { linestereo_wire::MAX_PACKET }>::new();
         let (mut answer, mut head) = (0, None);
         for (&byte, count) in bytes.iter().zip(1..) {
             match decoder.push(byte) {

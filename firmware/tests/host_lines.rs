@@ -51,7 +51,8 @@ fn still() -> u64 {
 fn records_go_to_both_whole_or_not_at_all() {
     let [nobody, perhaps] = [Listener::Nobody, Listener::Perhaps].map(FakeLine::new);
     let (first, second) = (nobody.waiting.clone(), perhaps.waiting.clone());
-    let mut lines = HostLines(HostLine::new(nobody, still, 100), HostLine::new(perhaps, still, 100));
+    let mut lines =
+        HostLines(HostLine::new(nobody, still, 100), HostLine::new(perhaps, still, 100));
     for record in [&[1, 2, 3][..], &[4, 5, 6], &[7, 8, 9], &[10, 11]] {
         lines.write(record); // for nobody here is anything waited for: this clock stands still
     }
@@ -100,5 +101,8 @@ fn commands_come_from_either() {
     let mut lines = HostLines(HostLine::new(first, still, 100), HostLine::new(second, still, 100));
     let mut bytes = [0; 2];
     let mut read = || (lines.read(&mut bytes), bytes);
-    assert_eq!([read(), read(), read(), read()], [(2, [1, 2]), (1, [3, 2]), (2, [4, 5]), (0, [4, 5])]);
+    assert_eq!(
+        [read(), read(), read(), read()],
+        [(2, [1, 2]), (1, [3, 2]), (2, [4, 5]), (0, [4, 5])]
+    );
 }

@@ -1,11 +1,14 @@
-//! The RP2350's I2C on a fake of its block: what goes over the bus, what fails, and that everything ends; and clearing a bus that a device holds.
+//! The RP2350's I2C on a fake of its block: what goes over the bus, what fails, and that everything
+//! ends; and clearing a bus that a device holds.
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::i2c::{Error as _, ErrorKind, I2c, NoAcknowledgeSource, Operation};
-use linestereo_firmware::boards::rp235x::bus::{Block, BusError, LIMIT_US, LimitedI2c, Order, State, clear};
+use linestereo_firmware::boards::rp235x::bus::{
+    Block, BusError, LIMIT_US, LimitedI2c, Order, State, clear,
+};
 use std::collections::VecDeque;
 
 /// Time of a byte at 400 kHz.
@@ -21,7 +24,8 @@ enum Wire {
     Stop,
 }
 
-/// The block, as its datasheet has it, and a device that counts up when it is read. Panics when it is not used as it has to be.
+/// The block, as its datasheet has it, and a device that counts up when it is read. Panics when it
+/// is not used as it has to be.
 #[derive(Default)]
 struct Fake {
     now_us: Cell<u64>,
@@ -33,7 +37,8 @@ struct Fake {
 struct Inner {
     is_enabled: bool,
     address: u8,
-    /// Orders that were not begun; of the last one that was, whether it was a read, and until when it takes.
+    /// Orders that were not begun; of the last one that was, whether it was a read, and until when
+    /// it takes.
     orders: VecDeque<(Order, bool)>,
     is_read: Option<bool>,
     busy_until_us: u64,
@@ -41,7 +46,8 @@ struct Inner {
     has_stopped: bool,
     abort: u32,
     wires: Vec<Wire>,
-    /// Bytes on the wires, addresses among them, until nobody acknowledges one, the block gives up (with these bits), or nothing happens any more.
+    /// Bytes on the wires, addresses among them, until nobody acknowledges one, the block gives up
+    /// (with these bits), or nothing happens any more.
     refused_after: Option<usize>,
     given_up_after: Option<(usize, u32)>,
     stuck_after: Option<usize>,
@@ -99,7 +105,9 @@ impl Inner {
             let is_address = matches!(self.wires.last(), Some(Wire::Start(_)));
             if self.refused_after == Some(self.bytes()) {
                 self.give_up(if is_address { 1 << 0 } else { 1 << 3 });
-            } else if let Some((_, bits)) = self.given_up_after.filter(|&(after, _)| after == self.bytes()) {
+            } else if let Some((_, bits)) =
+                self.given_up_after.filter(|&(after, _)| after == self.bytes())
+            {
                 self.give_up(bits);
             } else if !is_address && is_last {
                 self.stop();
@@ -111,7 +119,8 @@ impl Inner {
 impl Block for &Fake {
     fn set_up(&mut self) {
         let mut inner = self.inner.borrow_mut();
-        let (wires, set_up, sent) = (core::mem::take(&mut inner.wires), inner.set_up + 1, inner.sent);
+        let (wires, set_up, sent) =
+            (core::mem::take(&mut inner.wires), inner.set_up + 1, inner.sent);
         *inner = Inner { wires, set_up, sent, ..Inner::default() };
     }
 
@@ -146,7 +155,10 @@ impl Block for &Fake {
     fn order(&mut self, order: Order, is_last: bool) {
         let mut inner = self.inner.borrow_mut();
         assert!(inner.is_enabled && inner.orders.len() < ROOM, "an order that is lost");
-        assert!(inner.orders.back().is_none_or(|&(_, is_last)| !is_last), "an order after the last one");
+        assert!(
+            inner.orders.back().is_none_or(|&(_, is_last)| !is_last),
+            "an order after the last one"
+        );
         inner.orders.push_back((order, is_last));
     }
 
@@ -171,7 +183,10 @@ fn bytes_go_over_the_bus_with_starts_where_the_direction_changes_and_one_stop() 
     bus.write_read(0x24, &[0x01, 0x00], &mut byte).unwrap();
     let (start, again) = (Wire::Start(0x48), Wire::Start(0x49));
     let register = [Wire::Byte(0x01), Wire::Byte(0x00)];
-    assert_eq!(wires(&fake), [&[start], &register[..], &[again, Wire::Byte(1), Wire::Stop]].concat());
+    assert_eq!(
+        wires(&fake),
+        [&[start], &register[..], &[again, Wire::Byte(1), Wire::Stop]].concat()
+    );
     assert_eq!(byte, [1]);
     // More than there is room for.
     let many = (0..40).collect::<Vec<u8>>();
@@ -182,7 +197,11 @@ fn bytes_go_over_the_bus_with_starts_where_the_direction_changes_and_one_stop() 
     bus.read(0x24, &mut read).unwrap();
     assert_eq!(read.to_vec(), (2..22).collect::<Vec<_>>());
     // Two writes are one, and an empty one is none.
-    bus.transaction(0x24, &mut [Operation::Write(&[1]), Operation::Write(&[]), Operation::Write(&[2])]).unwrap();
+    bus.transaction(
+        0x24,
+        &mut [Operation::Write(&[1]), Operation::Write(&[]), Operation::Write(&[2])],
+    )
+    .unwrap();
     assert_eq!(wires(&fake), [start, Wire::Byte(1), Wire::Byte(2), Wire::Stop]);
     assert_eq!(bus.write(0x24, &[]), Err(BusError::Empty));
     assert_eq!(fake.inner.borrow().set_up, 1);
@@ -239,7 +258,8 @@ fn a_bus_that_is_held_ends_every_transaction_in_time_and_is_set_up_again() {
         assert_eq!(fake.inner.borrow().set_up, 2, "{after}");
         assert_eq!(bus.write_read(0x24, &[0x01, 0x00], &mut byte), Ok(()), "{after}");
     }
-    // A device that holds SCL low from a moment on at which nothing is asked of it: the block does not go off.
+    // A device that holds SCL low from a moment on at which nothing is asked of it: the block does
+    // not go off.
     let fake = Fake::default();
     let mut bus = LimitedI2c::new(&fake);
     fake.inner.borrow_mut().busy_until_us = u64::MAX;
@@ -251,7 +271,8 @@ fn a_bus_that_is_held_ends_every_transaction_in_time_and_is_set_up_again() {
 struct Bus {
     clock: Cell<bool>,
     data: Cell<bool>,
-    /// Bits that the device has not sent, the next one first; after eight it looks whether there is more to send.
+    /// Bits that the device has not sent, the next one first; after eight it looks whether there is
+    /// more to send.
     bits: RefCell<VecDeque<bool>>,
     /// A device that never lets go.
     is_short: bool,
@@ -327,7 +348,8 @@ impl DelayNs for Never {
 #[test]
 fn a_device_in_the_middle_of_a_byte_is_clocked_until_it_lets_go() {
     let play = |bits: &[bool], is_short| {
-        let (clock, data, bits) = (Cell::new(true), Cell::new(true), RefCell::new(bits.iter().copied().collect()));
+        let (clock, data, bits) =
+            (Cell::new(true), Cell::new(true), RefCell::new(bits.iter().copied().collect()));
         let bus = Bus { clock, data, bits, is_short, pulses: Cell::new(0), stops: Cell::new(0) };
         let is_free = clear(&mut Clock(&bus), &mut Data(&bus), &mut Never);
         (is_free, bus.pulses.get(), bus.stops.get(), bus.sda() && bus.clock.get())

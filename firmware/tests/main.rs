@@ -1,4 +1,5 @@
-//! The firmware's parts on a PC, with fakes in place of boards, a module a topic: `cargo test -p linestereo-firmware TOPIC`.
+//! The firmware's parts on a PC, with fakes in place of boards, a module a topic: `cargo test -p
+//! linestereo-firmware TOPIC`.
 
 mod ahead;
 mod camera;

@@ -1,7 +1,8 @@
-//! The PIO programs of the RP2350's cameras, run word by word on drawn waveforms; their words through the DMA's chain into the ring; its signals
-//! through the capture.
+//! The PIO programs of the RP2350's cameras, run word by word on drawn waveforms; their words
+//! through the DMA's chain into the ring; its signals through the capture.
 //!
-//! The interpreter knows only what the datasheet says of the instructions that are used, and panics at any other.
+//! The interpreter knows only what the datasheet says of the instructions that are used, and panics
+//! at any other.
 
 use crate::support::random::Random;
 use core::cell::RefCell;
@@ -43,7 +44,17 @@ impl Machine {
     fn new(program: Program, number: u8) -> Self {
         let slot = program.wrap_target;
         let queue = VecDeque::new();
-        Self { program, number, slot, x: 0, shift: 0, count: 0, queue, is_overrun: false, late: [0; 2] }
+        Self {
+            program,
+            number,
+            slot,
+            x: 0,
+            shift: 0,
+            count: 0,
+            queue,
+            is_overrun: false,
+            late: [0; 2],
+        }
     }
 
     /// One cycle. The flag that it sets, if any.
@@ -61,7 +72,9 @@ impl Machine {
         let pin = |number: u16| seen >> number & 1;
         match (word >> 13, high) {
             // JMP PIN; the pin is LVLD.
-            (0b000, 0b110) => self.slot = if pin(Wire::LineValid as u16) == 1 { low as u8 } else { next },
+            (0b000, 0b110) => {
+                self.slot = if pin(Wire::LineValid as u16) == 1 { low as u8 } else { next }
+            }
             // JMP X--
             (0b000, 0b010) => {
                 self.slot = if self.x == 0 { next } else { low as u8 };
@@ -78,7 +91,8 @@ impl Machine {
                     self.is_overrun = true; // it stalls
                     return None;
                 }
-                self.shift = if bits == 32 { value } else { self.shift >> bits | value << (32 - bits) };
+                self.shift =
+                    if bits == 32 { value } else { self.shift >> bits | value << (32 - bits) };
                 self.count = (self.count + bits).min(32);
                 if self.count == 32 {
                     self.queue.push_back(self.shift);
@@ -104,7 +118,8 @@ impl Machine {
     }
 
     fn restart(&mut self) {
-        (self.slot, self.shift, self.count, self.is_overrun) = (self.program.wrap_target, 0, 0, false);
+        (self.slot, self.shift, self.count, self.is_overrun) =
+            (self.program.wrap_target, 0, 0, false);
         self.queue.clear();
     }
 }
@@ -191,7 +206,9 @@ impl Camera {
             time_us: self.time_us(),
         };
         let ring = &self.ring;
-        if let Some(slot) = self.counter.take(self.frame_rows, &seen, |slot| ring[slot as usize][SLOT_WORDS - 1]) {
+        if let Some(slot) =
+            self.counter.take(self.frame_rows, &seen, |slot| ring[slot as usize][SLOT_WORDS - 1])
+        {
             self.rows.restart();
             self.words = 0;
             self.next_slot = (slot + 1) % RING_ROWS as u32;
@@ -219,7 +236,9 @@ impl RowRing for Ring {
     fn copy(&self, row: u32, into: &mut [u8]) {
         let camera = self.0.borrow();
         let words = &camera.ring[row as usize % RING_ROWS];
-        for (byte, from) in into.iter_mut().zip(words.iter().flat_map(|word| word.to_le_bytes()).skip(BORDER as usize))
+        for (byte, from) in into
+            .iter_mut()
+            .zip(words.iter().flat_map(|word| word.to_le_bytes()).skip(BORDER as usize))
         {
             *byte = from;
         }
@@ -239,7 +258,8 @@ struct Frame {
     odd: Option<(u32, u32)>,
     /// FVLD does not fall behind it.
     is_end_missing: bool,
-    /// FVLD rises so many periods of PCLKO before the first row, and falls as many behind the last one.
+    /// FVLD rises so many periods of PCLKO before the first row, and falls as many behind the last
+    /// one.
     margin: u32,
     /// The DMA takes nothing during these rows.
     held: Option<(u32, u32)>,
@@ -252,12 +272,17 @@ impl Frame {
 
     /// At a nibble of a row.
     fn wires(self, y: u32, n: u32) -> u32 {
-        let halves = self.odd.filter(|(row, _)| *row == y).map_or(2 * ROW_BYTES as u32, |(_, halves)| halves);
+        let halves = self
+            .odd
+            .filter(|(row, _)| *row == y)
+            .map_or(2 * ROW_BYTES as u32, |(_, halves)| halves);
         if y >= self.rows {
             self.rest()
         } else if n < halves {
             let pixel = self.pixel(n / 2, y);
-            FRAME_VALID | LINE_VALID | u32::from(if n.is_multiple_of(2) { pixel & 15 } else { pixel >> 4 })
+            FRAME_VALID
+                | LINE_VALID
+                | u32::from(if n.is_multiple_of(2) { pixel & 15 } else { pixel >> 4 })
         } else {
             FRAME_VALID
         }
@@ -328,7 +353,13 @@ impl Bench {
             pair_us: 2000,
         };
         let kept = Kept { frames: [vec![], vec![]], row: vec![0; WIDTH], rows: kept.into() };
-        Self { cameras, rings, capture: Capture::new(limits, FrameStart::Triggered), kept, reports: vec![] }
+        Self {
+            cameras,
+            rings,
+            capture: Capture::new(limits, FrameStart::Triggered),
+            kept,
+            reports: vec![],
+        }
     }
 
     /// Two good frames: one pair, byte for byte.
@@ -336,7 +367,11 @@ impl Bench {
         let frames = [Frame::good(seed, rows), Frame::good(seed + 1, rows)];
         let before = self.reports.len();
         self.send(frames);
-        assert!(matches!(self.reports[before..], [Report::Pair(_)]), "{:?}", &self.reports[before..]);
+        assert!(
+            matches!(self.reports[before..], [Report::Pair(_)]),
+            "{:?}",
+            &self.reports[before..]
+        );
         self.assert_kept(frames, "good");
     }
 
@@ -344,7 +379,8 @@ impl Bench {
     fn assert_kept(&self, frames: [Frame; 2], what: impl core::fmt::Display) {
         for (frame, kept) in frames.iter().zip(&self.kept.frames) {
             let inside = |side: u32| BORDER..side - BORDER;
-            let drawn = inside(frame.rows).flat_map(|y| inside(ROW_BYTES as u32).map(move |x| frame.pixel(x, y)));
+            let drawn = inside(frame.rows)
+                .flat_map(|y| inside(ROW_BYTES as u32).map(move |x| frame.pixel(x, y)));
             assert!(drawn.eq(kept.iter().copied()), "{what}: {frames:?}");
         }
     }
@@ -355,15 +391,17 @@ impl Bench {
         self.clocks([FRAME_VALID; 2], frames[0].margin);
         for y in 0..frames[0].rows.max(frames[1].rows) {
             for (camera, frame) in self.cameras.iter().zip(&frames) {
-                camera.borrow_mut().is_held = frame.held.is_some_and(|(from, to)| (from..to).contains(&y));
+                camera.borrow_mut().is_held =
+                    frame.held.is_some_and(|(from, to)| (from..to).contains(&y));
             }
             for n in 0..ROW_NIBBLES {
                 self.clock(frames.map(|frame| frame.wires(y, n)));
             }
             self.fetch();
         }
-        let end =
-            |frame: Frame| if frame.rows < frames[0].rows.max(frames[1].rows) { frame.rest() } else { FRAME_VALID };
+        let end = |frame: Frame| {
+            if frame.rows < frames[0].rows.max(frames[1].rows) { frame.rest() } else { FRAME_VALID }
+        };
         self.clocks(frames.map(end), frames[0].margin);
         for _ in 0..16 {
             self.clocks(frames.map(Frame::rest), ROW_NIBBLES);
@@ -401,7 +439,10 @@ const ROWS_SENT: u32 = 10;
 #[test]
 fn the_words_are_those_of_the_assembler() {
     // pioasm's for the programs that the head of program.rs describes.
-    assert_eq!(ROWS.words, [0xa02b, 0x4004, 0x0043, 0x20a4, 0x2024, 0x00c1, 0x4020, 0x20a4, 0x2024, 0x00c0]);
+    assert_eq!(
+        ROWS.words,
+        [0xa02b, 0x4004, 0x0043, 0x20a4, 0x2024, 0x00c1, 0x4020, 0x20a4, 0x2024, 0x00c0]
+    );
     assert_eq!(FRAMES.words, [0x20a6, 0xc013, 0x2026, 0xc010]);
 }
 
@@ -417,7 +458,8 @@ fn a_row_is_its_pixels_and_its_length() {
             words.extend(camera.rows.queue.pop_front());
         }
     }
-    let bytes: Vec<u8> = words[..SLOT_WORDS - 1].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let bytes: Vec<u8> =
+        words[..SLOT_WORDS - 1].iter().flat_map(|word| word.to_le_bytes()).collect();
     assert_eq!(bytes, (0..ROW_BYTES as u32).map(|x| frame.pixel(x, 0)).collect::<Vec<_>>());
     assert_eq!((words.len(), nibbles(words[SLOT_WORDS - 1])), (SLOT_WORDS, 2 * ROW_BYTES as u32));
 }
@@ -434,7 +476,8 @@ fn frames_come_byte_for_byte_and_the_ring_wraps() {
 fn frame_valid_may_be_as_short_as_the_rows() {
     let mut bench = Bench::new(ROWS_SENT as u16);
     for seed in 0..4 {
-        let frames = [seed, seed + 100].map(|seed| Frame { margin: 1, ..Frame::good(seed, ROWS_SENT) });
+        let frames =
+            [seed, seed + 100].map(|seed| Frame { margin: 1, ..Frame::good(seed, ROWS_SENT) });
         let reports = bench.send(frames);
         assert!(matches!(reports[..], [Report::Pair(_)]), "{reports:?}");
     }
@@ -454,7 +497,8 @@ impl Bench {
     /// The next pair is whole; what is said of the bad frame may come with it.
     fn expect_pair_after(&mut self, reports: &mut Vec<Report>, seed: u32) {
         let more = self.send([Frame::good(seed, ROWS_SENT), Frame::good(seed + 1, ROWS_SENT)]);
-        let (pairs, others): (Vec<_>, Vec<_>) = more.into_iter().partition(|report| matches!(report, Report::Pair(_)));
+        let (pairs, others): (Vec<_>, Vec<_>) =
+            more.into_iter().partition(|report| matches!(report, Report::Pair(_)));
         assert_eq!(pairs.len(), 1);
         reports.extend(others);
     }
@@ -491,7 +535,10 @@ fn too_few_and_too_many_rows_are_seen() {
 fn a_frame_without_an_end_is_seen() {
     let mut bench = Bench::new(ROWS_SENT as u16);
     bench.expect_pair(1, ROWS_SENT);
-    bench.send([Frame { is_end_missing: true, ..Frame::good(2, ROWS_SENT) }, Frame::good(3, ROWS_SENT)]);
+    bench.send([
+        Frame { is_end_missing: true, ..Frame::good(2, ROWS_SENT) },
+        Frame::good(3, ROWS_SENT),
+    ]);
     let reports = bench.send([Frame::good(4, ROWS_SENT), Frame::good(5, ROWS_SENT)]);
     assert_eq!(reports, [Report::Fault(CameraSide::Left, Fault::MissingVsync)]);
     bench.expect_pair(7, ROWS_SENT);
@@ -523,13 +570,22 @@ fn more_signals_than_are_kept_are_lost_and_said_to_be() {
     let good = u32::MAX - 2 * ROW_BYTES as u32;
     for row in 0..400_u32 {
         let next_slot = (row + 2) % RING_ROWS as u32;
-        let seen =
-            Seen { is_started: row == 0, is_ended: false, is_overrun: false, next_slot, is_begun: false, time_us: 0 };
+        let seen = Seen {
+            is_started: row == 0,
+            is_ended: false,
+            is_overrun: false,
+            next_slot,
+            is_begun: false,
+            time_us: 0,
+        };
         assert_eq!(counter.take(1000, &seen, |_| good), None);
     }
     let signals: Vec<_> = core::iter::from_fn(|| counter.next_signal()).collect();
     assert_eq!(signals[0], Signal::Lost);
-    assert_eq!(*signals.last().unwrap(), Signal::Rows { end: 400, bytes: ROW_BYTES as u32, time_us: 0 });
+    assert_eq!(
+        *signals.last().unwrap(),
+        Signal::Rows { end: 400, bytes: ROW_BYTES as u32, time_us: 0 }
+    );
     assert_eq!(counter.written(400 % RING_ROWS as u32 + 1), 400);
 }
 
@@ -538,7 +594,10 @@ impl Random {
     fn frame(&mut self, seed: u32) -> (Frame, bool) {
         let good = Frame::good(seed, ROWS_SENT);
         match self.below(8) {
-            0 => (Frame { odd: Some((self.below(ROWS_SENT), self.below(ROW_NIBBLES))), ..good }, false),
+            0 => (
+                Frame { odd: Some((self.below(ROWS_SENT), self.below(ROW_NIBBLES))), ..good },
+                false,
+            ),
             1 => (Frame { rows: self.below(ROWS_SENT + 4), ..good }, false),
             2 => (Frame { is_end_missing: true, ..good }, true),
             3 => {
@@ -559,7 +618,8 @@ fn no_chance_of_faults_hands_on_a_wrong_pair_or_loses_the_second_next_one() {
     for n in 0..80 {
         let latency = if random.below(20) == 0 { 400_000 } else { random.below(3000) };
         bench.cameras.iter().for_each(|camera| camera.borrow_mut().latency = latency);
-        let [(left, is_left_hard), (right, is_right_hard)] = [2 * n, 2 * n + 1].map(|seed| random.frame(seed));
+        let [(left, is_left_hard), (right, is_right_hard)] =
+            [2 * n, 2 * n + 1].map(|seed| random.frame(seed));
         let is_good = [left, right].iter().all(|frame| {
             frame.odd.is_none_or(|(_, halves)| halves == 2 * ROW_BYTES as u32)
                 && frame.rows == ROWS_SENT

@@ -85,8 +85,13 @@ fn changes() -> Vec<Request> {
     let params = ParamUpdate { cell: Some(16), ..ParamUpdate::default() };
     let of = RegionBox { label: 7, left: 1, top: 2, right: 100, bottom: 90 };
     let regions = Regions { boxes: [of].into_iter().collect(), only: true };
-    let values = [(RANGE_M, 6.0), (POLICY, 0.0), (RATE_HZ, 20.0), (BLOCK_CM, 250.0), (MAX_DISPARITY, 48.0)];
-    values.map(set).into_iter().chain([Request::SetParams(params), Request::SetRegions(regions)]).collect()
+    let values =
+        [(RANGE_M, 6.0), (POLICY, 0.0), (RATE_HZ, 20.0), (BLOCK_CM, 250.0), (MAX_DISPARITY, 48.0)];
+    values
+        .map(set)
+        .into_iter()
+        .chain([Request::SetParams(params), Request::SetRegions(regions)])
+        .collect()
 }
 
 /// Everything that is said of the settings.
@@ -99,11 +104,17 @@ fn what_is_kept_outlives_a_reset_and_what_is_not_does_not() {
     let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
     let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
     let built = report(&session);
-    assert_eq!(built, (settings::built(), KeptReport { is_kept: true, slots: [Err(RigFault::Empty); 2] }, 0));
+    assert_eq!(
+        built,
+        (settings::built(), KeptReport { is_kept: true, slots: [Err(RigFault::Empty); 2] }, 0)
+    );
     for request in changes() {
         assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
     }
-    assert_eq!((session.kept().is_kept, value(&session, CELL), value(&session, MAX_DISPARITY)), (false, 16.0, 48.0));
+    assert_eq!(
+        (session.kept().is_kept, value(&session, CELL), value(&session, MAX_DISPARITY)),
+        (false, 16.0, 48.0)
+    );
     assert_eq!((session.vehicle.policy, session.vehicle.block_cm), (Policy::Silent, Some(250)));
 
     let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
@@ -112,13 +123,22 @@ fn what_is_kept_outlives_a_reset_and_what_is_not_does_not() {
         assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
     }
     let kept = report(&session);
-    assert_eq!((kept.1, kept.2), (KeptReport { is_kept: true, slots: [Ok(0), Err(RigFault::Empty)] }, 1));
+    assert_eq!(
+        (kept.1, kept.2),
+        (KeptReport { is_kept: true, slots: [Ok(0), Err(RigFault::Empty)] }, 1)
+    );
 
     let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(report(&session), kept);
     assert_eq!(
         session.vehicle,
-        Vehicle { range_m: 6.0, policy: Policy::Silent, rate_hz: 20, block_cm: Some(250), ..Vehicle::DEFAULT }
+        Vehicle {
+            range_m: 6.0,
+            policy: Policy::Silent,
+            rate_hz: 20,
+            block_cm: Some(250),
+            ..Vehicle::DEFAULT
+        }
     );
 
     assert_eq!(outcome(&mut session, &mut memory, Request::ResetSettings), Outcome::Accepted);
@@ -130,7 +150,10 @@ fn what_is_kept_outlives_a_reset_and_what_is_not_does_not() {
 #[test]
 fn every_setting_is_the_one_that_is_set() {
     let mut session = Session::new(BOARD);
-    let sets = [-1.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 7.0, 12.0, 2.0, 300.0, 1.0];
+    let sets = [
+        -1.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 7.0, 12.0, 2.0,
+        300.0, 1.0,
+    ];
     let mut expected = settings::built();
     for (number, (expected_value, value)) in (0..).zip(expected.clone().iter().zip(sets)) {
         assert_ne!(*expected_value, value, "{number}");
@@ -140,9 +163,15 @@ fn every_setting_is_the_one_that_is_set() {
     }
     // All confidences come back as they were.
     for bits in (6554..=u16::MAX).step_by(97) {
-        let update = ParamUpdate { min_confidence: Some(Confidence::from_bits(bits)), ..ParamUpdate::default() };
+        let update = ParamUpdate {
+            min_confidence: Some(Confidence::from_bits(bits)),
+            ..ParamUpdate::default()
+        };
         let mut memory = Box::new(Workspace::new());
-        assert_eq!(outcome(&mut session, &mut memory, Request::SetParams(update)), Outcome::Accepted);
+        assert_eq!(
+            outcome(&mut session, &mut memory, Request::SetParams(update)),
+            Outcome::Accepted
+        );
         let before = session.values();
         session.set(RATE_HZ, 11.0).unwrap();
         session.set(RATE_HZ, 12.0).unwrap();
@@ -155,7 +184,8 @@ fn numbers_names_and_ranges_are_those_of_the_table() {
     for (number, (setting, built)) in (0..).zip(Setting::ALL.iter().zip(settings::built())) {
         assert!(setting.takes(built) && setting.name.len() <= 16, "{setting:?}");
         assert_eq!(Setting::number(setting.name.to_uppercase().as_bytes()), Some(number));
-        for (value, is_taken) in [(setting.least, true), (setting.largest, true), (f32::NAN, false)] {
+        for (value, is_taken) in [(setting.least, true), (setting.largest, true), (f32::NAN, false)]
+        {
             assert_eq!(Setting::check(number, value).is_ok(), is_taken, "{setting:?}");
         }
         assert_eq!(setting.takes(setting.least + 0.25), !setting.is_whole);
@@ -173,18 +203,20 @@ fn what_is_refused_is_named_and_changes_nothing() {
     session.set(11, 0.5).unwrap();
     let before = report(&session);
     let cases = [
-        (set((RANGE_M, 0.05)), "range_m is 0.05, allowed are 0.1 to 600"),
-        (set((9, f32::NAN)), "yaw_deg is NaN, allowed are -180 to 180"),
-        (set((12, 0.25)), "highest_m is 0.25, allowed are 0.5 to 1000"),
-        (set((RATE_HZ, 21.0)), "rate_hz is 21, allowed are whole numbers from 10 to 20"),
-        (set((RATE_HZ, 12.5)), "rate_hz is 12.5, allowed are whole numbers from 10 to 20"),
-        (set((BLOCK_CM, 1000.0)), "block_cm is 1000, allowed are whole numbers from 0 to 1000"),
-        (set((3, 1000.0)), "edge_gradient is 1000, allowed are 4 to 48"),
+        (set((RANGE_M, 0.05)), "range_m is 0.05 but must be 0.1 to 600"),
+        (set((9, f32::NAN)), "yaw_deg is NaN but must be -180 to 180"),
+        (set((12, 0.25)), "highest_m is 0.25 but must be 0.5 to 1000"),
+        (set((RATE_HZ, 21.0)), "rate_hz is 21 but must be a whole number from 10 to 20"),
+        (set((RATE_HZ, 12.5)), "rate_hz is 12.5 but must be a whole number from 10 to 20"),
+        (set((BLOCK_CM, 1000.0)), "block_cm is 1000 but must be a whole number from 0 to 1000"),
+        (set((3, 1000.0)), "edge_gradient is 1000 but must be 4 to 48"),
         (set((18, 1.0)), "this board cannot do that"),
-        (Request::KeepSettings, "the board's flash does not keep it"),
+        (Request::KeepSettings, "the board cannot keep it in flash"),
     ];
     for (request, says) in cases {
-        let Outcome::Refused(refusal) = outcome(&mut session, &mut memory, request) else { panic!("{says}") };
+        let Outcome::Refused(refusal) = outcome(&mut session, &mut memory, request) else {
+            panic!("{says}")
+        };
         assert_eq!(refusal.to_string(), says);
     }
     assert_eq!(report(&session), before);
@@ -194,9 +226,14 @@ fn what_is_refused_is_named_and_changes_nothing() {
 fn rig(max_disparity: u16) -> Request {
     let dims = Dims { width: 128, height: 96 };
     let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::NONE).unwrap();
-    let pair = Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
+    let pair =
+        Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
     Request::SetRig(
-        RigImage::new(pair, dims, View::default(), (0, max_disparity)).unwrap().encode(0).into_iter().collect(),
+        RigImage::new(pair, dims, View::default(), (0, max_disparity))
+            .unwrap()
+            .encode(0)
+            .into_iter()
+            .collect(),
     )
 }
 
@@ -258,7 +295,9 @@ fn frame(ask: &Ask<'_>) -> Vec<u8> {
     let name = |name: &str| [name.as_bytes(), &vec![0; 16 - name.len()]].concat();
     let sent = match ask {
         Ask::List => station.send(&Raw::<21, 159>(vec![1, 196]), &mut write),
-        Ask::Read(of) => station.send(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name(of)].concat()), &mut write),
+        Ask::Read(of) => {
+            station.send(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name(of)].concat()), &mut write)
+        }
         Ask::Set(of, value) => {
             let fields = [value.to_le_bytes().to_vec(), vec![1, 196], name(of), vec![9]].concat();
             station.send(&Raw::<23, 168>(fields), &mut write)
@@ -275,8 +314,16 @@ fn values(mut bytes: &[u8]) -> Vec<(String, f32, u16, u16)> {
         let (payload, after) = rest.split_at((*length).into());
         if *id == 22 {
             let number = |at: usize| u16::from_le_bytes([payload[at], payload[at + 1]]);
-            let name = String::from_utf8(payload[8..24].to_vec()).unwrap().trim_end_matches('\0').to_owned();
-            found.push((name, f32::from_le_bytes(payload[..4].try_into().unwrap()), number(6), number(4)));
+            let name = String::from_utf8(payload[8..24].to_vec())
+                .unwrap()
+                .trim_end_matches('\0')
+                .to_owned();
+            found.push((
+                name,
+                f32::from_le_bytes(payload[..4].try_into().unwrap()),
+                number(6),
+                number(4),
+            ));
         }
         bytes = &after[2..];
     }
@@ -290,7 +337,8 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     // A turn takes two looks at the clock at least, 50 ms.
     let (host, autopilot) = (Port::with_look(25_000), Port::default());
     let session = Session::with_flash(BOARD, &mut store, &mut *memory);
-    let mut live = Live::start(session, host.clone(), host.clone()).with_autopilot(autopilot.clone());
+    let mut live =
+        Live::start(session, host.clone(), host.clone()).with_autopilot(autopilot.clone());
     let mut camera = Painter::new(Dims { width: 128, height: 96 });
     let mut ask = |asks: &[Ask<'_>], turns: usize| {
         asks.iter().for_each(|ask| autopilot.give(&frame(ask)));
@@ -304,7 +352,10 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     let count = SETTINGS as u16;
     assert_eq!(
         all.iter().map(|of| (of.0.as_str(), of.2, of.3)).collect::<Vec<_>>(),
-        (0..count).zip(&names).map(|(index, name)| (name.as_str(), index, count)).collect::<Vec<_>>()
+        (0..count)
+            .zip(&names)
+            .map(|(index, name)| (name.as_str(), index, count))
+            .collect::<Vec<_>>()
     );
     assert!(ask(&[], 10).is_empty(), "once");
 
@@ -327,7 +378,10 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
         assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, old), "{name} {value}");
     }
     // Each that is set is the one that is read, and no other changes.
-    let sets = [7.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 1.0, 12.0, 2.0, 300.0, 1.0];
+    let sets = [
+        7.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 1.0, 12.0, 2.0,
+        300.0, 1.0,
+    ];
     for (name, value) in names.iter().zip(sets).skip(1) {
         assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, value));
     }
@@ -367,8 +421,9 @@ fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
     let (own_us, clock) = time(&turn(&[])).unwrap();
     assert_eq!(clock, TimeSource::Board);
     let asked = turn(&[Request::ReadClock]);
-    let said =
-        asked.iter().find_map(|message| if let Message::Clock(board_us) = message { Some(*board_us) } else { None });
+    let said = asked.iter().find_map(|message| {
+        if let Message::Clock(board_us) = message { Some(*board_us) } else { None }
+    });
     let board_us = said.unwrap();
     assert!(board_us > own_us && board_us < own_us + 20_000, "{board_us} after {own_us}");
 
@@ -387,7 +442,8 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
     let (port, autopilot) = (Port::with_look(5000), Port::default());
     let mut memory = Box::new(Workspace::new());
     let mut camera = Painter::new(Dims { width: 128, height: 96 });
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone()).with_autopilot(autopilot.clone());
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
+        .with_autopilot(autopilot.clone());
     let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
     port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
     port.send(2, Request::Start);
@@ -396,7 +452,9 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
         live.turn(&mut *memory, &mut camera);
         let bytes = autopilot.bytes();
         // TIMESYNC with tc1 0: the autopilot is 5 s ahead.
-        if let Some(at) = bytes.windows(10).position(|head| head[0] == 0xfd && head[7..] == [111, 0, 0]) {
+        if let Some(at) =
+            bytes.windows(10).position(|head| head[0] == 0xfd && head[7..] == [111, 0, 0])
+        {
             let mut payload = bytes[at + 10..][..usize::from(bytes[at + 1])].to_vec();
             payload.resize(16, 0);
             assert_eq!(payload[..8], [0; 8], "a question");
@@ -439,7 +497,8 @@ fn a_board_leaves_for_its_boot_loader_after_the_answer() {
         port.received();
         port.send(3, Request::Bootloader);
         assert_eq!(live.turn(&mut *memory, &mut camera), expected);
-        let outcome = if has_bootloader { Outcome::Accepted } else { Outcome::Refused(Refusal::Unsupported) };
+        let outcome =
+            if has_bootloader { Outcome::Accepted } else { Outcome::Refused(Refusal::Unsupported) };
         assert_eq!(port.received(), [Message::Answer(Answer { command: 3, outcome })]);
     }
 }
@@ -450,7 +509,11 @@ fn the_light_follows_the_pairs() {
     struct Once(Option<Painter>);
 
     impl PairSource for Once {
-        fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+        fn next_pair(
+            &mut self,
+            memory: &mut impl Memory,
+            rectified: Option<Dims>,
+        ) -> Option<CapturedPair> {
             self.0.take()?.next_pair(memory, rectified)
         }
     }

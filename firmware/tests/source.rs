@@ -1,4 +1,5 @@
-//! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows come; and what happens when they fail.
+//! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows
+//! come; and what happens when they fail.
 
 use crate::support::sensor::Fake;
 use crate::support::{rectification, rectification_to};
@@ -9,7 +10,8 @@ use embedded_hal::digital::{ErrorType, OutputPin};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::Workspace;
 use linestereo_firmware::camera::{
-    Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
+    Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
+    Trigger,
 };
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
@@ -20,8 +22,14 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 const DIMS: Dims = Dims { width: 64, height: 48 };
-const LIMITS: Limits =
-    Limits { rows: 48, row_bytes: 64, row_gap_us: 200, readout_us: 3000, silence_us: 20_000, pair_us: 500 };
+const LIMITS: Limits = Limits {
+    rows: 48,
+    row_bytes: 64,
+    row_gap_us: 200,
+    readout_us: 3000,
+    silence_us: 20_000,
+    pair_us: 500,
+};
 const PATIENCE_US: u32 = 50_000;
 
 /// State common to both cameras and their clock.
@@ -124,7 +132,10 @@ fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
 
 /// The pair that lies in a memory.
 fn pixels(memory: &Workspace) -> [Vec<u8>; 2] {
-    memory.views(DIMS).unwrap().map(|view| (0..48).flat_map(|y| view.row(y).unwrap().to_vec()).collect())
+    memory
+        .views(DIMS)
+        .unwrap()
+        .map(|view| (0..48).flat_map(|y| view.row(y).unwrap().to_vec()).collect())
 }
 
 /// A frame of both cameras, by a rig.
@@ -164,19 +175,26 @@ fn ahead_a_call_has_its_own_rig_and_takes_what_was_triggered_before_it() {
     let (bench, source) = source(1_000_000);
     let mut source = AheadSource::new(source);
     let mut memory = Box::new(Workspace::new());
-    let [first, second] = [View::default(), View::Focal(60.0)].map(|view| rectification_to(view).remap());
+    let [first, second] =
+        [View::default(), View::Focal(60.0)].map(|view| rectification_to(view).remap());
     for (frame, remap) in (0..).zip([None, Some(&first), None, Some(&second), Some(&first), None]) {
         if let Some(remap) = remap {
             memory.set_rig(remap).unwrap();
         }
-        let triggered_us = if frame == 0 { bench.now_us.get() } else { bench.now_us.get() - 25_000 };
+        let triggered_us =
+            if frame == 0 { bench.now_us.get() } else { bench.now_us.get() - 25_000 };
         let pair = source.next_pair(&mut *memory, remap.map(|_| DIMS)).unwrap();
         let middle_us = if frame == 0 { 0 } else { 300 };
         assert_eq!(pair.times_us, Some([triggered_us - middle_us; 2]), "{frame}");
-        let as_it_is = |eye| (0..48).flat_map(|y| (0..64).map(move |x| grey(eye, frame, x, y))).collect();
-        let expected = remap.map_or_else(|| CameraSide::BOTH.map(as_it_is), |remap| rectified(remap, frame));
-        let found =
-            if remap.is_some() { pixels(&memory) } else { memory.frames().map(|frame| frame[..64 * 48].into()) };
+        let as_it_is =
+            |eye| (0..48).flat_map(|y| (0..64).map(move |x| grey(eye, frame, x, y))).collect();
+        let expected =
+            remap.map_or_else(|| CameraSide::BOTH.map(as_it_is), |remap| rectified(remap, frame));
+        let found = if remap.is_some() {
+            pixels(&memory)
+        } else {
+            memory.frames().map(|frame| frame[..64 * 48].into())
+        };
         assert!(found == expected, "{frame}");
         bench.now_us.set(bench.now_us.get() + 25_000);
     }
@@ -229,7 +247,10 @@ fn a_camera_that_stops_is_started_again_and_its_next_pair_comes() {
     assert_eq!(source.next_pair(&mut *memory, None), None);
     assert_eq!(bench.stops.get(), 2, "both are told of, once each");
     let losses = source.losses().unwrap();
-    assert_eq!(CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]), [1, 1]);
+    assert_eq!(
+        CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]),
+        [1, 1]
+    );
     bench.is_silent.set(false);
     let pair = source.next_pair(&mut *memory, None).unwrap();
     assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
@@ -252,7 +273,8 @@ struct Timed {
     now_us: Cell<u64>,
     signals: [RefCell<VecDeque<(u64, Signal)>>; 2],
     begun: [Cell<u32>; 2],
-    /// Of those that act on a level: is it high, since when and until when; from its rise to the start of each one's frame, if it sends any.
+    /// Of those that act on a level: is it high, since when and until when; from its rise to the
+    /// start of each one's frame, if it sends any.
     edges: RefCell<Vec<(u64, bool)>>,
     late_us: Cell<[Option<u64>; 2]>,
     next_us: Cell<[Option<u64>; 2]>,
@@ -302,7 +324,9 @@ impl RowRing for TimedRing {
     fn next_signal(&mut self) -> Option<Signal> {
         self.0.run();
         let mut signals = self.0.signals[self.1 as usize].borrow_mut();
-        signals.pop_front_if(|(time_us, _)| *time_us <= self.0.now_us.get()).map(|(_, signal)| signal)
+        signals
+            .pop_front_if(|(time_us, _)| *time_us <= self.0.now_us.get())
+            .map(|(_, signal)| signal)
     }
 
     fn written(&self) -> u32 {
@@ -323,8 +347,8 @@ impl RowRing for TimedRing {
     }
 }
 
-/// Sensors that expose after the trigger and then send, the right one like the left one was last told to be. The left one makes its exposure
-/// longer by itself.
+/// Sensors that expose after the trigger and then send, the right one like the left one was last
+/// told to be. The left one makes its exposure longer by itself.
 struct Exposing {
     bench: Rc<Timed>,
     exposures_us: [u64; 2],
@@ -365,7 +389,8 @@ fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
     for exposure_us in [3800, 4600, 5400] {
         let shot_us = bench.now_us.get();
         let pair = source.next_pair(&mut *memory, None).expect("alike again");
-        // From the middle of the exposure that follows from what it was told after the missing pair.
+        // From the middle of the exposure that follows from what it was told after the missing
+        // pair.
         assert_eq!(pair.times_us, Some([shot_us + exposure_us - exposure_us / 2; 2]));
     }
 }
@@ -404,8 +429,12 @@ impl DelayNs for Level {
 
 type Held = StereoCamera<Hm01b0Nibbles, Fake, NoReset, Fake, NoReset, Level, Level>;
 
-/// Two HM01B0 whose frames start so long after the trigger's rise, the source of their pairs, and their registers.
-fn held(late_us: [Option<u64>; 2], limits: Limits) -> (Rc<Timed>, CameraSource<TimedRing, Held>, [Fake; 2]) {
+/// Two HM01B0 whose frames start so long after the trigger's rise, the source of their pairs, and
+/// their registers.
+fn held(
+    late_us: [Option<u64>; 2],
+    limits: Limits,
+) -> (Rc<Timed>, CameraSource<TimedRing, Held>, [Fake; 2]) {
     let bench = Rc::new(Timed::default());
     bench.late_us.set(late_us);
     let fakes = [Fake::of::<Hm01b0Nibbles>(), Fake::of::<Hm01b0Nibbles>()];
@@ -423,7 +452,8 @@ fn held(late_us: [Option<u64>; 2], limits: Limits) -> (Rc<Timed>, CameraSource<T
     (bench, CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US), fakes)
 }
 
-/// The last two edges: when the level was raised, and for how long it was high. There were so many before.
+/// The last two edges: when the level was raised, and for how long it was high. There were so many
+/// before.
 fn last_pulse(bench: &Timed, before: usize) -> (u64, u64) {
     let edges = bench.edges.borrow();
     let [(from_us, true), (to_us, false)] = edges[before..] else { panic!("{edges:?}") };
@@ -446,7 +476,10 @@ fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
             assert_eq!(shot_us > requested_us, pairs == 0, "started once");
             let middle_us = if pairs == 0 { 0 } else { 15_250 - 258 * 125_333 / 2000 };
             let times_us = late_us.map(|late_us| shot_us + late_us);
-            assert_eq!(pair.times_us, Some(times_us.map(|time_us| time_us.saturating_add_signed(middle_us))));
+            assert_eq!(
+                pair.times_us,
+                Some(times_us.map(|time_us| time_us.saturating_add_signed(middle_us)))
+            );
             assert_eq!(bench.begun(), [pairs as u32 + 1; 2], "one frame of each, no second one");
         }
         assert_eq!(source.losses(), Some(CaptureReport::default()));
@@ -513,6 +546,9 @@ fn sensors_that_are_started_again_have_not_been_silent() {
     right.0.borrow_mut().fails_after = Some(0);
     assert!(source.next_pair(&mut *memory, None).is_some());
     assert_eq!(source.losses().unwrap().sensors, [0, 1]);
-    assert!(source.next_pair(&mut *memory, None).is_some(), "starting takes longer than the longest silence");
+    assert!(
+        source.next_pair(&mut *memory, None).is_some(),
+        "starting takes longer than the longest silence"
+    );
     assert_eq!(source.losses().unwrap().faults, [[0; 7]; 2]);
 }

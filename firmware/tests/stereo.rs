@@ -1,4 +1,5 @@
-//! A pair of sensors at work, from the first start to failures in the middle of a flight; and what the host is told of losses.
+//! A pair of sensors at work, from the first start to failures in the middle of a flight; and what
+//! the host is told of losses.
 
 use crate::support::port::Port;
 use crate::support::sensor::Fake;
@@ -28,8 +29,9 @@ fn stereo(pulses: usize, start: FrameStart) -> (Stereo, [Fake; 2], Pin) {
     fakes[0].set(AEC_EXPOSURE_OUTPUT, 100);
     fakes[0].set(AGC_GAIN_OUTPUT, 16);
     let [left, right] = fakes.clone().map(|fake| Chip::<Mt9v034, _, _>::new(fake, 0x48, NoReset));
-    let states =
-        [State::Low].into_iter().chain([State::Low, State::High, State::Low].into_iter().cycle().take(3 * pulses));
+    let states = [State::Low]
+        .into_iter()
+        .chain([State::Low, State::High, State::Low].into_iter().cycle().take(3 * pulses));
     let pin = Pin::new(&states.map(Edge::set).collect::<Vec<_>>());
     let config = StereoConfig {
         config: Config::new(Dims { width: 320, height: 240 }, Binning::Two, start),
@@ -85,7 +87,11 @@ fn what_fails_is_counted_and_started_again() {
     right.0.borrow_mut().fails_after = Some(3);
     assert!(!cameras.shoot(), "no pulse for half a pair");
     assert_eq!(cameras.failures(), [0, 1]);
-    assert!(cameras.last_error().is_some_and(|error| error.to_string().starts_with("right camera: the bus failed")));
+    assert!(
+        cameras
+            .last_error()
+            .is_some_and(|error| error.to_string().starts_with("right camera: the bus failed"))
+    );
     assert!(cameras.shoot());
 
     // A choice that cannot be read: both run on, nothing is started anew.
@@ -131,7 +137,11 @@ struct Lossy {
 }
 
 impl PairSource for Lossy {
-    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+    fn next_pair(
+        &mut self,
+        memory: &mut impl Memory,
+        rectified: Option<Dims>,
+    ) -> Option<CapturedPair> {
         self.calls += 1;
         if self.calls.is_multiple_of(2) { None } else { self.painter.next_pair(memory, rectified) }
     }
@@ -182,7 +192,8 @@ fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
     live.turn(&mut *memory, &mut camera);
     let mut sent = port.received();
     assert_eq!(sent[0], Message::Answer(Answer { command: 1, outcome: Outcome::Accepted }));
-    let head = PairHead { width: 128, height: 96, capture_time_us: 77, right_capture_time_us: None };
+    let head =
+        PairHead { width: 128, height: 96, capture_time_us: 77, right_capture_time_us: None };
     assert_eq!(sent[1], Message::Photo(head));
     let expected = memory.frames().map(|frame| frame[..128 * 96].to_vec());
     let mut turns = 1;
@@ -215,9 +226,15 @@ fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
 struct Raw(Dims, Painter, u32);
 
 impl PairSource for Raw {
-    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+    fn next_pair(
+        &mut self,
+        memory: &mut impl Memory,
+        rectified: Option<Dims>,
+    ) -> Option<CapturedPair> {
         self.2 += 1;
-        self.1.next_pair(memory, rectified).map(|pair| CapturedPair { dims: rectified.unwrap_or(self.0), ..pair })
+        self.1
+            .next_pair(memory, rectified)
+            .map(|pair| CapturedPair { dims: rectified.unwrap_or(self.0), ..pair })
     }
 
     fn raw_dims(&self) -> Option<Dims> {
@@ -229,8 +246,22 @@ impl PairSource for Raw {
 fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
     use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
     let dims = Dims { width: 128, height: 96 };
-    let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::BrownConrady { k: [0.0; 3], p: [0.0; 2] });
-    let rig = Calibration::new(camera().unwrap(), camera().unwrap(), [1.0, 0.0, 0.0, 0.0], [-0.06, 0.0, 0.0]).unwrap();
+    let camera = || {
+        Camera::new(
+            dims,
+            [100.0; 2],
+            [63.5, 47.5],
+            0.0,
+            Lens::BrownConrady { k: [0.0; 3], p: [0.0; 2] },
+        )
+    };
+    let rig = Calibration::new(
+        camera().unwrap(),
+        camera().unwrap(),
+        [1.0, 0.0, 0.0, 0.0],
+        [-0.06, 0.0, 0.0],
+    )
+    .unwrap();
     let image = RigImage::new(rig, dims, View::default(), (0, 48)).unwrap();
     for (raw, good) in [(dims, true), (Dims { width: 160, height: 120 }, false)] {
         let port = Port::default();

@@ -1,7 +1,8 @@
 //! One stream of rows for both eyes, on a fake camera interface and DMA.
 //!
-//! The fake moves bytes, not rows: its DMA knows only a place in a ring, its interrupts are flags that stay set until somebody looks, however
-//! late. Every byte says from which camera, frame and row it is.
+//! The fake moves bytes, not rows: its DMA knows only a place in a ring, its interrupts are flags
+//! that stay set until somebody looks, however late. Every byte says from which camera, frame and
+//! row it is.
 
 use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
@@ -27,13 +28,22 @@ pub(crate) const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
 
 pub(crate) const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
     let silence_us = 4 * PERIOD_US as u32;
-    Limits { rows: ROWS as u16, row_bytes, row_gap_us: 200, readout_us: PERIOD_US as u32, silence_us, pair_us }
+    Limits {
+        rows: ROWS as u16,
+        row_bytes,
+        row_gap_us: 200,
+        readout_us: PERIOD_US as u32,
+        silence_us,
+        pair_us,
+    }
 }
 
 /// Value of every byte of a camera's row.
 fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
     let [a, b, c, _] = frame.to_le_bytes();
-    core::array::from_fn(|place| [eye as u8, a, b, c, row as u8, !a, !b, place as u8][place % 8] ^ (place as u8 & 8))
+    core::array::from_fn(|place| {
+        [eye as u8, a, b, c, row as u8, !a, !b, place as u8][place % 8] ^ (place as u8 & 8)
+    })
 }
 
 /// Event in a stream.
@@ -91,7 +101,8 @@ impl Fake {
     pub(crate) fn pass_to(&mut self, until_us: u64) {
         loop {
             let step_us = self.steps.front().map(|step| step.0).filter(|&time| time <= until_us);
-            let due_us = self.since_us.map(|since| since + self.latency_us).filter(|&time| time <= until_us);
+            let due_us =
+                self.since_us.map(|since| since + self.latency_us).filter(|&time| time <= until_us);
             match (step_us, due_us) {
                 (None, None) => break,
                 (Some(step), due) if due.is_none_or(|due| step < due) => {
@@ -220,13 +231,23 @@ pub(crate) fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
 }
 
 pub(crate) fn both(frame: u32) -> Vec<Vec<u8>> {
-    (0..ROWS).map(|row| [paint(CameraSide::Left, frame, row), paint(CameraSide::Right, frame, row)].concat()).collect()
+    (0..ROWS)
+        .map(|row| {
+            [paint(CameraSide::Left, frame, row), paint(CameraSide::Right, frame, row)].concat()
+        })
+        .collect()
 }
 
-pub(crate) const TWO_ROWS: RingLayout = RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
+pub(crate) const TWO_ROWS: RingLayout =
+    RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
 
 /// A fault of a stream, what is said of it (once for each eye), and a frame with it.
-pub(crate) fn injected(random: &mut Random, fake: &mut Fake, frame: u32, start_us: u64) -> Option<Fault> {
+pub(crate) fn injected(
+    random: &mut Random,
+    fake: &mut Fake,
+    frame: u32,
+    start_us: u64,
+) -> Option<Fault> {
     let row = 1 + random.below(ROWS - 2) as usize;
     let mut rows = both(frame);
     match random.below(24) {
@@ -296,9 +317,10 @@ fn ten_thousand_frames_side_by_side_with_faults() {
             Some(fault) => expected.faults.iter_mut().for_each(|of| of[fault as usize] += 1),
             None => good.push(frame),
         }
-        // Interrupts that come late change nothing, whether in the middle of a row or between two. Only a row that is short while the next one is
-        // long by as much needs one in time.
-        fake.borrow_mut().late = fault.is_none_or(|fault| fault != Fault::ShortLine).then(|| Random(frame.into()));
+        // Interrupts that come late change nothing, whether in the middle of a row or between two.
+        // Only a row that is short while the next one is long by as much needs one in time.
+        fake.borrow_mut().late =
+            fault.is_none_or(|fault| fault != Fault::ShortLine).then(|| Random(frame.into()));
         let mut sink = FrameRows::new([&mut left, &mut right], DIMS);
         let mut is_paired = false;
         for step in 0..PERIOD_US {
@@ -306,7 +328,10 @@ fn ten_thousand_frames_side_by_side_with_faults() {
             while let Some(report) = capture.turn(&mut rings, &mut sink) {
                 match report {
                     Report::Pair(pair) => {
-                        assert_eq!(pair.times_us.map(|[left, right]| left.abs_diff(right)), Some(0));
+                        assert_eq!(
+                            pair.times_us.map(|[left, right]| left.abs_diff(right)),
+                            Some(0)
+                        );
                         assert!(!is_paired, "frame {frame} came twice");
                         is_paired = true;
                     }
@@ -320,16 +345,24 @@ fn ten_thousand_frames_side_by_side_with_faults() {
             if fault != Some(Fault::MissingVsync) {
                 delivered.push(frame);
             }
-            let found =
-                frames_of([&left, &right]).unwrap_or_else(|error| panic!("seed {seed}, frame {frame}: {error}"));
+            let found = frames_of([&left, &right])
+                .unwrap_or_else(|error| panic!("seed {seed}, frame {frame}: {error}"));
             assert_eq!(found, [frame; 2], "seed {seed}");
         }
     }
-    println!("{frames} frames: {} good, {} delivered, {:?}", good.len(), delivered.len(), capture.losses().faults);
+    println!(
+        "{frames} frames: {} good, {} delivered, {:?}",
+        good.len(),
+        delivered.len(),
+        capture.losses().faults
+    );
     assert!(delivered == good, "seed {seed}: others were delivered than were good");
     assert_eq!(capture.losses().faults, expected.faults, "seed {seed}");
     for fault in [Fault::ShortLine, Fault::EarlyVsync, Fault::MissingVsync, Fault::Overrun] {
-        assert!(expected.faults[CameraSide::Left as usize][fault as usize] > 100, "{fault:?} was hardly ever injected");
+        assert!(
+            expected.faults[CameraSide::Left as usize][fault as usize] > 100,
+            "{fault:?} was hardly ever injected"
+        );
     }
     // Set to the start of the ring after wrong rows and overruns, and only then.
     let restarts = expected.faults[CameraSide::Left as usize][Fault::ShortLine as usize]
@@ -400,7 +433,8 @@ struct FakeSwitch {
 impl Switch for FakeSwitch {
     fn shoot(&mut self, eye: CameraSide) -> bool {
         let mut fake = self.fake.borrow_mut();
-        let has_rows = fake.steps.iter().any(|step| matches!(step.1, Step::Begin(_) | Step::Row(_)));
+        let has_rows =
+            fake.steps.iter().any(|step| matches!(step.1, Step::Begin(_) | Step::Row(_)));
         assert!(!has_rows, "a camera is switched off in the middle of its frame");
         if eye == CameraSide::Right {
             assert!(fake.steps.is_empty(), "the left frame has not ended");
@@ -443,17 +477,27 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     let capture = Capture::new(limits(WIDTH, 2 * PERIOD_US as u32), FrameStart::Triggered);
     let patience_us = 3 * PERIOD_US as u32;
     let let_go = Rc::new(Cell::new(0));
-    let mut source = CameraSource::new(eyes.eyes(), eyes.cameras(Counted(let_go.clone())), capture, DIMS, patience_us);
+    let mut source = CameraSource::new(
+        eyes.eyes(),
+        eyes.cameras(Counted(let_go.clone())),
+        capture,
+        DIMS,
+        patience_us,
+    );
     let mut memory = Box::new(Workspace::new());
     let mut seen = Vec::new();
     for _ in 0..5 {
         let pair = source.next_pair(&mut *memory, None);
         let count = usize::from(WIDTH * DIMS.height);
-        let numbers = pair.map(|_| frames_of(memory.frames().map(|frame| &frame[..count])).unwrap());
+        let numbers =
+            pair.map(|_| frames_of(memory.frames().map(|frame| &frame[..count])).unwrap());
         if let Some(times_us) = pair.and_then(|pair| pair.times_us) {
             // A frame apart, and said so.
             let [left_us, right_us] = times_us;
-            assert!((ROWS as u64 * ROW_US..PERIOD_US).contains(&(right_us - left_us)), "{times_us:?}");
+            assert!(
+                (ROWS as u64 * ROW_US..PERIOD_US).contains(&(right_us - left_us)),
+                "{times_us:?}"
+            );
         }
         seen.push(numbers);
     }
@@ -463,6 +507,9 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     assert_eq!(let_go.get(), 4 + 5);
     let [l, r] = CameraSide::BOTH;
     assert_eq!(*shots.borrow(), [l, r, l, r, l, l, r, l, r]);
-    assert_eq!(source.losses().unwrap().faults[CameraSide::Left as usize][Fault::EarlyVsync as usize], 1);
+    assert_eq!(
+        source.losses().unwrap().faults[CameraSide::Left as usize][Fault::EarlyVsync as usize],
+        1
+    );
     assert_eq!(source.losses().unwrap().faults[1], [0; 7]);
 }

@@ -19,12 +19,16 @@ fn bench() -> linestereo_boards::Exit {
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
-    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
+    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else {
+        return Exit::Usage;
+    };
     for case in Case::all(&selected::BOARD) {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
         let Ok(plan) = case.params().plan(case.dims) else { continue };
-        if let Ok((costs, matched)) = bench::measure(memory, &clock, &mut Matcher::new(plan), None, None) {
+        if let Ok((costs, matched)) =
+            bench::measure(memory, &clock, &mut Matcher::new(plan), None, None)
+        {
             bench::line(&mut table, case, &costs, matched.counts());
             let Some(view) = selftest::view(&case) else { continue };
             let [see, send, bytes] = bench::measure_autopilot(&matched, &clock, &view);
@@ -33,7 +37,9 @@ fn bench() -> linestereo_boards::Exit {
     }
     let [left, right] = memory.frames();
     Scene::Bricks.paint(selected::BOARD.largest, left, right);
-    for KernelCost { kernel, chosen, portable } in kernel_costs::measure(&clock, left).into_iter().flatten() {
+    for KernelCost { kernel, chosen, portable } in
+        kernel_costs::measure(&clock, left).into_iter().flatten()
+    {
         let _ = writeln!(table, "kernel\t{kernel}\t{chosen}\t{portable}");
     }
     let _ = writeln!(table, "stack\t{}", stack::depth());

@@ -12,7 +12,11 @@ fn faults() -> linestereo_boards::Exit {
     #[inline(never)]
     fn fill<const BYTES: usize>(depth: u32) -> u32 {
         let memory = black_box([depth as u8; BYTES]);
-        if depth == 0 { 0 } else { fill::<BYTES>(depth - 1).wrapping_add(memory[depth as usize % BYTES].into()) }
+        if depth == 0 {
+            0
+        } else {
+            fill::<BYTES>(depth - 1).wrapping_add(memory[depth as usize % BYTES].into())
+        }
     }
 
     let arguments = Arguments::read();
@@ -60,7 +64,9 @@ fn faults() -> linestereo_boards::Exit {
 fn SVCall() {
     // SAFETY: not safe: nothing lies there, which is the point.
     unsafe {
-        core::hint::black_box(core::ptr::with_exposed_provenance::<u32>(0xf000_0000).read_volatile());
+        core::hint::black_box(
+            core::ptr::with_exposed_provenance::<u32>(0xf000_0000).read_volatile(),
+        );
     }
 }
 

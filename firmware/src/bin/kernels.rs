@@ -1,6 +1,8 @@
-//! Do the kernels of this board equal the portable ones, and are its copies and fills of memory right? Exit code 0 if so.
+//! Do the kernels of this board equal the portable ones, and are its copies and fills of memory
+//! right? Exit code 0 if so.
 //!
-//! Controls, as argument: `wrong` compares kernels that are wrong, `beyond` one that reads a byte too far.
+//! Controls, as argument: `wrong` compares kernels that are wrong, `beyond` one that reads a byte
+//! too far.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -27,9 +29,13 @@ fn kernels() -> linestereo_boards::Exit {
         Some(b"beyond") => Kernels { gradient_row: beyond, ..Kernels::CHOSEN },
         Some(_) => return Exit::Usage,
     };
-    let Some(rooms) = ROOMS.take().filter(|rooms| arch::forbid_fences(&rooms.fences())) else { return Exit::Usage };
+    let Some(rooms) = ROOMS.take().filter(|rooms| arch::forbid_fences(&rooms.fences())) else {
+        return Exit::Usage;
+    };
     let report = |compared: &kernels::Compared| match compared.first {
-        None => info!("{=str}: {=u32} comparisons, all equal", compared.kernel, compared.comparisons),
+        None => {
+            info!("{=str}: {=u32} comparisons, all equal", compared.kernel, compared.comparisons)
+        }
         Some(at) => error!(
             "{=str} differs: length {=usize}, count {=usize}, stride {=usize}, alignments {=[u8; 4]}",
             compared.kernel, at.length, at.count, at.stride, at.alignments

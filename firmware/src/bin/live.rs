@@ -1,5 +1,6 @@
-//! A board at work: results and commands on the host's port, MAVLink on the autopilot's, pairs from the board's cameras. Emulated boards have
-//! UARTs, frames painted in place of cameras, and if they get an argument a file in place of flash.
+//! A board at work: results and commands on the host's port, MAVLink on the autopilot's, pairs from
+//! the board's cameras. Emulated boards have UARTs, frames painted in place of cameras, and if they
+//! get an argument a file in place of flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -12,8 +13,18 @@ fn live() -> linestereo_boards::Exit {
 
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
     let Some(board) = selected::peripherals() else { return Exit::Usage };
-    let Peripherals { clock, host, autopilot, mut pairs, mut flash, mut watchdog, rest, reset, bootloader, mut light } =
-        board;
+    let Peripherals {
+        clock,
+        host,
+        autopilot,
+        mut pairs,
+        mut flash,
+        mut watchdog,
+        rest,
+        reset,
+        bootloader,
+        mut light,
+    } = board;
     let mut session = match &mut flash {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),

@@ -1,4 +1,5 @@
-//! Cost of the depth of a pixel on the built-in pairs, and its bytes. Argument: the file for the table.
+//! Cost of the depth of a pixel on the built-in pairs, and its bytes. Argument: the file for the
+//! table.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -14,7 +15,9 @@ fn pixels() -> linestereo_boards::Exit {
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
-    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
+    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else {
+        return Exit::Usage;
+    };
     for case in Case::all(&selected::BOARD) {
         match pixels::measure(memory, &clock, &case) {
             Ok(measured) => pixels::line(&mut table, &case, &measured),

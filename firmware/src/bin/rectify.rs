@@ -13,7 +13,9 @@ fn rectify() -> linestereo_boards::Exit {
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(workspace) = WORKSPACE.take() else { return Exit::Usage };
-    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else { return Exit::Usage };
+    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else {
+        return Exit::Usage;
+    };
     for &dims in selected::BOARD.sizes {
         for rig in BuiltIn::ALL {
             match rectify::measure(workspace, &clock, rig, dims) {

@@ -1,4 +1,5 @@
-//! Pairs of a file in, results to a file. Arguments: input, output, table of costs, and if there is one a file in place of flash.
+//! Pairs of a file in, results to a file. Arguments: input, output, table of costs, and if there is
+//! one a file in place of flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -17,11 +18,17 @@ fn replay() -> linestereo_boards::Exit {
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
-    let (Some(input), Some(output), Some(table)) = (arguments.get(0), arguments.get(1), arguments.get(2)) else {
+    let (Some(input), Some(output), Some(table)) =
+        (arguments.get(0), arguments.get(1), arguments.get(2))
+    else {
         error!("arguments: input, output, table");
         return Exit::Usage;
     };
-    let files = (File::open(input, Mode::Read), File::open(output, Mode::Write), File::open(table, Mode::Write));
+    let files = (
+        File::open(input, Mode::Read),
+        File::open(output, Mode::Write),
+        File::open(table, Mode::Write),
+    );
     let (Ok(mut input), Ok(mut output), Ok(mut table)) = files else {
         error!("a file cannot be opened");
         return Exit::Usage;
@@ -34,17 +41,24 @@ fn replay() -> linestereo_boards::Exit {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
     };
-    let counters = replay::run(memory, &clock, &mut session, &mut input, &mut output, |event| match event {
-        Event::Matched { sequence, rectification, costs, objects } => {
-            let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}");
-            for cost in costs {
-                let _ = write!(table, "\t{cost}");
+    let counters =
+        replay::run(memory, &clock, &mut session, &mut input, &mut output, |event| match event {
+            Event::Matched { sequence, rectification, costs, objects } => {
+                let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}");
+                for cost in costs {
+                    let _ = write!(table, "\t{cost}");
+                }
+                let _ = writeln!(table);
             }
-            let _ = writeln!(table);
-        }
-        Event::Refused { sequence, .. } => error!("pair {=u32} cannot be matched", sequence),
-    });
-    let _ = writeln!(table, "packets\t{}\t{}\t{}", counters.good, counters.bad(), counters.skipped_bytes);
+            Event::Refused { sequence, .. } => error!("pair {=u32} cannot be matched", sequence),
+        });
+    let _ = writeln!(
+        table,
+        "packets\t{}\t{}\t{}",
+        counters.good,
+        counters.bad(),
+        counters.skipped_bytes
+    );
     let _ = writeln!(table, "stack\t{}", stack::depth());
     info!("{=u32} commands, {=u32} packets that are none", counters.good, counters.bad());
     Exit::Success

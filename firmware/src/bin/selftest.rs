@@ -1,6 +1,8 @@
-//! Does this board compute what the PC computed, and in how many cycles? A host asks by its port (`linestereo bench-board`).
+//! Does this board compute what the PC computed, and in how many cycles? A host asks by its port
+//! (`linestereo bench-board`).
 //!
-//! An emulated board without an argument runs every pair, says so by log and ends: exit code 0 if all are equal. With one it serves a host.
+//! An emulated board without an argument runs every pair, says so by log and ends: exit code 0 if
+//! all are equal. With one it serves a host.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

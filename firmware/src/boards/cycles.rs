@@ -1,8 +1,9 @@
 //! Cycles of the core by its own counter, DWT_CYCCNT, and which core it is.
 //!
 //! # Source
-//! Armv7-M and Armv8-M reference manuals (DDI 0403E, C1.8.8; DDI 0553, "Data Watchpoint and Trace unit"). A Cortex-M7's counter is locked at first
-//! (Arm DDI 0489F, "CoreSight lock access register").
+//! Armv7-M and Armv8-M reference manuals (DDI 0403E, C1.8.8; DDI 0553, "Data Watchpoint and Trace
+//! unit"). A Cortex-M7's counter is locked at first (Arm DDI 0489F, "CoreSight lock access
+//! register").
 
 use crate::ports::Clock;
 use cortex_m::peripheral::{CPUID, DCB, DWT};

@@ -1,4 +1,5 @@
-//! Peripherals that all emulated machines give to the program `live`, beside a clock and ports of their own.
+//! Peripherals that all emulated machines give to the program `live`, beside a clock and ports of
+//! their own.
 
 use super::flash_file::FlashFile;
 use crate::painter::Painter;
@@ -7,9 +8,11 @@ use crate::semihosting::Arguments;
 use crate::slot_store::BoardStore;
 
 /// Frames painted in place of cameras, a file of the PC in place of flash.
-pub type Peripherals<C, H, A> = ports::Peripherals<C, H, A, Painter, BoardStore<FlashFile>, NoWatchdog, NoLight>;
+pub type Peripherals<C, H, A> =
+    ports::Peripherals<C, H, A, Painter, BoardStore<FlashFile>, NoWatchdog, NoLight>;
 
-/// Around a clock, the host's port and the autopilot's. The program's argument names the file in place of flash; `None` when that cannot be used.
+/// Around a clock, the host's port and the autopilot's. The program's argument names the file in
+/// place of flash; `None` when that cannot be used.
 pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Peripherals<C, H, A>> {
     Some(Peripherals {
         clock,
@@ -27,7 +30,15 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
 
 /// Without cameras and flash: two handles of the clock, and the host's port.
 pub fn bare<C, H>([counter, clock]: [C; 2], host: H) -> BarePeripherals<C, C, H, NoWatchdog> {
-    BarePeripherals { counter, clock, host, watchdog: NoWatchdog, rest: || {}, reset: None, silicon: None }
+    BarePeripherals {
+        counter,
+        clock,
+        host,
+        watchdog: NoWatchdog,
+        rest: || {},
+        reset: None,
+        silicon: None,
+    }
 }
 
 /// A serial port that is polled for bytes and room.
@@ -66,6 +77,6 @@ impl<P: Polled> ByteSink for Port<P> {
     }
 }
 
-/// Virtual nanoseconds that QEMU lets pass per instruction, with `-icount shift=6`. It knows no cycles: on a real board these clocks would
-/// count time.
+/// Virtual nanoseconds that QEMU lets pass per instruction, with `-icount shift=6`. It knows no
+/// cycles: on a real board these clocks would count time.
 pub const NS_PER_INSTRUCTION: u64 = 64;

@@ -1,4 +1,5 @@
-//! A file of the PC in place of flash, which QEMU's mps2 machines do not have. It stays when the machine ends, as flash does.
+//! A file of the PC in place of flash, which QEMU's mps2 machines do not have. It stays when the
+//! machine ends, as flash does.
 
 use crate::ports::{ByteSink as _, ByteSource as _};
 use crate::semihosting::{CannotOpen, File, Mode};
@@ -10,7 +11,8 @@ use embedded_storage::nor_flash::{
 /// Two slots for the rig and two for settings, of one block each: the file has as many bytes.
 pub const BYTES: usize = 4 * FlashFile::ERASE_SIZE;
 
-/// Flash of 512-byte blocks and 8-byte words in a file. What the file cannot do, a full disk for example, is an error as of worn flash.
+/// Flash of 512-byte blocks and 8-byte words in a file. What the file cannot do, a full disk for
+/// example, is an error as of worn flash.
 #[derive(Debug)]
 pub struct FlashFile {
     file: File,
@@ -22,8 +24,10 @@ impl FlashFile {
     pub fn slots(name: &[u8]) -> Result<BoardStore<Self>, CannotOpen> {
         let file = File::open(name, Mode::Change)?;
         let bytes = file.length() as usize;
-        let [first, second, third, fourth] = [0, 1, 2, 3].map(|block| block * Self::ERASE_SIZE as u32);
-        BoardStore::new(Self { file, bytes }, [first, second], [third, fourth]).map_err(|_| CannotOpen)
+        let [first, second, third, fourth] =
+            [0, 1, 2, 3].map(|block| block * Self::ERASE_SIZE as u32);
+        BoardStore::new(Self { file, bytes }, [first, second], [third, fourth])
+            .map_err(|_| CannotOpen)
     }
 
     fn seek(&mut self, offset: u32) -> Result<(), NorFlashErrorKind> {

@@ -1,5 +1,5 @@
-//! The boards: one file each, with its memory and what its peripherals are. `crates/boards` says what each of them holds and what runs it;
-//! `docs/porting.md` adds one.
+//! The boards: one file each, with its memory and what its peripherals are. `crates/boards` says
+//! what each of them holds and what runs it; `docs/porting.md` adds one.
 
 /// The memory of a board, for what its description says that it holds.
 macro_rules! workspace {
@@ -54,8 +54,9 @@ compile_error!(
 use linestereo::Dims;
 use linestereo_rig::mesh_nodes;
 
-/// Nodes of a camera's mesh, the same on every board: every 16 px of 320x240, and as many every 8 px of 160x120, where lenses may ask for it.
-/// A mesh depends on the memory for its nodes, and so do the rectified bytes: who wants a board's bytes takes as many.
+/// Nodes of a camera's mesh, the same on every board: every 16 px of 320x240, and as many every 8
+/// px of 160x120, where lenses may ask for it. A mesh depends on the memory for its nodes, and so
+/// do the rectified bytes: who wants a board's bytes takes as many.
 pub const NODES: usize = mesh_nodes(Dims { width: 320, height: 240 });
 
 /// Every board by its feature and its file: `selected` is the one that is built.
@@ -83,4 +84,5 @@ boards! {
 
 /// The memory of the board that is built.
 #[cfg(target_os = "none")]
-pub static MEMORY: crate::once::Once<selected::Workspace> = crate::once::Once::new(selected::Workspace::new());
+pub static MEMORY: crate::once::Once<selected::Workspace> =
+    crate::once::Once::new(selected::Workspace::new());

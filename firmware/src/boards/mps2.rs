@@ -1,5 +1,6 @@
-//! Peripherals that QEMU's mps2 and mps3 machines have, all of Arm's CMSDK: an APB timer as the clock, UART 0 as the host's port, UART 1 as the
-//! autopilot's. Where they lie and how fast they tick differs between machines.
+//! Peripherals that QEMU's mps2 and mps3 machines have, all of Arm's CMSDK: an APB timer as the
+//! clock, UART 0 as the host's port, UART 1 as the autopilot's. Where they lie and how fast they
+//! tick differs between machines.
 
 use super::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
 use crate::ports::{BarePeripherals, Clock, NoWatchdog};
@@ -19,7 +20,8 @@ impl<const ADDRESS: usize, const MHZ: u32> Timer<ADDRESS, MHZ> {
     /// Starts the timer.
     #[must_use]
     pub fn start() -> Self {
-        // SAFETY: the registers of a timer that nothing else uses, at the address that the board's file gives.
+        // SAFETY: the registers of a timer that nothing else uses, at the address that the board's
+        // file gives.
         unsafe {
             Self::REGISTERS.add(RELOAD).write_volatile(u32::MAX);
             Self::REGISTERS.add(VALUE).write_volatile(u32::MAX);
@@ -47,8 +49,9 @@ impl<const ADDRESS: usize, const MHZ: u32> Clock for Timer<ADDRESS, MHZ> {
     }
 }
 
-/// Instructions between two counts of a clock of so many MHz. The fraction is in its lowest terms, so that the rates here divide by a power of
-/// two: a division that is called may be counted where the compiler puts it, behind the next look at the clock.
+/// Instructions between two counts of a clock of so many MHz. The fraction is in its lowest terms,
+/// so that the rates here divide by a power of two: a division that is called may be counted where
+/// the compiler puts it, behind the next look at the clock.
 pub(super) fn instructions<const MHZ: u32>(from: u32, to: u32) -> u64 {
     const fn common(a: u64, b: u64) -> u64 {
         if b == 0 { a } else { common(b, a % b) }
@@ -71,7 +74,8 @@ const RECEIVE_FULL: u32 = 2;
 /// The fastest it can do.
 const FASTEST: u32 = 16;
 
-/// A polled serial port. It keeps one received byte: on hardware a host has to wait for answers, QEMU holds further bytes back.
+/// A polled serial port. It keeps one received byte: on hardware a host has to wait for answers,
+/// QEMU holds further bytes back.
 #[derive(Debug)]
 pub struct Uart(*mut u32);
 
@@ -79,11 +83,13 @@ impl Uart {
     /// The host's port and the autopilot's, the latter at 57600 baud of a bus of so many MHz.
     pub(super) fn start(addresses: [usize; 2], mhz: u32) -> [Port<Self>; 2] {
         let [host, autopilot] = addresses.map(ptr::without_provenance_mut);
-        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, mhz * 1_000_000 / 57_600)].map(Port)
+        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, mhz * 1_000_000 / 57_600)]
+            .map(Port)
     }
 
     fn switch_on(registers: *mut u32, divider: u32) -> Self {
-        // SAFETY: the registers of a UART that nothing else uses, at the address that the board's file gives.
+        // SAFETY: the registers of a UART that nothing else uses, at the address that the board's
+        // file gives.
         unsafe {
             registers.add(BAUDDIV).write_volatile(divider);
             registers.add(CTRL).write_volatile(0b11);
@@ -125,7 +131,8 @@ pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart
 }
 
 /// Peripherals of `selftest`.
-pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>>
+{
     let [host, _] = Uart::start(UARTS, 25);
     Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
 }

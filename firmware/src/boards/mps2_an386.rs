@@ -1,4 +1,5 @@
-//! QEMU's mps2-an386: Arm Cortex-M4, held to the flash and RAM of a part of its class by `mps2_an386.x`.
+//! QEMU's mps2-an386: Arm Cortex-M4, held to the flash and RAM of a part of its class by
+//! `mps2_an386.x`.
 
 use linestereo_boards::Board;
 

@@ -1,4 +1,5 @@
-//! QEMU's mps2-an500: Arm Cortex-M7, held to the flash and RAM of a part of its class by `mps2_an500.x`.
+//! QEMU's mps2-an500: Arm Cortex-M7, held to the flash and RAM of a part of its class by
+//! `mps2_an500.x`.
 
 use linestereo_boards::Board;
 

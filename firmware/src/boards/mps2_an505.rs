@@ -1,6 +1,8 @@
-//! QEMU's mps2-an505: Arm Cortex-M33 with DSP extension, held to the flash and RAM of a part of its class by `mps2_an505.x`.
+//! QEMU's mps2-an505: Arm Cortex-M33 with DSP extension, held to the flash and RAM of a part of its
+//! class by `mps2_an505.x`.
 //!
-//! It starts in the secure state and stays there. Addresses: Arm's application note AN505; QEMU, `hw/arm/mps2-tz.c`.
+//! It starts in the secure state and stays there. Addresses: Arm's application note AN505; QEMU,
+//! `hw/arm/mps2-tz.c`.
 
 use linestereo_boards::Board;
 
@@ -25,13 +27,15 @@ mod on_board {
     const UARTS: [usize; 2] = [0x5020_0000, 0x5020_1000];
 
     /// Peripherals for `live`.
-    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>>
+    {
         let [host, autopilot] = Uart::start(UARTS, 20);
         emulated::peripherals(InstructionClock::start(), host, autopilot)
     }
 
     /// Peripherals of `selftest`.
-    pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+    pub fn bare()
+    -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
         let [host, _] = Uart::start(UARTS, 20);
         Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
     }

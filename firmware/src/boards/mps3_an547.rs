@@ -1,7 +1,9 @@
-//! QEMU's mps3-an547: Arm Cortex-M55 (Corstone-300), with its tightly coupled memories by `mps3_an547.x`.
+//! QEMU's mps3-an547: Arm Cortex-M55 (Corstone-300), with its tightly coupled memories by
+//! `mps3_an547.x`.
 //!
-//! It starts in the secure state and stays there. The kernels are those of Armv8-M's DSP extension; nothing uses Helium. Addresses: Arm's
-//! application note AN547; QEMU, `hw/arm/armsse.c` and `hw/arm/mps2-tz.c`.
+//! It starts in the secure state and stays there. The kernels are those of Armv8-M's DSP extension;
+//! nothing uses Helium. Addresses: Arm's application note AN547; QEMU, `hw/arm/armsse.c` and
+//! `hw/arm/mps2-tz.c`.
 
 use linestereo_boards::Board;
 
@@ -22,11 +24,13 @@ mod on_board {
 
     const UARTS: [usize; 2] = [0x5930_3000, 0x5930_4000];
     const MHZ: u32 = 32;
-    /// The system counter's control frame: CNTCR, and the low word of CNTCV (Arm SSE-123 technical reference manual, 101370).
+    /// The system counter's control frame: CNTCR, and the low word of CNTCV (Arm SSE-123 technical
+    /// reference manual, 101370).
     const COUNTER: *mut u32 = core::ptr::without_provenance_mut(0x5810_0000);
     const VALUE: usize = 2;
 
-    /// Counts instructions, by the system counter: the subsystem has no timer that counts on its own.
+    /// Counts instructions, by the system counter: the subsystem has no timer that counts on its
+    /// own.
     #[derive(Debug)]
     pub struct InstructionClock(());
 
@@ -59,13 +63,15 @@ mod on_board {
     }
 
     /// Peripherals for `live`.
-    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
+    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>>
+    {
         let [host, autopilot] = Uart::start(UARTS, MHZ);
         emulated::peripherals(InstructionClock::start(), host, autopilot)
     }
 
     /// Peripherals of `selftest`.
-    pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+    pub fn bare()
+    -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
         let [host, _] = Uart::start(UARTS, MHZ);
         Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
     }

@@ -1,4 +1,5 @@
-//! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, of which one is used, 520 KiB of RAM and 4 MiB of flash. Two HM01B0 with four data wires each.
+//! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, of which one is used, 520 KiB of RAM and 4 MiB
+//! of flash. Two HM01B0 with four data wires each.
 //!
 //! ```text
 //! GP0, 1      UART 0, to and from an autopilot
@@ -7,7 +8,8 @@
 //! GP25        the board's light
 //! GP20        TRIG of both                                            GP21       MCLK of both, 6 MHz
 //! ```
-//! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet run on hardware.
+//! Eight data wires each would take 28 of the 26 pins. `docs/boards/pico2.md` says more. Not yet
+//! run on hardware.
 
 use linestereo_boards::Board;
 
@@ -24,11 +26,13 @@ mod wired {
     use crate::boards::rp235x::cameras::Block;
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
     use crate::boards::rp235x::{
-        Autopilot, FrameWatchdog, Kept, Micros, Pause, i2c, keeper, reset_cause, silicon, start_host,
+        Autopilot, FrameWatchdog, Kept, Micros, Pause, i2c, keeper, reset_cause, silicon,
+        start_host,
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
-        Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig, Trigger,
+        Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
+        Trigger,
     };
     use crate::capture::{CameraSource, Capture, Limits};
     use crate::ports::{BarePeripherals, FrameStart, Light, PairSource, Peripherals};
@@ -101,7 +105,8 @@ mod wired {
     /// Time in which bytes that wait for the host are sent.
     const FAREWELL: Duration = Duration::from_millis(200);
 
-    /// Ends the program for the boot ROM's, which shows the board as a drive (RP2350 datasheet, 5.4.8.24).
+    /// Ends the program for the boot ROM's, which shows the board as a drive (RP2350 datasheet,
+    /// 5.4.8.24).
     fn enter_bootloader() -> ! {
         block_for(FAREWELL);
         embassy_rp::rom_data::reset_to_usb_boot(0, 0);
@@ -111,8 +116,17 @@ mod wired {
     }
 
     /// Peripherals for `live`; once after a reset.
-    pub fn peripherals()
-    -> Option<Peripherals<Micros, UsbPort, Autopilot, impl PairSource, Kept<FLASH>, FrameWatchdog, OnboardLight>> {
+    pub fn peripherals() -> Option<
+        Peripherals<
+            Micros,
+            UsbPort,
+            Autopilot,
+            impl PairSource,
+            Kept<FLASH>,
+            FrameWatchdog,
+            OnboardLight,
+        >,
+    > {
         let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());

@@ -1,4 +1,5 @@
-//! Pipes between the program and the tasks of its ports. A pipe's buffer wraps, so that it takes bytes in two pieces.
+//! Pipes between the program and the tasks of its ports. A pipe's buffer wraps, so that it takes
+//! bytes in two pieces.
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 

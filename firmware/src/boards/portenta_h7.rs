@@ -1,4 +1,5 @@
-//! Arduino Portenta H7 (STM32H747XI, its Cortex-M7) with two MT9V034 whose rows come as one: left, then right. `docs/boards/portenta-h7.md`.
+//! Arduino Portenta H7 (STM32H747XI, its Cortex-M7) with two MT9V034 whose rows come as one: left,
+//! then right. `docs/boards/portenta-h7.md`.
 
 use linestereo_boards::Board;
 
@@ -38,8 +39,8 @@ mod on_board {
     use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};
     use embassy_stm32::pac::interrupt;
     use embassy_stm32::peripherals::{
-        IWDG1, PA3, PA5, PA9, PA10, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11, PJ4, USART1, USART6,
-        USB_OTG_HS,
+        IWDG1, PA3, PA5, PA9, PA10, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11,
+        PJ4, USART1, USART6, USB_OTG_HS,
     };
     use embassy_stm32::time::Hertz;
     use embassy_stm32::timer::low_level::CountingMode;
@@ -94,12 +95,14 @@ mod on_board {
         let Ulpi { clock, direction, next, stop, data: (d0, d1, d2, d3, d4, d5, d6, d7) } = pins;
         let packets = PACKETS.init([0; 1024]);
         let driver = usb::Driver::new_hs_ulpi(
-            port, Interrupts, clock, direction, next, stop, d0, d1, d2, d3, d4, d5, d6, d7, packets, config,
+            port, Interrupts, clock, direction, next, stop, d0, d1, d2, d3, d4, d5, d6, d7,
+            packets, config,
         );
         usb_port::run::<512, _>(driver, super::BOARD.name, embassy_stm32::uid::uid_hex()).await
     }
 
-    /// The PHY's oscillator on, and the PHY out of its reset (16 ms, far more than its datasheet's 1 us, let the oscillator start).
+    /// The PHY's oscillator on, and the PHY out of its reset (16 ms, far more than its datasheet's
+    /// 1 us, let the oscillator start).
     fn start_phy(oscillator: Peri<'static, PH1>, reset: Peri<'static, PJ4>) {
         let oscillator = Output::new(oscillator, Level::High, Speed::Low);
         let mut reset = Output::new(reset, Level::Low, Speed::Low);
@@ -170,7 +173,15 @@ mod on_board {
 
         let clock = PwmPin::new(p.PK1, OutputType::PushPull);
         let frequency = Hertz::hz(SENSOR_HZ);
-        let mut clock = SimplePwm::new(p.TIM1, Some(clock), None, None, None, frequency, CountingMode::EdgeAlignedUp);
+        let mut clock = SimplePwm::new(
+            p.TIM1,
+            Some(clock),
+            None,
+            None,
+            None,
+            frequency,
+            CountingMode::EdgeAlignedUp,
+        );
         clock.ch1().set_duty_cycle_fraction(1, 2);
         clock.ch1().enable();
         core::mem::forget(clock);

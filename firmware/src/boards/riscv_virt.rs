@@ -1,5 +1,5 @@
-//! QEMU's RISC-V machine `virt`: RV32IMAC, as ESP32-C6 and the RP2350's other cores, held to their RAM by `riscv_virt.x`. The kernels are the
-//! portable ones.
+//! QEMU's RISC-V machine `virt`: RV32IMAC, as ESP32-C6 and the RP2350's other cores, held to their
+//! RAM by `riscv_virt.x`. The kernels are the portable ones.
 //!
 //! Addresses: QEMU, `hw/riscv/virt.c`.
 
@@ -20,8 +20,9 @@ mod on_board {
     use crate::ports::{BarePeripherals, ByteSink, ByteSource, Clock, NoWatchdog};
     use riscv::register::mcycle;
 
-    /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its counter of retired instructions counts the same
-    /// nanoseconds in QEMU 7.2 and instructions in later versions.
+    /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its
+    /// counter of retired instructions counts the same nanoseconds in QEMU 7.2 and instructions in
+    /// later versions.
     #[derive(Debug)]
     pub struct InstructionClock(());
 
@@ -50,8 +51,8 @@ mod on_board {
         }
     }
 
-    /// A serial port as National Semiconductor's NS16550 (PC16550D data sheet): data at 0, line status at 5. As it is after a reset: QEMU's
-    /// needs no rate.
+    /// A serial port as National Semiconductor's NS16550 (PC16550D data sheet): data at 0, line
+    /// status at 5. As it is after a reset: QEMU's needs no rate.
     const UART: *mut u8 = core::ptr::without_provenance_mut(0x1000_0000);
     const LINE_STATUS: usize = 5;
     const RECEIVED: u8 = 1;
@@ -104,7 +105,8 @@ mod on_board {
     }
 
     /// Peripherals of `selftest`.
-    pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
+    pub fn bare()
+    -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
         Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], Port(Uart(()))))
     }
 }

@@ -1,4 +1,5 @@
-//! STM32H743 with two MT9V034 on one camera interface, in turn: NUCLEO-H743ZI2, WeAct MiniSTM32H7 and others. `docs/boards/stm32h743.md`.
+//! STM32H743 with two MT9V034 on one camera interface, in turn: NUCLEO-H743ZI2, WeAct MiniSTM32H7
+//! and others. `docs/boards/stm32h743.md`.
 //!
 //! The pins are those of the 100-pin package, and those of WeAct's camera connector.
 
@@ -65,8 +66,8 @@ mod on_board {
     impl Switch for BusSwitch {
         /// Both are triggered, the one that is not connected reads out for nobody.
         fn shoot(&mut self, eye: CameraSide) -> bool {
-            // The other camera ends its frame later than the one that was connected, by as much as its exposure is longer: a step of
-            // automatic exposure.
+            // The other camera ends its frame later than the one that was connected, by as much as
+            // its exposure is longer: a step of automatic exposure.
             block_for(Duration::from_micros(2000));
             self.select.set_level(if eye == CameraSide::Left { Level::Low } else { Level::High });
             block_for(Duration::from_micros(2)); // the switch takes nanoseconds
@@ -78,11 +79,16 @@ mod on_board {
     }
 
     #[embassy_executor::task]
-    async fn serve_usb(port: Peri<'static, USB_OTG_FS>, plus: Peri<'static, PA12>, minus: Peri<'static, PA11>) {
+    async fn serve_usb(
+        port: Peri<'static, USB_OTG_FS>,
+        plus: Peri<'static, PA12>,
+        minus: Peri<'static, PA11>,
+    ) {
         static PACKETS: StaticCell<[u8; 256]> = StaticCell::new();
         let mut config = usb::Config::default();
         config.vbus_detection = false; // PA9 is not wired to it on every board
-        let driver = usb::Driver::new_fs(port, Interrupts, plus, minus, PACKETS.init([0; 256]), config);
+        let driver =
+            usb::Driver::new_fs(port, Interrupts, plus, minus, PACKETS.init([0; 256]), config);
         usb_port::run::<64, _>(driver, super::BOARD.name, embassy_stm32::uid::uid_hex()).await
     }
 
@@ -118,7 +124,8 @@ mod on_board {
     /// Peripherals of `selftest`.
     pub fn bare() -> Option<silicon::Bare> {
         let (p, reset) = start();
-        let (watchdog, host, _) = start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
+        let (watchdog, host, _) =
+            start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
         Some(silicon::bare(p.RCC, host, watchdog, reset))
     }
 
@@ -127,7 +134,8 @@ mod on_board {
         static EYES: StaticCell<InTurn<DcmiStream, BusSwitch>> = StaticCell::new();
 
         let (p, reset) = start();
-        let (watchdog, host, spawner) = start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
+        let (watchdog, host, spawner) =
+            start_host(p.IWDG1, (p.USB_OTG_FS, p.PA12, p.PA11), (p.USART3, p.PD9, p.PD8))?;
         let autopilot = ports::autopilot_port(spawner, p.USART2, (p.PD6, p.PD5), Interrupts)?;
 
         let _runs_on = Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default());
@@ -140,8 +148,10 @@ mod on_board {
         let resets = (ResetPin(output(p.PD0.into())), ResetPin(output(p.PD1.into())));
         let sensors = sensors(p.I2C1, (p.PB8, p.PB9), resets, None, SENSOR_HZ);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
-        let pairs = CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
-        let pairs = if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
+        let pairs =
+            CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);
+        let pairs =
+            if cfg!(feature = "still-scene") { pairs.still(2 * PATIENCE_US) } else { pairs };
         let light = Light([output(p.PE3.into()), output(p.PB0.into())]);
         Some(crate::ports::Peripherals {
             clock: MicrosecondClock,

@@ -20,7 +20,8 @@ use embassy_usb::driver::Driver;
 use embassy_usb::{Builder, Config};
 use static_cell::StaticCell;
 
-/// Vendor and product that anybody may use for such ports, told apart by their texts (V-USB's `USB-IDs-for-free.txt`).
+/// Vendor and product that anybody may use for such ports, told apart by their texts (V-USB's
+/// `USB-IDs-for-free.txt`).
 const IDS: (u16, u16) = (0x16c0, 0x27dd);
 /// Bytes of results that wait: several frames of records.
 const RESULTS: usize = 4096;
@@ -40,12 +41,20 @@ struct Memory<'a> {
     class: State<'a>,
 }
 
-/// Serves the port for ever, with packets of so many bytes: 64 at full speed, 512 at high speed. At most one. By the chip's serial number a
-/// host tells two boards apart.
-pub async fn run<const PACKET: usize, D: Driver<'static>>(driver: D, product: &'static str, serial: &'static str) {
+/// Serves the port for ever, with packets of so many bytes: 64 at full speed, 512 at high speed. At
+/// most one. By the chip's serial number a host tells two boards apart.
+pub async fn run<const PACKET: usize, D: Driver<'static>>(
+    driver: D,
+    product: &'static str,
+    serial: &'static str,
+) {
     static MEMORY: StaticCell<Memory<'static>> = StaticCell::new();
-    let memory =
-        MEMORY.init_with(|| Memory { configuration: [0; 128], bos: [0; 16], control: [0; 64], class: State::new() });
+    let memory = MEMORY.init_with(|| Memory {
+        configuration: [0; 128],
+        bos: [0; 16],
+        control: [0; 64],
+        class: State::new(),
+    });
     let mut config = Config::new(IDS.0, IDS.1);
     config.manufacturer = Some("linestereo");
     config.product = Some(product);
@@ -54,8 +63,14 @@ pub async fn run<const PACKET: usize, D: Driver<'static>>(driver: D, product: &'
     config.device_class = 2; // one function: a communications device
     config.device_sub_class = 0;
     config.device_protocol = 0;
-    let mut builder =
-        Builder::new(driver, config, &mut memory.configuration, &mut memory.bos, &mut [], &mut memory.control);
+    let mut builder = Builder::new(
+        driver,
+        config,
+        &mut memory.configuration,
+        &mut memory.bos,
+        &mut [],
+        &mut memory.control,
+    );
     let class = CdcAcmClass::new(&mut builder, &mut memory.class, PACKET as u16);
     let mut device = builder.build();
     let (mut sender, mut receiver, control) = class.split_with_control();
@@ -70,7 +85,8 @@ async fn send<'d, const PACKET: usize, D: Driver<'d>>(sender: &mut Sender<'d, D>
         loop {
             let count = TO_HOST.read(&mut packet).await;
             let sent = sender.write_packet(packet.get(..count).unwrap_or_default()).await;
-            // A full packet with nothing behind it has to be followed by an empty one, else the host waits for more.
+            // A full packet with nothing behind it has to be followed by an empty one, else the
+            // host waits for more.
             let is_end = count == PACKET && TO_HOST.is_empty();
             if sent.is_err() || is_end && sender.write_packet(&[]).await.is_err() {
                 break;

@@ -1,15 +1,16 @@
 //! One sensor: its steps taken over the bus, and what becomes of it when one fails.
 
 use super::{
-    CameraError, Cause, Condition, Config, Exposure, ExposureControl, Model, PinFault, ResetLine, Step, TriggerInput,
-    Unsupported,
+    CameraError, Cause, Condition, Config, Exposure, ExposureControl, Model, PinFault, ResetLine,
+    Step, TriggerInput, Unsupported,
 };
 use crate::ports::FrameStart;
 use core::marker::PhantomData;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 
-/// How long a reset pin is held, and what a sensor needs afterwards until it answers; the longest of the models (OV7670: 1 ms and 1 ms).
+/// How long a reset pin is held, and what a sensor needs afterwards until it answers; the longest
+/// of the models (OV7670: 1 ms and 1 ms).
 const RESET_US: u32 = 2000;
 
 /// The steps to standby have no pauses.
@@ -45,8 +46,13 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
         (self.bus, self.reset)
     }
 
-    /// From any state to a running sensor. What the model cannot do is refused before anything is sent.
-    pub fn start(&mut self, config: &Config, delay: &mut impl DelayNs) -> Result<(), CameraError<B::Error>> {
+    /// From any state to a running sensor. What the model cannot do is refused before anything is
+    /// sent.
+    pub fn start(
+        &mut self,
+        config: &Config,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), CameraError<B::Error>> {
         self.check(config).map_err(|what| self.unchanged(Cause::Unsupported(what)))?;
         self.boot(delay)?;
         let fixed = match config.exposure {
@@ -78,12 +84,18 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
     pub fn exposure(&mut self) -> Result<Exposure, CameraError<B::Error>> {
         self.check_running()?;
         let Self { bus, address, .. } = self;
-        let read = |register| M::WIRE.read(bus, *address, register).map_err(|error| Cause::Bus { register, error });
+        let read = |register| {
+            M::WIRE.read(bus, *address, register).map_err(|error| Cause::Bus { register, error })
+        };
         M::read_exposure(read).map_err(|cause| self.unchanged(cause)) // nothing was written: it runs as before
     }
 
     /// Exposes a running sensor like this from now on.
-    pub fn set_exposure(&mut self, exposure: Exposure, delay: &mut impl DelayNs) -> Result<(), CameraError<B::Error>> {
+    pub fn set_exposure(
+        &mut self,
+        exposure: Exposure,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), CameraError<B::Error>> {
         self.check_running()?;
         M::check_exposure(exposure).map_err(|what| self.unchanged(Cause::Unsupported(what)))?;
         self.take(M::exposure(exposure), delay).map_err(|cause| self.abandon(cause))
@@ -101,7 +113,11 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
     }
 
     fn check_running(&self) -> Result<(), CameraError<B::Error>> {
-        if self.condition == Condition::Running { Ok(()) } else { Err(self.unchanged(Cause::NotRunning)) }
+        if self.condition == Condition::Running {
+            Ok(())
+        } else {
+            Err(self.unchanged(Cause::NotRunning))
+        }
     }
 
     /// Out of reset, and the chip that is expected. Nothing is written to it.
@@ -133,7 +149,11 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
         Ok(())
     }
 
-    fn take(&mut self, steps: impl IntoIterator<Item = Step>, delay: &mut impl DelayNs) -> Result<(), Cause<B::Error>> {
+    fn take(
+        &mut self,
+        steps: impl IntoIterator<Item = Step>,
+        delay: &mut impl DelayNs,
+    ) -> Result<(), Cause<B::Error>> {
         let Self { bus, address, .. } = self;
         for Step { register, value, kept, is_written, pause_us } in steps {
             let failed = |error| Cause::Bus { register, error };

@@ -4,29 +4,37 @@
 //!
 //! ```text
 //! 324x244  every pixel, QVGA window        162x122  two by two made one
-//! row      376 pixel clocks; MCLK is divided by 2: 125 us and 30 frames a second at 6 MHz, the double at 12 MHz
+//! row      376 pixel clocks; MCLK is divided by 2: 125 us and 30 frames a second at 6 MHz, the
+//!          double at 12 MHz
 //! run      MODE_SELECT: streaming (1), or frames while TRIG is high (5)
 //! ```
-//! The two pixels at each side and the two rows above and below 320x240 are real pixels. Rows follow each other: at 30 frames a second the
-//! last row is exposed 30 ms after the first one. What that costs stands at [`Ov7670`](super::Ov7670); with one trigger both sensors are
-//! skewed alike, row by row.
+//! The two pixels at each side and the two rows above and below 320x240 are real pixels. Rows
+//! follow each other: at 30 frames a second the last row is exposed 30 ms after the first one. What
+//! that costs stands at [`Ov7670`](super::Ov7670); with one trigger both sensors are skewed alike,
+//! row by row.
 //!
 //! Address 0x24; two of them need two buses, or a board that gives one another address.
 //!
 //! # Source
-//! Himax's register names and addresses, formats of gain, modes and the vendor's analogue settings as OpenMV's `hm01b0_regs.h` and `hm01b0.c`
-//! and Zephyr's `drivers/video/hm01b0.c` have them; the data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3058
-//! have no public names. Bits of BIT_CONTROL (6: 4 bits, 5: serial) and OSC_CLK_DIV (5: gated PCLKO, 4: most significant bits first, 1:0: MCLK / 8, 4,
-//! 2, 1): Himax's own comments in public register lists; four wires, two PCLKO a pixel and the lower half first with bit 4 off: Arm's
-//! `hm01b0-library-for-pico`, `src/hm01b0.c`. PCLK_POLARITY, bit 0: OpenMV sets it and takes pixels at falling edges (`pixck_pol = 0`); Arm's
-//! library leaves it off and takes them at rising ones.
+//! Himax's register names and addresses, formats of gain, modes and the vendor's analogue settings
+//! as OpenMV's `hm01b0_regs.h` and `hm01b0.c` and Zephyr's `drivers/video/hm01b0.c` have them; the
+//! data sheet (HM01B0-MNA) itself was not at hand. Addresses from 0x3044 to 0x3058 have no public
+//! names. Bits of BIT_CONTROL (6: 4 bits, 5: serial) and OSC_CLK_DIV (5: gated PCLKO, 4: most
+//! significant bits first, 1:0: MCLK / 8, 4, 2, 1): Himax's own comments in public register lists;
+//! four wires, two PCLKO a pixel and the lower half first with bit 4 off: Arm's
+//! `hm01b0-library-for-pico`, `src/hm01b0.c`. PCLK_POLARITY, bit 0: OpenMV sets it and takes pixels
+//! at falling edges (`pixck_pol = 0`); Arm's library leaves it off and takes them at rising ones.
 //!
-//! Trigger: Himax's comment at MODE_SELECT has "wait for HW trigger (level), then continuous video out til HW TRIG goes off" for 4 and nothing
-//! for 5; Synaptics' `hm01b0.c` ends in 5 with 0x3064 = 4 (`[2]: Trigger En`; 0 is `Trigger SYNC mode disable`, hence the name here), Ambiq's driver holds
-//! TRIG high while it streams. ANA_REGISTER_17, bit 1 (the trigger is taken at the falling edge of MCLK): the same file sets it; here it is off, as in
-//! OpenMV. Walking ones (0x11): `hm01b0-esp-idf-driver`.
+//! Trigger: Himax's comment at MODE_SELECT has "wait for HW trigger (level), then continuous video
+//! out til HW TRIG goes off" for 4 and nothing for 5; Synaptics' `hm01b0.c` ends in 5 with 0x3064 =
+//! 4 (`[2]: Trigger En`; 0 is `Trigger SYNC mode disable`, hence the name here), Ambiq's driver
+//! holds TRIG high while it streams. ANA_REGISTER_17, bit 1 (the trigger is taken at the falling
+//! edge of MCLK): the same file sets it; here it is off, as in OpenMV. Walking ones (0x11):
+//! `hm01b0-esp-idf-driver`.
 
-use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use super::{
+    Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire,
+};
 use crate::ports::FrameStart;
 use linestereo::Dims;
 
@@ -43,10 +51,15 @@ impl<const WIRES: u8> Hm01b0Over<WIRES> {
     /// Its 7-bit address.
     pub const ADDRESS: u8 = 0x24;
 
-    /// The register of the wires (bit 6: four of them), and the step of any other register as it is.
+    /// The register of the wires (bit 6: four of them), and the step of any other register as it
+    /// is.
     fn on_wires(step: Step) -> Step {
         const { assert!(WIRES == 8 || WIRES == 4) };
-        if step.register == BIT_CONTROL && WIRES == 4 { Step { value: step.value | 0x40, ..step } } else { step }
+        if step.register == BIT_CONTROL && WIRES == 4 {
+            Step { value: step.value | 0x40, ..step }
+        } else {
+            step
+        }
     }
 }
 
@@ -107,8 +120,8 @@ const ROWS_BINNED: u16 = 132;
 /// Takes over what was written since the last time.
 const TAKE_OVER: Step = Step::command(GRP_PARAM_HOLD, 1);
 
-/// Analogue settings for every mode. What has no public name is only written, and of the others the bits are compared whose meaning is known:
-/// nobody promises that reserved bits read as written.
+/// Analogue settings for every mode. What has no public name is only written, and of the others the
+/// bits are compared whose meaning is known: nobody promises that reserved bits read as written.
 const VENDOR: &[Step] = &[
     Step::command(0x3044, 0x0a), // correlated double sampling: time to settle
     Step::command(0x3045, 0x00),
@@ -150,7 +163,8 @@ const VENDOR: &[Step] = &[
     Step::set(IMG_ORIENTATION, 0x00),
 ];
 
-/// The last steps before frames with the test pattern. Whatever reckons with what each sensor sees is off: the same bytes from both.
+/// The last steps before frames with the test pattern. Whatever reckons with what each sensor sees
+/// is off: the same bytes from both.
 const PATTERN: &[Step] = &[
     Step::set(AE_CTRL, 0),
     Step::set(BLC_CFG, 0),
@@ -168,19 +182,23 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const SHUTTER: Shutter = Shutter::Rolling;
     const TRIGGER: TriggerInput = TriggerInput::Level;
     const PIXEL_BYTES: u16 = 1;
-    const IDENTITY: &'static [Identity] =
-        &[Identity { register: MODEL_ID_H, value: 0x01 }, Identity { register: MODEL_ID_L, value: 0xb0 }];
+    const IDENTITY: &'static [Identity] = &[
+        Identity { register: MODEL_ID_H, value: 0x01 },
+        Identity { register: MODEL_ID_L, value: 0xb0 },
+    ];
     /// One that runs may end its frame first: 33 ms at 6 MHz.
-    const RESET: &'static [Step] =
-        &[Step::command(MODE_SELECT, 0), Step::command(SW_RESET, 1).then_wait(40_000), Step::expect(MODE_SELECT, 0)];
+    const RESET: &'static [Step] = &[
+        Step::command(MODE_SELECT, 0),
+        Step::command(SW_RESET, 1).then_wait(40_000),
+        Step::expect(MODE_SELECT, 0),
+    ];
     const STANDBY: &'static [Step] = &[Step::set(MODE_SELECT, 0)];
     const AUTO: &'static [Step] = &[Step::set(AE_CTRL, 1), TAKE_OVER];
 
     fn check(config: &Config) -> Result<(), Unsupported> {
         match (config.binning, config.dims) {
-            (Binning::One, Dims { width: 324, height: 244 }) | (Binning::Two, Dims { width: 162, height: 122 }) => {
-                Ok(())
-            }
+            (Binning::One, Dims { width: 324, height: 244 })
+            | (Binning::Two, Dims { width: 162, height: 122 }) => Ok(()),
             _ => Err(Unsupported::Size(config.dims, config.binning)),
         }
     }
@@ -194,7 +212,8 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
             FrameStart::Free => 0x00,
             FrameStart::Triggered => 0x04,
         };
-        let [[rows_high, rows_low], [row_high, row_low], [most_high, most_low]] = [rows, ROW, rows - 2].map(bytes);
+        let [[rows_high, rows_low], [row_high, row_low], [most_high, most_low]] =
+            [rows, ROW, rows - 2].map(bytes);
         let sized = [
             Step::set(READOUT_X, readout),
             Step::set(READOUT_Y, readout),
@@ -206,7 +225,8 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
             Step::set(LINE_LEN_PCK_L, row_low),
             Step::set(MAX_INTG_H, most_high),
             Step::set(MAX_INTG_L, most_low),
-            // After a reset it is 264, which is more than a frame has: nobody could give it to the other sensor.
+            // After a reset it is 264, which is more than a frame has: nobody could give it to the
+            // other sensor.
             Step::set(INTEGRATION_H, most_high),
             Step::set(INTEGRATION_L, most_low),
             Step::set(TRIGGER_SYNC, trigger).keeping(0x04),
@@ -240,7 +260,8 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
 
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {
         let (analog, digital) = split(exposure.gain_code);
-        let ([rows_high, rows_low], [digital_high, digital_low]) = (bytes(exposure.rows), bytes(digital));
+        let ([rows_high, rows_low], [digital_high, digital_low]) =
+            (bytes(exposure.rows), bytes(digital));
         [
             Step::set(AE_CTRL, 0),
             Step::set(INTEGRATION_H, rows_high),
@@ -260,10 +281,12 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
         Ok(Exposure { rows, gain_code: analog << 6 | digital })
     }
 
-    /// Bits 12:10 are the doublings (ANALOG_GAIN), 9:0 the digital gain in 1/256, of which the last two are 0.
+    /// Bits 12:10 are the doublings (ANALOG_GAIN), 9:0 the digital gain in 1/256, of which the last
+    /// two are 0.
     fn gain_code(gain_q6: u16) -> Option<u16> {
         let doublings = (0..=4).rev().find(|&n| gain_q6 >> n >= 64)?;
-        // The digital gain is 0.25 ..= 3.98 in steps of 1/64; here it is 1 ..= 2, so that the analogue one does the most.
+        // The digital gain is 0.25 ..= 3.98 in steps of 1/64; here it is 1 ..= 2, so that the
+        // analogue one does the most.
         let digital_q6 = gain_q6 >> doublings;
         (digital_q6 < 256).then_some(doublings << 10 | digital_q6 << 2)
     }

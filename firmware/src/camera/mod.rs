@@ -1,7 +1,8 @@
 //! Image sensors: from a bus and two pins to a running pair.
 //!
-//! In: an I2C bus, a reset pin if there is one, a [`Config`]. Out: a sensor that delivers frames in that mode, or a [`CameraError`] that says
-//! what failed and in which [`Condition`] the sensor was left.
+//! In: an I2C bus, a reset pin if there is one, a [`Config`]. Out: a sensor that delivers frames in
+//! that mode, or a [`CameraError`] that says what failed and in which [`Condition`] the sensor was
+//! left.
 //!
 //! ```text
 //! Chip::start     refuse what the model cannot do                    no transaction yet
@@ -9,13 +10,16 @@
 //!                 read the identity                                  nothing is written to a chip that is not the one expected
 //!                 soft reset, mode, exposure: write, read back       a register that is not kept is an error
 //!                 run: free, or a frame per trigger
-//! any failure  -> reset pin held, else standby written, else HalfConfigured; nothing but `start` is taken after it
-//! CameraPair      both in one mode; exposure and gain of the left one given to both; one missing: the other is put to standby
+//! any failure  -> reset pin held, else standby written, else HalfConfigured; nothing but `start`
+//!              is taken after it
+//! CameraPair      both in one mode; exposure and gain of the left one given to both; one missing:
+//!                 the other is put to standby
 //! Trigger         one pulse for both, or a level that is held until both frames have started
-//! StereoCamera    all of it at work: started again after a failure, a pulse per pair, exposed alike
+//! StereoCamera    all of it at work: started again after a failure, a pulse per pair, exposed
+//!                 alike
 //! ```
-//! A model ([`Mt9v034`], [`Hm01b0`], [`Ov7670`]) is tables of registers; what is done with them, and what happens when it fails, is
-//! written once, in [`Chip`].
+//! A model ([`Mt9v034`], [`Hm01b0`], [`Ov7670`]) is tables of registers; what is done with them,
+//! and what happens when it fails, is written once, in [`Chip`].
 //!
 //! None of this has run on hardware yet: tests replay register traces (`firmware/tests/camera.rs`).
 
@@ -98,7 +102,8 @@ pub enum ExposureControl {
     Fixed(Exposure),
 }
 
-/// Exposure and gain as a sensor's registers have them: two sensors of a model that have the same are exposed alike.
+/// Exposure and gain as a sensor's registers have them: two sensors of a model that have the same
+/// are exposed alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exposure {
     /// Rows of time that a pixel collects light.
@@ -117,18 +122,22 @@ pub enum Shutter {
 }
 
 impl Shutter {
-    /// From the start of a frame's readout to the middle of its exposure (of the middle row, if they differ), microseconds; mostly negative.
+    /// From the start of a frame's readout to the middle of its exposure (of the middle row, if
+    /// they differ), microseconds; mostly negative.
     #[must_use]
     pub fn middle_us(self, exposure_us: u32, readout_us: u32) -> i32 {
         let before = i32::try_from(exposure_us / 2).unwrap_or(i32::MAX);
         match self {
             Self::Global => -before,
-            Self::Rolling => i32::try_from(readout_us / 2).unwrap_or(i32::MAX).saturating_sub(before),
+            Self::Rolling => {
+                i32::try_from(readout_us / 2).unwrap_or(i32::MAX).saturating_sub(before)
+            }
         }
     }
 }
 
-/// Data of a kind of sensor. Every number is of its datasheet or of public drivers, which its file names.
+/// Data of a kind of sensor. Every number is of its datasheet or of public drivers, which its file
+/// names.
 pub trait Model {
     /// Its name.
     const NAME: &'static str;
@@ -149,10 +158,12 @@ pub trait Model {
     /// Exposure and gain choose themselves.
     const AUTO: &'static [Step];
 
-    /// Has it images of that size? Trigger and exposure are looked at elsewhere ([`Model::TRIGGER`], [`Model::check_exposure`]).
+    /// Has it images of that size? Trigger and exposure are looked at elsewhere
+    /// ([`Model::TRIGGER`], [`Model::check_exposure`]).
     fn check(config: &Config) -> Result<(), Unsupported>;
 
-    /// From the state after a reset to a mode that [`Model::check`] has allowed, still sending nothing.
+    /// From the state after a reset to a mode that [`Model::check`] has allowed, still sending
+    /// nothing.
     fn mode(config: &Config) -> impl Iterator<Item = Step>;
 
     /// After mode and exposure: whatever a test pattern needs, and frames from now on.
@@ -167,7 +178,8 @@ pub trait Model {
     /// Exposure and gain that are in use now, whoever chose them.
     fn read_exposure<E>(read: impl FnMut(u16) -> Result<u16, E>) -> Result<Exposure, E>;
 
-    /// The register value whose gain is nearest to one in 1/64 from below; `None` when it has no such gain.
+    /// The register value whose gain is nearest to one in 1/64 from below; `None` when it has no
+    /// such gain.
     fn gain_code(gain_q6: u16) -> Option<u16>;
 
     /// The gain of a register value, 1/64.
@@ -185,8 +197,8 @@ pub enum Condition {
     Standby,
     /// It sends frames as configured.
     Running,
-    /// Some registers are written and some are not, and it could not be stopped: it may send frames of any size at any time. Start it
-    /// again, or take its power away.
+    /// Some registers are written and some are not, and it could not be stopped: it may send frames
+    /// of any size at any time. Start it again, or take its power away.
     HalfConfigured,
 }
 
@@ -265,7 +277,10 @@ impl fmt::Display for Unsupported {
         match self {
             Self::Size(dims, binning) => {
                 let pixels = binning.pixels();
-                write!(f, "the sensor has no images of {dims} with {pixels}x{pixels} pixels made one")
+                write!(
+                    f,
+                    "the sensor has no images of {dims} with {pixels}x{pixels} pixels made one"
+                )
             }
             Self::Trigger => write!(f, "the sensor has no trigger pin: let it run free"),
             Self::Rows(rows) => write!(f, "the sensor cannot be exposed for {rows} rows"),
@@ -281,9 +296,14 @@ impl<E: fmt::Debug> fmt::Display for CameraError<E> {
             Cause::Identity { register, found } => {
                 write!(f, "another chip answers: register {register:#06x} holds {found:#06x}")?;
             }
-            Cause::Bus { register, error } => write!(f, "the bus failed at register {register:#06x}: {error:?}")?,
+            Cause::Bus { register, error } => {
+                write!(f, "the bus failed at register {register:#06x}: {error:?}")?
+            }
             Cause::NotKept { register, written, read } => {
-                write!(f, "register {register:#06x} holds {read:#06x} after {written:#06x} was written")?;
+                write!(
+                    f,
+                    "register {register:#06x} holds {read:#06x} after {written:#06x} was written"
+                )?;
             }
             Cause::Pin => write!(f, "the reset pin cannot be set")?,
             Cause::Unsupported(what) => what.fmt(f)?,

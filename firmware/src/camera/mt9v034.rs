@@ -5,16 +5,22 @@
 //! ```text
 //! window   (columns x rows) x binning, in the middle of the array
 //! row      window width + HORIZONTAL_BLANKING, at least 690 master clocks (26.67 MHz: 26 us)
-//! run      CHIP_CONTROL: master with simultaneous readout, or snapshot: a pulse on EXPOSURE starts exposure, readout follows
+//! run      CHIP_CONTROL: master with simultaneous readout, or snapshot: a pulse on EXPOSURE starts
+//!          exposure, readout follows
 //! ```
-//! Two of them share a bus: the pins S_CTRL_ADR1 and S_CTRL_ADR0 choose one of four addresses ([`Mt9v034::ADDRESSES`]).
+//! Two of them share a bus: the pins S_CTRL_ADR1 and S_CTRL_ADR0 choose one of four addresses
+//! ([`Mt9v034::ADDRESSES`]).
 //!
 //! # Source
-//! onsemi MT9V034/D and MT9V024/D, which has the same interface (addresses, serial interface, least row and blanking); Linux
-//! `drivers/media/i2c/mt9v032.c` (names, addresses, chip version 0x1324, ranges, CHIP_CONTROL to start and stop); OpenMV `mt9v0xx.c`
-//! (snapshot mode, linear companding, row noise correction off for the test pattern, outputs of AEC and AGC, pixel clock inverted without binning).
+//! onsemi MT9V034/D and MT9V024/D, which has the same interface (addresses, serial interface, least
+//! row and blanking); Linux `drivers/media/i2c/mt9v032.c` (names, addresses, chip version 0x1324,
+//! ranges, CHIP_CONTROL to start and stop); OpenMV `mt9v0xx.c` (snapshot mode, linear companding,
+//! row noise correction off for the test pattern, outputs of AEC and AGC, pixel clock inverted
+//! without binning).
 
-use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use super::{
+    Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire,
+};
 use crate::ports::FrameStart;
 
 /// The sensor.
@@ -53,7 +59,8 @@ const AGC_GAIN_OUTPUT: u16 = 0xba;
 const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
 const FINE_SHUTTER_WIDTH_TOTAL: u16 = 0xd5;
 
-/// CHIP_CONTROL: mode in bits 4:3 (1 master, 3 snapshot), parallel outputs on (7), readout while the next frame is exposed (8).
+/// CHIP_CONTROL: mode in bits 4:3 (1 master, 3 snapshot), parallel outputs on (7), readout while
+/// the next frame is exposed (8).
 const MASTER: u16 = 1 << 8 | 1 << 7 | 1 << 3;
 const SNAPSHOT: u16 = 1 << 8 | 1 << 7 | 3 << 3;
 /// READ_MODE after a reset: reserved bits that stay.
@@ -72,7 +79,8 @@ impl Model for Mt9v034 {
     const TRIGGER: TriggerInput = TriggerInput::Pulse { us: 10 };
     const PIXEL_BYTES: u16 = 1;
     const IDENTITY: &'static [Identity] = &[Identity { register: CHIP_VERSION, value: 0x1324 }];
-    const RESET: &'static [Step] = &[Step::command(RESET, 1).then_wait(100), Step::command(RESET, 0).then_wait(100)];
+    const RESET: &'static [Step] =
+        &[Step::command(RESET, 1).then_wait(100), Step::command(RESET, 0).then_wait(100)];
     const STANDBY: &'static [Step] = &[Step::set(CHIP_CONTROL, 0)];
     const AUTO: &'static [Step] = &[Step::set(AEC_AGC_ENABLE, 0b11)];
 
@@ -91,7 +99,8 @@ impl Model for Mt9v034 {
     fn mode(config: &Config) -> impl Iterator<Item = Step> {
         let (width, height) = window(config);
         let (columns, rows) = Self::ARRAY;
-        // At the full rate pixels are valid around the rising edge of PIXCLK only; inverted it is the falling one, as it is with binning.
+        // At the full rate pixels are valid around the rising edge of PIXCLK only; inverted it is
+        // the falling one, as it is with binning.
         let (bits, pixel_clock) = match config.binning {
             Binning::One => (0, INVERTED),
             Binning::Two => (0b0101, 0),
@@ -99,7 +108,8 @@ impl Model for Mt9v034 {
         };
         let pixels = u32::from(config.dims.width) * u32::from(config.dims.height);
         // Noise is corrected by the mean of a row's dark pixels, which a pattern does not have.
-        let (pattern, correction) = if config.test_pattern { (VERTICAL_SHADES, 0) } else { (0, 0x0101) };
+        let (pattern, correction) =
+            if config.test_pattern { (VERTICAL_SHADES, 0) } else { (0, 0x0101) };
         [
             Step::set(CHIP_CONTROL, 0),
             Step::set(COLUMN_START, 1 + columns.saturating_sub(width) / 2),
@@ -132,7 +142,11 @@ impl Model for Mt9v034 {
         if !(1..=32765).contains(&exposure.rows) {
             return Err(Unsupported::Rows(exposure.rows));
         }
-        if (16..=64).contains(&exposure.gain_code) { Ok(()) } else { Err(Unsupported::Gain(exposure.gain_code)) }
+        if (16..=64).contains(&exposure.gain_code) {
+            Ok(())
+        } else {
+            Err(Unsupported::Gain(exposure.gain_code))
+        }
     }
 
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {
@@ -147,8 +161,11 @@ impl Model for Mt9v034 {
 
     fn read_exposure<E>(mut read: impl FnMut(u16) -> Result<u16, E>) -> Result<Exposure, E> {
         let is_auto = read(AEC_AGC_ENABLE)? & 0b11 != 0;
-        let (rows, gain) =
-            if is_auto { (AEC_EXPOSURE_OUTPUT, AGC_GAIN_OUTPUT) } else { (COARSE_SHUTTER_WIDTH_TOTAL, ANALOG_GAIN) };
+        let (rows, gain) = if is_auto {
+            (AEC_EXPOSURE_OUTPUT, AGC_GAIN_OUTPUT)
+        } else {
+            (COARSE_SHUTTER_WIDTH_TOTAL, ANALOG_GAIN)
+        };
         Ok(Exposure { rows: read(rows)?, gain_code: read(gain)? & GAIN })
     }
 

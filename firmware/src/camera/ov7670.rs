@@ -1,34 +1,42 @@
 //! OV7670: 640x480, colour, rolling shutter, no trigger; what hobbyists own.
 //!
-//! In: a mode. Out: its registers. It sends YUYV: two bytes a pixel, of which the first is the grey level.
+//! In: a mode. Out: its registers. It sends YUYV: two bytes a pixel, of which the first is the grey
+//! level.
 //!
 //! ```text
 //! 640x480 every pixel      320x240 two by two      160x120 four by four
-//! row     784 pixels of 2 clocks: 65 us at XCLK 24 MHz, 510 rows, 30 frames a second (binned rows come at the same pace, one in 2 or 4)
+//! row     784 pixels of 2 clocks: 65 us at XCLK 24 MHz, 510 rows, 30 frames a second (binned rows
+//!         come at the same pace, one in 2 or 4)
 //! ```
-//! Exposure against flicker, the night mode and white balance are off: they change pictures or the frame rate without being asked.
+//! Exposure against flicker, the night mode and white balance are off: they change pictures or the
+//! frame rate without being asked.
 //!
 //! # Cost of the rolling shutter
-//! Row `y` is exposed `65 us * y` after row 0, 31 ms from the first to the last. Turning at `w` radians a second, a picture with focal
-//! length `f` px moves by `f * w` px a second:
+//! Row `y` is exposed `65 us * y` after row 0, 31 ms from the first to the last. Turning at `w`
+//! radians a second, a picture with focal length `f` px moves by `f * w` px a second:
 //!
 //! ```text
 //! skew of a vertical edge   f * w * 31 ms         QVGA with 60 degrees of view (f = 277 px) at 90 degrees a second: 13.6 px
 //! error of a disparity      f * w * skew          both cameras read the same row at the same time: 0, if they start together
 //! ```
-//! So the skew bends the world, the same way in both images; it is the *start* that breaks stereo. And this sensor has no trigger: two
-//! of them with one XCLK keep the difference that they happen to start with, up to half a frame: 17 ms, 7.3 px at that speed; with
-//! two oscillators it drifts. Driven at 1 m/s past something 1 m away, 17 ms are 4.6 px. The health check refuses such pairs
+//! So the skew bends the world, the same way in both images; it is the *start* that breaks stereo.
+//! And this sensor has no trigger: two of them with one XCLK keep the difference that they happen
+//! to start with, up to half a frame: 17 ms, 7.3 px at that speed; with two oscillators it drifts.
+//! Driven at 1 m/s past something 1 m away, 17 ms are 4.6 px. The health check refuses such pairs
 //! ([`skew_us`](linestereo::HealthLimits::skew_us)). Use it standing still, or another sensor.
 //!
 //! Address 0x21, always: two of them need two buses.
 //!
 //! # Source
-//! Names, addresses, identity, window of VGA, exposure and gain: Linux `drivers/media/i2c/ov7670.c`, which has them from OmniVision.
-//! Scaling, columns of QVGA and QQVGA: OmniVision's implementation guide 1.0 as public drivers quote it (Adafruit, Arduino); 784 x 510 and the
-//! order of YUYV are the guide's. The columns of the smaller sizes are by trial, not of the data sheet.
+//! Names, addresses, identity, window of VGA, exposure and gain: Linux
+//! `drivers/media/i2c/ov7670.c`, which has them from OmniVision. Scaling, columns of QVGA and
+//! QQVGA: OmniVision's implementation guide 1.0 as public drivers quote it (Adafruit, Arduino); 784
+//! x 510 and the order of YUYV are the guide's. The columns of the smaller sizes are by trial, not
+//! of the data sheet.
 
-use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire};
+use super::{
+    Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire,
+};
 use linestereo::Dims;
 
 /// The sensor.
@@ -75,7 +83,8 @@ const SCALING_PCLK_DELAY: u16 = 0xa2;
 /// COM2: soft sleep (4), outputs drive two loads (1:0 = 1).
 const ASLEEP: u16 = 0x11;
 const AWAKE: u16 = 0x01;
-/// COM8: fast (7), any step (6), and automatic gain (2) and exposure (0); no flicker filter (5), no white balance (1).
+/// COM8: fast (7), any step (6), and automatic gain (2) and exposure (0); no flicker filter (5), no
+/// white balance (1).
 const FIXED_EXPOSURE: u16 = 0xc0;
 const AUTO_EXPOSURE: u16 = 0xc5;
 /// VREF 3:0: the low bits of VSTOP and VSTART, next to those of the gain.
@@ -91,7 +100,8 @@ impl Model for Ov7670 {
     const PIXEL_BYTES: u16 = 2;
     const IDENTITY: &'static [Identity] =
         &[Identity { register: PID, value: 0x76 }, Identity { register: VER, value: 0x73 }];
-    const RESET: &'static [Step] = &[Step::command(COM7, 0x80).then_wait(2000), Step::set(COM2, ASLEEP)];
+    const RESET: &'static [Step] =
+        &[Step::command(COM7, 0x80).then_wait(2000), Step::set(COM2, ASLEEP)];
     const STANDBY: &'static [Step] = &[Step::set(COM2, ASLEEP)];
     const AUTO: &'static [Step] = &[Step::set(COM8, AUTO_EXPOSURE)];
 
@@ -107,9 +117,27 @@ impl Model for Ov7670 {
 
     fn mode(config: &Config) -> impl Iterator<Item = Step> {
         let Scaling { com3, com14, dcw, divider, columns } = match config.binning {
-            Binning::One => Scaling { com3: 0x00, com14: 0x00, dcw: 0x11, divider: 0xf0, columns: [0x13, 0x01, 0xb6] },
-            Binning::Two => Scaling { com3: 0x04, com14: 0x19, dcw: 0x11, divider: 0xf1, columns: [0x16, 0x04, 0x24] },
-            Binning::Four => Scaling { com3: 0x04, com14: 0x1a, dcw: 0x22, divider: 0xf2, columns: [0x16, 0x04, 0xa4] },
+            Binning::One => Scaling {
+                com3: 0x00,
+                com14: 0x00,
+                dcw: 0x11,
+                divider: 0xf0,
+                columns: [0x13, 0x01, 0xb6],
+            },
+            Binning::Two => Scaling {
+                com3: 0x04,
+                com14: 0x19,
+                dcw: 0x11,
+                divider: 0xf1,
+                columns: [0x16, 0x04, 0x24],
+            },
+            Binning::Four => Scaling {
+                com3: 0x04,
+                com14: 0x1a,
+                dcw: 0x22,
+                divider: 0xf2,
+                columns: [0x16, 0x04, 0xa4],
+            },
         };
         let [start, stop, low] = columns;
         let bars = if config.test_pattern { 0x80 } else { 0 };
@@ -149,7 +177,11 @@ impl Model for Ov7670 {
         if !(1..=ROWS).contains(&exposure.rows) {
             return Err(Unsupported::Rows(exposure.rows));
         }
-        if exposure.gain_code < 1 << 10 { Ok(()) } else { Err(Unsupported::Gain(exposure.gain_code)) }
+        if exposure.gain_code < 1 << 10 {
+            Ok(())
+        } else {
+            Err(Unsupported::Gain(exposure.gain_code))
+        }
     }
 
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {
@@ -182,7 +214,8 @@ impl Model for Ov7670 {
     }
 }
 
-/// Registers that depend on the size: COM3, COM14, SCALING_DCWCTR, SCALING_PCLK_DIV; HSTART, HSTOP, HREF.
+/// Registers that depend on the size: COM3, COM14, SCALING_DCWCTR, SCALING_PCLK_DIV; HSTART, HSTOP,
+/// HREF.
 struct Scaling {
     com3: u16,
     com14: u16,

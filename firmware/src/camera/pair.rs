@@ -1,10 +1,10 @@
 //! Two sensors of a model, in one mode, exposed alike.
 //!
 //! ```text
-//! start    both stopped; left, then right, with the left one's first choice, or with its own where that is none that anybody may fix;
-//!          if one fails the other is put to standby
-//! shared   left chooses; follow: what it has chosen is written to the right one, which shows it one or two frames later
-//!          freeze: its choice stays, in both
+//! start    both stopped; left, then right, with the left one's first choice, or with its own where
+//!          that is none that anybody may fix; if one fails the other is put to standby
+//! shared   left chooses; follow: what it has chosen is written to the right one, which shows it
+//!          one or two frames later freeze: its choice stays, in both
 //! ```
 //! A pair with one camera does not run: there is no depth to be had.
 
@@ -14,7 +14,8 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 use linestereo_rig::CameraSide;
 
-/// The left and the right sensor. Two at one bus: give each a share of it (`embedded_hal_bus::i2c::RefCellDevice`).
+/// The left and the right sensor. Two at one bus: give each a share of it
+/// (`embedded_hal_bus::i2c::RefCellDevice`).
 #[derive(Debug)]
 pub struct CameraPair<M, BL, RL, BR, RR> {
     left: Chip<M, BL, RL>,
@@ -71,8 +72,8 @@ where
 
     /// Starts both in one mode; of `config`, the exposure is replaced. When one fails neither runs.
     ///
-    /// Before its first frame a sensor may say that it has chosen what nobody can fix (MT9V034: 0 rows). The right one chooses for itself then, until
-    /// [`CameraPair::follow`] finds a choice.
+    /// Before its first frame a sensor may say that it has chosen what nobody can fix (MT9V034: 0
+    /// rows). The right one chooses for itself then, until [`CameraPair::follow`] finds a choice.
     pub fn start(
         &mut self,
         config: &Config,
@@ -90,12 +91,20 @@ where
         let known = match exposure {
             PairExposure::Fixed(fixed) => Some(fixed),
             PairExposure::LeftChooses => {
-                let chosen = self.left.exposure().map_err(|error| self.fail(CameraSide::Left, error, delay))?;
+                let chosen = self
+                    .left
+                    .exposure()
+                    .map_err(|error| self.fail(CameraSide::Left, error, delay))?;
                 Some(chosen).filter(|&chosen| M::check_exposure(chosen).is_ok())
             }
         };
-        let right = Config { exposure: known.map_or(ExposureControl::Auto, ExposureControl::Fixed), ..*config };
-        self.right.start(&right, delay).map_err(|error| self.fail(CameraSide::Right, error, delay))?;
+        let right = Config {
+            exposure: known.map_or(ExposureControl::Auto, ExposureControl::Fixed),
+            ..*config
+        };
+        self.right
+            .start(&right, delay)
+            .map_err(|error| self.fail(CameraSide::Right, error, delay))?;
         self.exposure = known;
         Ok(())
     }
@@ -104,34 +113,57 @@ where
     pub fn stop(&mut self, delay: &mut impl DelayNs) -> Result<(), PairError<BL::Error>> {
         let left = self.left.stop(delay);
         let right = self.right.stop(delay);
-        left.map_err(|error| PairError { eye: CameraSide::Left, error, other: self.right.condition() })?;
-        right.map_err(|error| PairError { eye: CameraSide::Right, error, other: self.left.condition() })
+        left.map_err(|error| PairError {
+            eye: CameraSide::Left,
+            error,
+            other: self.right.condition(),
+        })?;
+        right.map_err(|error| PairError {
+            eye: CameraSide::Right,
+            error,
+            other: self.left.condition(),
+        })
     }
 
-    /// Between two frames, when the left one chooses: gives its choice to the right one. Says what both have now.
+    /// Between two frames, when the left one chooses: gives its choice to the right one. Says what
+    /// both have now.
     ///
-    /// A choice that the model does not let anybody fix (0 rows, in the dark) leaves the right one as it was. If the choice cannot be read,
-    /// both run on as they did; if it cannot be written, neither runs.
-    pub fn follow(&mut self, delay: &mut impl DelayNs) -> Result<Option<Exposure>, PairError<BL::Error>> {
+    /// A choice that the model does not let anybody fix (0 rows, in the dark) leaves the right one
+    /// as it was. If the choice cannot be read, both run on as they did; if it cannot be written,
+    /// neither runs.
+    pub fn follow(
+        &mut self,
+        delay: &mut impl DelayNs,
+    ) -> Result<Option<Exposure>, PairError<BL::Error>> {
         if !self.is_shared {
             return Ok(self.exposure);
         }
         let chosen = self.left.exposure();
-        let chosen =
-            chosen.map_err(|error| PairError { eye: CameraSide::Left, error, other: self.right.condition() })?;
+        let chosen = chosen.map_err(|error| PairError {
+            eye: CameraSide::Left,
+            error,
+            other: self.right.condition(),
+        })?;
         if self.exposure != Some(chosen) && M::check_exposure(chosen).is_ok() {
             self.exposure = None; // of neither, if it fails
-            self.right.set_exposure(chosen, delay).map_err(|error| self.fail(CameraSide::Right, error, delay))?;
+            self.right
+                .set_exposure(chosen, delay)
+                .map_err(|error| self.fail(CameraSide::Right, error, delay))?;
             self.exposure = Some(chosen);
         }
         Ok(self.exposure)
     }
 
     /// The left one's choice of this moment, for both, from now on.
-    pub fn freeze(&mut self, delay: &mut impl DelayNs) -> Result<Option<Exposure>, PairError<BL::Error>> {
+    pub fn freeze(
+        &mut self,
+        delay: &mut impl DelayNs,
+    ) -> Result<Option<Exposure>, PairError<BL::Error>> {
         let exposure = self.follow(delay)?;
         if let (true, Some(exposure)) = (self.is_shared, exposure) {
-            self.left.set_exposure(exposure, delay).map_err(|error| self.fail(CameraSide::Left, error, delay))?;
+            self.left
+                .set_exposure(exposure, delay)
+                .map_err(|error| self.fail(CameraSide::Left, error, delay))?;
             self.is_shared = false;
         }
         Ok(exposure)
@@ -147,7 +179,8 @@ where
         (self.left, self.right)
     }
 
-    /// One has failed: whatever still runs is stopped. One to which nothing has been sent is left alone.
+    /// One has failed: whatever still runs is stopped. One to which nothing has been sent is left
+    /// alone.
     fn fail(
         &mut self,
         eye: CameraSide,

@@ -9,12 +9,19 @@ pub enum Wire {
     Short16,
     /// Addresses of 16 bits, values of 8.
     Long8,
-    /// Addresses and values of 8 bits. A read is two transactions: OmniVision's SCCB knows no repeated start.
+    /// Addresses and values of 8 bits. A read is two transactions: OmniVision's SCCB knows no
+    /// repeated start.
     Sccb,
 }
 
 impl Wire {
-    pub(super) fn write<B: I2c>(self, bus: &mut B, device: u8, register: u16, value: u16) -> Result<(), B::Error> {
+    pub(super) fn write<B: I2c>(
+        self,
+        bus: &mut B,
+        device: u8,
+        register: u16,
+        value: u16,
+    ) -> Result<(), B::Error> {
         let ([high, low], [value_high, value_low]) = (register.to_be_bytes(), value.to_be_bytes());
         match self {
             Self::Short16 => bus.write(device, &[low, value_high, value_low]),
@@ -23,11 +30,18 @@ impl Wire {
         }
     }
 
-    pub(super) fn read<B: I2c>(self, bus: &mut B, device: u8, register: u16) -> Result<u16, B::Error> {
+    pub(super) fn read<B: I2c>(
+        self,
+        bus: &mut B,
+        device: u8,
+        register: u16,
+    ) -> Result<u16, B::Error> {
         let [high, low] = register.to_be_bytes();
         let (mut word, mut byte) = ([0; 2], [0; 1]);
         match self {
-            Self::Short16 => bus.write_read(device, &[low], &mut word).map(|()| u16::from_be_bytes(word)),
+            Self::Short16 => {
+                bus.write_read(device, &[low], &mut word).map(|()| u16::from_be_bytes(word))
+            }
             Self::Long8 => bus.write_read(device, &[high, low], &mut byte).map(|()| byte[0].into()),
             Self::Sccb => {
                 bus.write(device, &[low])?;

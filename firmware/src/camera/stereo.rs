@@ -1,13 +1,17 @@
 //! A pair of sensors at work: started when it has to be, triggered, exposed alike.
 //!
 //! ```text
-//! shoot    not running: start both; then a pulse for both, if they are triggered, or a level, which is lowered when both frames have started
-//! follow   the left one's choice to the right one; middle of the exposure = rows * time of a row, by the model's shutter
-//! failure  counted for the sensor that failed; unless both still run they are started again by the next `shoot`
+//! shoot    not running: start both; then a pulse for both, if they are triggered, or a level,
+//!          which is lowered when both frames have started
+//! follow   the left one's choice to the right one; middle of the exposure = rows * time of a row,
+//!          by the model's shutter
+//! failure  counted for the sensor that failed; unless both still run they are started again by the
+//!          next `shoot`
 //! ```
 
 use super::{
-    CameraPair, Chip, Condition, Config, Exposure, Model, PairError, PairExposure, ResetLine, Trigger, TriggerInput,
+    CameraPair, Chip, Condition, Config, Exposure, Model, PairError, PairExposure, ResetLine,
+    Trigger, TriggerInput,
 };
 use crate::ports::{Cameras, FrameStart};
 use embedded_hal::delay::DelayNs;
@@ -105,7 +109,9 @@ where
         if !self.is_running && !self.start() {
             return false;
         }
-        let Some(trigger) = self.trigger.as_mut().filter(|_| self.config.config.start == FrameStart::Triggered) else {
+        let Some(trigger) =
+            self.trigger.as_mut().filter(|_| self.config.config.start == FrameStart::Triggered)
+        else {
             return true;
         };
         let done = match M::TRIGGER {

@@ -13,7 +13,8 @@ pub enum TriggerInput {
         /// How long it is, microseconds.
         us: u32,
     },
-    /// A level: one frame after the other as long as it is high. Lowered in the middle of a frame, this frame is the last one.
+    /// A level: one frame after the other as long as it is high. Lowered in the middle of a frame,
+    /// this frame is the last one.
     Level,
 }
 
@@ -31,8 +32,8 @@ impl<P: OutputPin> Trigger<P> {
         Ok(Self { pin, is_held: false })
     }
 
-    /// Starts a frame of both by a pulse of so many microseconds. After an error the pin may be high; the next call lowers it before it raises
-    /// it, so an edge is never missed.
+    /// Starts a frame of both by a pulse of so many microseconds. After an error the pin may be
+    /// high; the next call lowers it before it raises it, so an edge is never missed.
     pub fn fire(&mut self, pulse_us: u32, delay: &mut impl DelayNs) -> Result<(), P::Error> {
         self.raise()?;
         delay.delay_us(pulse_us);

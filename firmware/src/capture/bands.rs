@@ -1,23 +1,30 @@
-//! Events of a camera interface and its DMA, one stream of rows -> [`Signal`]s, a band of rows each.
+//! Events of a camera interface and its DMA, one stream of rows -> [`Signal`]s, a band of rows
+//! each.
 //!
-//! In: the ends of rows and frames, lost bytes, and how far the DMA has come in its ring at that moment. Out: signals for
-//! [`Capture`](super::Capture); whether the DMA has to be set to the start of the ring.
+//! In: the ends of rows and frames, lost bytes, and how far the DMA has come in its ring at that
+//! moment. Out: signals for [`Capture`](super::Capture); whether the DMA has to be set to the start
+//! of the ring.
 //!
 //! ```text
-//! frame starts   row number of the offset of the DMA; not at the start of a row: the DMA is set to the start of the ring first
+//! frame starts   row number of the offset of the DMA; not at the start of a row: the DMA is set to
+//!                the start of the ring first
 //! row ends       the DMA has moved by a row: one more row; every `band` rows a signal
 //!                by several rows: their interrupts came late, they count all the same
 //!                not at all: it was looked at already
-//!                by anything else: a signal with the bytes that came, at once, and nothing more of this frame
-//! frame ends     the rows of the last band; after a wrong row the DMA is set to the start of the ring
+//!                by anything else: a signal with the bytes that came, at once, and nothing more of
+//!                                  this frame
+//! frame ends     the rows of the last band; after a wrong row the DMA is set to the start of the
+//!                ring
 //! bytes lost     a signal, and the DMA is set to the start of the ring
 //! ```
-//! Rows of one frame lie behind those of the last one, wherever that is in the ring: nothing is moved while all goes well, so that rows that
-//! wait to be fetched stay good. When the DMA is set to the start of the ring, row numbers go on at the next multiple of the ring.
+//! Rows of one frame lie behind those of the last one, wherever that is in the ring: nothing is
+//! moved while all goes well, so that rows that wait to be fetched stay good. When the DMA is set
+//! to the start of the ring, row numbers go on at the next multiple of the ring.
 //!
 //! # Bounds
-//! A ring holds a power of two of rows; a row has 1 to 65535 bytes. Somebody looks before the DMA has gone once
-//! round. A row that is too short by as much as the next one is too long is found if its own end is looked at in time.
+//! A ring holds a power of two of rows; a row has 1 to 65535 bytes. Somebody looks before the DMA
+//! has gone once round. A row that is too short by as much as the next one is too long is found if
+//! its own end is looked at in time.
 //!
 //! # Cost
 //! `QUEUE` signals of 24 bytes and 40 bytes; a few dozen instructions a row.
@@ -49,8 +56,9 @@ impl RingLayout {
 pub struct Events {
     /// A frame has started.
     pub has_started: bool,
-    /// A row has ended, or several, and the next one has not begun when the offset of the DMA is looked at. A look that comes too late for that is
-    /// left out: the next one finds its row as well.
+    /// A row has ended, or several, and the next one has not begun when the offset of the DMA is
+    /// looked at. A look that comes too late for that is left out: the next one finds its row as
+    /// well.
     pub row_ended: bool,
     /// A frame has ended.
     pub frame_ended: bool,
@@ -64,11 +72,13 @@ pub struct Events {
 pub enum Dma {
     /// It does.
     Goes,
-    /// It has to be set to the start of the ring, and the camera interface has to wait for the next frame.
+    /// It has to be set to the start of the ring, and the camera interface has to wait for the next
+    /// frame.
     Restart,
 }
 
-/// The state of a stream of rows. An offset is that of the byte of the ring that the DMA writes next.
+/// The state of a stream of rows. An offset is that of the byte of the ring that the DMA writes
+/// next.
 #[derive(Debug)]
 pub struct Bands<const QUEUE: usize> {
     layout: RingLayout,
@@ -121,7 +131,8 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         self.phase != Phase::Pause
     }
 
-    /// Serves the events of an interrupt, perhaps late, with the offset of the DMA in the ring, bytes.
+    /// Serves the events of an interrupt, perhaps late, with the offset of the DMA in the ring,
+    /// bytes.
     pub fn serve(&mut self, events: Events, offset: u32, time_us: u64) -> Dma {
         if events.is_lost {
             return self.bytes_lost(time_us);
@@ -141,7 +152,8 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         if events.has_started && !is_first { self.frame_starts(time_us) } else { Dma::Goes }
     }
 
-    /// Between frames the DMA stands still: bytes that it has moved already are of this frame, whose start is reported late.
+    /// Between frames the DMA stands still: bytes that it has moved already are of this frame,
+    /// whose start is reported late.
     fn frame_starts(&mut self, time_us: u64) -> Dma {
         let goes = match self.phase {
             Phase::Pause => true,
@@ -159,7 +171,8 @@ impl<const QUEUE: usize> Bands<QUEUE> {
 
     fn row_ends(&mut self, time_us: u64) {
         let bytes = self.ahead;
-        // Without bytes: a row that was looked at already, or one that is not delivered, before the first frame and after a restart.
+        // Without bytes: a row that was looked at already, or one that is not delivered, before the
+        // first frame and after a restart.
         if self.phase == Phase::Broken || bytes == 0 {
             return;
         }
@@ -234,7 +247,8 @@ impl<const QUEUE: usize> Bands<QUEUE> {
         self.push(Signal::Rows { end: self.row, bytes, time_us });
     }
 
-    /// After a signal is lost none is kept until that is known: what follows would be taken for part of an older frame.
+    /// After a signal is lost none is kept until that is known: what follows would be taken for
+    /// part of an older frame.
     fn push(&mut self, signal: Signal) {
         if self.is_lost || self.queue.push_back(signal).is_err() {
             self.is_lost = true;

@@ -1,22 +1,29 @@
 //! Rows that two cameras leave in memory -> whole pairs; or what went wrong, by kind.
 //!
-//! In: of each camera a ring of raw rows that its hardware fills, and [`Signal`]s of its interrupts ([`RowRing`], one per board). Out: rows
-//! for the rectifiers, one by one while the next ones arrive ([`RowSink`]), and a [`Report`] for every pair and every fault.
+//! In: of each camera a ring of raw rows that its hardware fills, and [`Signal`]s of its interrupts
+//! ([`RowRing`], one per board). Out: rows for the rectifiers, one by one while the next ones
+//! arrive ([`RowSink`]), and a [`Report`] for every pair and every fault.
 //!
 //! ```text
-//! signal  -> Tracker, of each camera: is the frame as long as it should be, row for row, and does it start and end where it should?
-//! rows    -> copied out of the ring; then: has the hardware come round meanwhile?  only then they go on
-//! frame   -> Capture: is there one of the other camera that started at the same time?  whole, both: a pair, with both times
-//! fault   -> this camera's frame is left, wherever it was; it is looked at again from its next start of frame
+//! signal  -> Tracker, of each camera: is the frame as long as it should be, row for row, and does
+//!         it start and end where it should?
+//! rows    -> copied out of the ring; then: has the hardware come round meanwhile?  only then they
+//!         go on
+//! frame   -> Capture: is there one of the other camera that started at the same time?  whole,
+//!         both: a pair, with both times
+//! fault   -> this camera's frame is left, wherever it was; it is looked at again from its next
+//!         start of frame
 //! ```
-//! A pair is reported only after both frames have ended as they should, so no matcher ever sees a frame that is stale, torn or of two
-//! exposures. A frame that is not fetched in time because the last pair is still worked on is skipped, and counted.
+//! A pair is reported only after both frames have ended as they should, so no matcher ever sees a
+//! frame that is stale, torn or of two exposures. A frame that is not fetched in time because the
+//! last pair is still worked on is skipped, and counted.
 //!
-//! Nothing here knows a peripheral; `firmware/tests/capture.rs` drives it with a fake that is stricter than one. It has not run on
-//! hardware yet.
+//! Nothing here knows a peripheral; `firmware/tests/capture.rs` drives it with a fake that is
+//! stricter than one. It has not run on hardware yet.
 //!
 //! # Bounds
-//! Rows are numbered from the start and wrap at 2^32; differences are taken modulo that. Times do not wrap.
+//! Rows are numbered from the start and wrap at 2^32; differences are taken modulo that. Times do
+//! not wrap.
 //!
 //! # Cost
 //! One copy of every raw row; less than 300 bytes.
@@ -73,15 +80,19 @@ pub enum Signal {
 impl Signal {
     const fn time_us(&self) -> u64 {
         match self {
-            Self::FrameStart { time_us, .. } | Self::Rows { time_us, .. } | Self::Overrun { time_us } => *time_us,
+            Self::FrameStart { time_us, .. }
+            | Self::Rows { time_us, .. }
+            | Self::Overrun { time_us } => *time_us,
             Self::Lost => 0,
         }
     }
 }
 
-/// The capture hardware of one camera: a DMA that writes rows into a ring, over the oldest, and its interrupts.
+/// The capture hardware of one camera: a DMA that writes rows into a ring, over the oldest, and its
+/// interrupts.
 ///
-/// A board sets the DMA to the start of a row at every start of a frame: what a short line has shifted must not reach the next one.
+/// A board sets the DMA to the start of a row at every start of a frame: what a short line has
+/// shifted must not reach the next one.
 pub trait RowRing {
     /// Rows that the ring holds: a power of two, so that the number of a row says where it lies.
     fn rows(&self) -> u32;
@@ -89,7 +100,8 @@ pub trait RowRing {
     /// Events of the interrupts since the last call, oldest first.
     fn next_signal(&mut self) -> Option<Signal>;
 
-    /// Rows that are complete now, whether their signal was fetched or not: the hardware is writing row number `written`.
+    /// Rows that are complete now, whether their signal was fetched or not: the hardware is writing
+    /// row number `written`.
     fn written(&self) -> u32;
 
     /// Copies the grey levels of a row out of the ring, whatever lies there by now.
@@ -98,7 +110,8 @@ pub trait RowRing {
     /// The clock of the signals, microseconds.
     fn now_us(&self) -> u64;
 
-    /// Sleeps until there may be a signal, of this camera or the other one, for at most some milliseconds. Called when there was none.
+    /// Sleeps until there may be a signal, of this camera or the other one, for at most some
+    /// milliseconds. Called when there was none.
     fn rest(&self) {}
 }
 
@@ -107,7 +120,8 @@ pub trait RowSink {
     /// The next row of this camera is the first of a frame.
     fn restart(&mut self, eye: CameraSide);
 
-    /// Where the next row of this camera has to be put, as long as a row is; empty when none is taken.
+    /// Where the next row of this camera has to be put, as long as a row is; empty when none is
+    /// taken.
     fn row(&mut self, eye: CameraSide) -> &mut [u8];
 
     /// Takes the row that was put there.
@@ -124,14 +138,15 @@ pub struct Limits {
     pub rows: u16,
     /// Bytes of a raw row, as the sensor sends them.
     pub row_bytes: u16,
-    /// Longest time between two signals of rows of a frame, microseconds; less than the pause between frames.
+    /// Longest time between two signals of rows of a frame, microseconds; less than the pause
+    /// between frames.
     pub row_gap_us: u32,
     /// Longest time from the start of a frame to its end, microseconds.
     pub readout_us: u32,
     /// A camera that is silent for so long has stopped, microseconds; more than a frame takes.
     pub silence_us: u32,
-    /// Frames that start at most so far apart are a pair, microseconds: less than half a period. What is allowed for matching is the
-    /// health check's to say.
+    /// Frames that start at most so far apart are a pair, microseconds: less than half a period.
+    /// The health check limits it further.
     pub pair_us: u32,
 }
 

@@ -4,14 +4,16 @@
 //! turn: of both cameras' signals, always the older one
 //!     started   the other one's frame is of another time: it is left, unpaired
 //!               its first rows are overwritten already: skipped; else it is in hand from now on
-//!     rows      each: copied, then checked that it was not overwritten meanwhile, then given to the sink
+//!     rows      each: copied, then checked that it was not overwritten meanwhile, then given to
+//!               the sink
 //!     fault     the frame in hand is dropped
 //!     both whole: the pair
 //! ```
-//! When frames of both have started since a pair was requested, that is told at once, before their rows are fetched.
+//! When frames of both have started since a pair was requested, that is told at once, before their
+//! rows are fetched.
 //!
-//! A row is safe while fewer rows than the ring holds were written since: `written - row < rows`. It is looked at after the copy, so a
-//! row that was overwritten during the copy is never used.
+//! A row is safe while fewer rows than the ring holds were written since: `written - row < rows`.
+//! It is looked at after the copy, so a row that was overwritten during the copy is never used.
 
 use super::tracker::{Progress, Tracker};
 use super::{Fault, Limits, RowRing, RowSink, Signal};
@@ -35,7 +37,8 @@ pub struct Capture {
 /// Outcome of a turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Report {
-    /// A frame of each camera has started since a pair was requested. Once after each [`Capture::request`].
+    /// A frame of each camera has started since a pair was requested. Once after each
+    /// [`Capture::request`].
     Started,
     /// Both frames lie in the sink, whole and of one time.
     Pair(CapturedPair),
@@ -67,15 +70,25 @@ struct Hand {
 }
 
 impl Capture {
-    /// Nothing seen yet. `start` is what the cameras were started with: a pair of free-running ones says that it is one.
+    /// Nothing seen yet. `start` is what the cameras were started with: a pair of free-running ones
+    /// says that it is one.
     #[must_use]
     pub fn new(limits: Limits, start: FrameStart) -> Self {
         let [left, right] = [Camera::default(), Camera::default()];
-        Self { limits, start, middle_us: [0; 2], left, right, losses: CaptureReport::default(), requested_us: None }
+        Self {
+            limits,
+            start,
+            middle_us: [0; 2],
+            left,
+            right,
+            losses: CaptureReport::default(),
+            requested_us: None,
+        }
     }
 
-    /// From the start of a frame to the middle of its exposure, of the left and the right camera, microseconds
-    /// ([`Shutter::middle_us`](crate::camera::Shutter::middle_us)): what is called the time of an image from now on.
+    /// From the start of a frame to the middle of its exposure, of the left and the right camera,
+    /// microseconds ([`Shutter::middle_us`](crate::camera::Shutter::middle_us)): what is called the
+    /// time of an image from now on.
     pub fn set_middle_us(&mut self, middle_us: [i32; 2]) {
         self.middle_us = middle_us;
     }
@@ -92,21 +105,26 @@ impl Capture {
         &self.losses
     }
 
-    /// After all signals of now: can this shot give no pair any more, because a triggered frame has ended early?
+    /// After all signals of now: can this shot give no pair any more, because a triggered frame has
+    /// ended early?
     #[must_use]
     pub fn has_failed(&self, now_us: u64) -> bool {
-        let of = |camera: &Camera| camera.has_started && camera.tracker.has_ended_early(&self.limits, now_us);
+        let of = |camera: &Camera| {
+            camera.has_started && camera.tracker.has_ended_early(&self.limits, now_us)
+        };
         self.start == FrameStart::Triggered && (of(&self.left) || of(&self.right))
     }
 
-    /// Time after a fault at which no row of the same shot comes any more, microseconds; `None` where frames come without being triggered.
+    /// Time after a fault at which no row of the same shot comes any more, microseconds; `None`
+    /// where frames come without being triggered.
     #[must_use]
     pub fn end_of_shot(&self, now_us: u64) -> Option<u64> {
-        (self.start == FrameStart::Triggered).then(|| now_us.saturating_add(self.limits.readout_us.into()))
+        (self.start == FrameStart::Triggered)
+            .then(|| now_us.saturating_add(self.limits.readout_us.into()))
     }
 
-    /// A pair is requested, now: frames that are half fetched are left, because their rows lie in another sink, and a camera that was silent
-    /// until now had nothing to do.
+    /// A pair is requested, now: frames that are half fetched are left, because their rows lie in
+    /// another sink, and a camera that was silent until now had nothing to do.
     pub fn request(&mut self, now_us: u64) {
         for camera in [&mut self.left, &mut self.right] {
             (camera.hand, camera.has_started) = (None, false);
@@ -115,19 +133,25 @@ impl Capture {
         self.shot(now_us);
     }
 
-    /// The cameras can send from now on: a silence that is as long as it takes to make them ready is none.
+    /// The cameras can send from now on: a silence that is as long as it takes to make them ready
+    /// is none.
     pub fn shot(&mut self, now_us: u64) {
         for camera in [&mut self.left, &mut self.right] {
             camera.tracker.request(now_us);
         }
     }
 
-    /// Works through what has happened until there is something to report; `None` when there is no more. After a pair the sink is left
-    /// alone until the next call.
-    pub fn turn<R: RowRing>(&mut self, rings: &mut [R; 2], sink: &mut impl RowSink) -> Option<Report> {
+    /// Works through what has happened until there is something to report; `None` when there is no
+    /// more. After a pair the sink is left alone until the next call.
+    pub fn turn<R: RowRing>(
+        &mut self,
+        rings: &mut [R; 2],
+        sink: &mut impl RowSink,
+    ) -> Option<Report> {
         let [left, right] = rings;
         loop {
-            if self.left.has_started && self.right.has_started && self.requested_us.take().is_some() {
+            if self.left.has_started && self.right.has_started && self.requested_us.take().is_some()
+            {
                 return Some(Report::Started);
             }
             // Before the signals are fetched: what comes later is no silence.
@@ -136,7 +160,9 @@ impl Capture {
             self.right.signal = self.right.signal.or_else(|| right.next_signal());
             let report = match (self.left.signal, self.right.signal) {
                 (None, None) => return self.silence(now_us),
-                (Some(signal), other) if other.is_none_or(|other| signal.time_us() <= other.time_us()) => {
+                (Some(signal), other)
+                    if other.is_none_or(|other| signal.time_us() <= other.time_us()) =>
+                {
                     self.left.signal = None;
                     self.take(CameraSide::Left, signal, left, sink)
                 }
@@ -175,7 +201,8 @@ impl Capture {
         match progress {
             Progress::None => report,
             Progress::Started { row, time_us } => {
-                let is_requested = self.requested_us.is_some_and(|requested_us| time_us >= requested_us);
+                let is_requested =
+                    self.requested_us.is_some_and(|requested_us| time_us >= requested_us);
                 self.camera(eye).has_started |= is_requested;
                 self.begin(eye, Hand { time_us, next: row, is_whole: false }, ring, sink);
                 report
@@ -190,7 +217,8 @@ impl Capture {
 
     /// Takes a frame in hand that has started.
     fn begin(&mut self, eye: CameraSide, hand: Hand, ring: &impl RowRing, sink: &mut impl RowSink) {
-        let is_partner = |other: &Hand| other.time_us.abs_diff(hand.time_us) <= u64::from(self.limits.pair_us);
+        let is_partner =
+            |other: &Hand| other.time_us.abs_diff(hand.time_us) <= u64::from(self.limits.pair_us);
         let other = self.other(eye).hand;
         let is_other_left = other.is_some_and(|other| !is_partner(&other));
         if is_other_left {
@@ -245,9 +273,12 @@ impl Capture {
         }
         (self.left.hand, self.right.hand) = (None, None);
         let [left_us, right_us] = self.middle_us;
-        let times_us =
-            [left.time_us.saturating_add_signed(left_us.into()), right.time_us.saturating_add_signed(right_us.into())];
-        let pair = |dims| CapturedPair { dims, times_us: Some(times_us), frame_start: Some(self.start) };
+        let times_us = [
+            left.time_us.saturating_add_signed(left_us.into()),
+            right.time_us.saturating_add_signed(right_us.into()),
+        ];
+        let pair =
+            |dims| CapturedPair { dims, times_us: Some(times_us), frame_start: Some(self.start) };
         Some(sink.complete().map_or(Report::Incomplete, |dims| Report::Pair(pair(dims))))
     }
 

@@ -1,19 +1,24 @@
 //! One stream of rows that serves both eyes.
 //!
-//! In: a [`Stream`] of rows of one camera interface. Out: two [`RowRing`]s for [`Capture`](super::Capture).
+//! In: a [`Stream`] of rows of one camera interface. Out: two [`RowRing`]s for
+//! [`Capture`](super::Capture).
 //!
 //! ```text
-//! SideBySide   a row is a left row, then a right row: both eyes see every signal, and copy their half
-//! InTurn       a frame is the left eye's, the next one the right eye's: when the left one is whole and has ended, the right camera is
-//!              connected and triggered; signals go to the eye that is connected
+//! SideBySide   a row is a left row, then a right row: both eyes see every signal, and copy their
+//!              half
+//! InTurn       a frame is the left eye's, the next one the right eye's: when the left one is whole
+//!              and has ended, the right camera is connected and triggered; signals go to the eye
+//!              that is connected
 //! ```
 //! Side by side, a fault is both eyes', because it is: they are counted for each.
 //!
-//! **In turn the two images are a frame apart.** Both times go with the pair, so that the health check refuses it
-//! ([`HealthLimits::skew_us`](linestereo::HealthLimits::skew_us)) unless its limit is wider, which is right only where nothing moves.
+//! **In turn the two images are a frame apart.** Both times go with the pair, so that the health
+//! check refuses it ([`HealthLimits::skew_us`](linestereo::HealthLimits::skew_us)) unless its limit
+//! is wider, which is right only where nothing moves.
 //!
 //! # Cost
-//! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals that nobody has fetched.
+//! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals
+//! that nobody has fetched.
 
 use super::{RowRing, Signal, of};
 use crate::ports::Cameras;
@@ -72,7 +77,8 @@ impl<S: Stream> SideBySide<S> {
         Self(RefCell::new(Both { stream, ahead: Deque::new(), leader: CameraSide::Left }))
     }
 
-    /// The left and the right ring. `row_bytes` of their [`Limits`](super::Limits) are those of the stream: both halves.
+    /// The left and the right ring. `row_bytes` of their [`Limits`](super::Limits) are those of the
+    /// stream: both halves.
     pub fn eyes(&self, width: u16) -> [Half<'_, S>; 2] {
         CameraSide::BOTH.map(|eye| Half { both: &self.0, eye, width })
     }
@@ -160,7 +166,15 @@ impl<S: Stream, W: Switch> InTurn<S, W> {
     pub const fn new(stream: S, switch: W, rows: u16) -> Self {
         let waiting = [Deque::new(), Deque::new()];
         let rows = rows as u32;
-        Self(RefCell::new(Connected { stream, switch, eye: CameraSide::Left, rows, come: None, end: 0, waiting }))
+        Self(RefCell::new(Connected {
+            stream,
+            switch,
+            eye: CameraSide::Left,
+            rows,
+            come: None,
+            end: 0,
+            waiting,
+        }))
     }
 
     /// The left and the right ring.
@@ -175,7 +189,8 @@ impl<S: Stream, W: Switch> InTurn<S, W> {
 }
 
 impl<S: Stream, W: Switch> Connected<S, W> {
-    /// Connects a camera and triggers it. What came before is of the other one, and of no use any more if this is the left one.
+    /// Connects a camera and triggers it. What came before is of the other one, and of no use any
+    /// more if this is the left one.
     fn shoot(&mut self, eye: CameraSide) -> bool {
         while self.take() {}
         if eye == CameraSide::Left {
@@ -207,7 +222,10 @@ impl<S: Stream, W: Switch> Connected<S, W> {
 
     fn next_signal(&mut self, eye: CameraSide) -> Option<Signal> {
         while self.waiting.iter().all(|waiting| !waiting.is_full()) && self.take() {}
-        if self.eye == CameraSide::Left && self.come == Some(self.rows) && !self.stream.is_in_frame() {
+        if self.eye == CameraSide::Left
+            && self.come == Some(self.rows)
+            && !self.stream.is_in_frame()
+        {
             self.shoot(CameraSide::Right); // a switch that fails is a silent camera, and that is reported
         }
         of(eye, &mut self.waiting).pop_front()

@@ -1,12 +1,16 @@
 //! Two cameras as the source of a program's pairs.
 //!
 //! ```text
-//! shoot   a trigger for both, or nothing where they run free; a sensor that failed is started again first
+//! shoot   a trigger for both, or nothing where they run free; a sensor that failed is started
+//!         again first
 //! let go  when both frames have started, or will not: a trigger that is held is lowered
-//! turn    rows to the rectifiers as they come, or to the frames as they are, until both frames are whole; sleep in between
-//! fault   of triggered frames: no pair comes of this shot; its last rows are waited for, and the next call shoots again
-//! follow  what the left sensor chose is given to the right one; when the middle of the next exposure will be. Without a pair as well: frames of
-//!         triggered sensors start after their exposure, and if these differ by too much there is no pair before they are alike
+//! turn    rows to the rectifiers as they come, or to the frames as they are, until both frames are
+//!         whole; sleep in between
+//! fault   of triggered frames: no pair comes of this shot; its last rows are waited for, and the
+//!         next call shoots again
+//! follow  what the left sensor chose is given to the right one; when the middle of the next
+//!         exposure will be. Without a pair as well: frames of triggered sensors start after their
+//!         exposure, and if these differ by too much there is no pair before they are alike
 //! ```
 
 use super::{Capture, Fault, FrameRows, MemoryRows, Report, RowRing, RowSink};
@@ -44,8 +48,15 @@ pub struct CameraSource<R, C = FreeCameras> {
 }
 
 impl<R: RowRing, C: Cameras> CameraSource<R, C> {
-    /// Raw images of this size; no pair for so many microseconds, at least two periods, is a pair that is missing.
-    pub const fn new(rings: [R; 2], cameras: C, capture: Capture, dims: Dims, patience_us: u32) -> Self {
+    /// Raw images of this size; no pair for so many microseconds, at least two periods, is a pair
+    /// that is missing.
+    pub const fn new(
+        rings: [R; 2],
+        cameras: C,
+        capture: Capture,
+        dims: Dims,
+        patience_us: u32,
+    ) -> Self {
         Self { rings, cameras, capture, dims, patience_us, still_us: None }
     }
 
@@ -69,7 +80,12 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
     }
 
     /// The pair that was triggered at this time, or will be; or that will not come.
-    pub(super) fn receive(&mut self, is_shot: bool, shot_us: u64, rows: &mut impl RowSink) -> Option<CapturedPair> {
+    pub(super) fn receive(
+        &mut self,
+        is_shot: bool,
+        shot_us: u64,
+        rows: &mut impl RowSink,
+    ) -> Option<CapturedPair> {
         let from_us = self.now_us().max(shot_us);
         self.capture.shot(from_us);
         let mut until_us = from_us.saturating_add(self.patience_us.into());
@@ -84,7 +100,10 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
                 // Known at the start of a frame: it is the last one's.
                 Some(Report::Pair(_) | Report::Fault(_, Fault::EarlyVsync)) => {}
                 Some(Report::Fault(..) | Report::Refused(..) | Report::Incomplete) => {
-                    until_us = self.capture.end_of_shot(self.now_us()).map_or(until_us, |end_us| end_us.min(until_us));
+                    until_us = self
+                        .capture
+                        .end_of_shot(self.now_us())
+                        .map_or(until_us, |end_us| end_us.min(until_us));
                 }
                 None if self.capture.has_failed(self.now_us()) => return None,
                 None => {
@@ -113,7 +132,11 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
 }
 
 impl<R: RowRing, C: Cameras> PairSource for CameraSource<R, C> {
-    fn next_pair(&mut self, memory: &mut impl Memory, rectified: Option<Dims>) -> Option<CapturedPair> {
+    fn next_pair(
+        &mut self,
+        memory: &mut impl Memory,
+        rectified: Option<Dims>,
+    ) -> Option<CapturedPair> {
         match rectified {
             Some(dims) => self.fetch(&mut MemoryRows::new(memory, dims)),
             None => {

@@ -59,7 +59,8 @@ impl Tracker {
         match signal {
             Signal::FrameStart { time_us, row } => {
                 let is_early = matches!(self.phase, Phase::Frame { .. });
-                (self.phase, self.end, self.last_us) = (Phase::Frame { rows: 0 }, row, Some(time_us));
+                (self.phase, self.end, self.last_us) =
+                    (Phase::Frame { rows: 0 }, row, Some(time_us));
                 (is_early.then_some(Fault::EarlyVsync), Progress::Started { row, time_us })
             }
             Signal::Rows { end, bytes, time_us } => {
@@ -67,9 +68,11 @@ impl Tracker {
                 let rows = end.wrapping_sub(self.end);
                 (self.end, self.last_us) = (end, Some(time_us));
                 match self.rows(limits, rows, bytes, pause_us > u64::from(limits.row_gap_us)) {
-                    Ok(progress) => {
-                        (None, progress.map_or(Progress::None, |is_whole| Progress::Rows { end, is_whole }))
-                    }
+                    Ok(progress) => (
+                        None,
+                        progress
+                            .map_or(Progress::None, |is_whole| Progress::Rows { end, is_whole }),
+                    ),
                     Err(fault) => {
                         self.phase = Phase::Lost;
                         (Some(fault), Progress::None)
@@ -89,14 +92,22 @@ impl Tracker {
     }
 
     /// Rows of the frame: were these the last ones? `None`: they belong to no frame.
-    fn rows(&mut self, limits: &Limits, rows: u32, bytes: u32, is_after_pause: bool) -> Result<Option<bool>, Fault> {
+    fn rows(
+        &mut self,
+        limits: &Limits,
+        rows: u32,
+        bytes: u32,
+        is_after_pause: bool,
+    ) -> Result<Option<bool>, Fault> {
         match self.phase {
             Phase::Silent => Err(Fault::MissingVsync),
             Phase::Lost if is_after_pause => Err(Fault::MissingVsync),
             Phase::Lost => Ok(None),
             Phase::Whole => Err(Fault::MissingVsync),
             Phase::Frame { rows: before } if before > 0 && is_after_pause => Err(Fault::TornFrame),
-            Phase::Frame { .. } if rows.checked_mul(limits.row_bytes.into()) != Some(bytes) => Err(Fault::ShortLine),
+            Phase::Frame { .. } if rows.checked_mul(limits.row_bytes.into()) != Some(bytes) => {
+                Err(Fault::ShortLine)
+            }
             Phase::Frame { rows: before } => {
                 let rows = before.saturating_add(rows);
                 let all = u32::from(limits.rows);
@@ -114,7 +125,8 @@ impl Tracker {
         self.requested_us = now_us;
     }
 
-    /// After all signals of now: has a frame ended before its last row? The start of the next one is what tells others.
+    /// After all signals of now: has a frame ended before its last row? The start of the next one
+    /// is what tells others.
     pub(super) fn has_ended_early(&self, limits: &Limits, now_us: u64) -> bool {
         let pause_us = self.last_us.map_or(0, |last_us| now_us.saturating_sub(last_us));
         matches!(self.phase, Phase::Frame { rows: 1.. }) && pause_us > u64::from(limits.row_gap_us)
@@ -123,7 +135,9 @@ impl Tracker {
     /// After all signals of now: has the camera stopped? Said once.
     pub(super) fn silence(&mut self, limits: &Limits, now_us: u64) -> Option<Fault> {
         let last_us = (*self.last_us.get_or_insert(now_us)).max(self.requested_us);
-        if matches!(self.phase, Phase::Silent) || now_us.saturating_sub(last_us) <= u64::from(limits.silence_us) {
+        if matches!(self.phase, Phase::Silent)
+            || now_us.saturating_sub(last_us) <= u64::from(limits.silence_us)
+        {
             return None;
         }
         self.phase = Phase::Silent;

@@ -1,4 +1,5 @@
-//! All faults escalate to HardFault, which runs on the stack of handlers and reads the program's stack only where it is readable.
+//! All faults escalate to HardFault, which runs on the stack of handlers and reads the program's
+//! stack only where it is readable.
 
 use crate::arch::guard;
 use crate::ending::{end, report, report_number};
@@ -9,7 +10,8 @@ use cortex_m::register::psp;
 use cortex_m_rt::exception;
 use linestereo_boards::Exit;
 
-/// Bits of CFSR: the registers could not be saved on the stack (MSTKERR, STKERR), or the stack pointer went below its limit (STKOF, Armv8-M).
+/// Bits of CFSR: the registers could not be saved on the stack (MSTKERR, STKERR), or the stack
+/// pointer went below its limit (STKOF, Armv8-M).
 const STACKING_ERROR: u32 = 1 << 4 | 1 << 12;
 const BELOW_LIMIT: u32 = 1 << 20;
 /// Bits of CFSR: MMFAR and BFAR hold the address.
@@ -32,15 +34,19 @@ unsafe fn HardFault() -> ! {
     };
     let frame = psp::read() as usize;
     let stack = stack::bottom()..stack::top();
-    // The registers of a handler are saved on its own stack: what lies on the program's says where the program was.
+    // The registers of a handler are saved on its own stack: what lies on the program's says where
+    // the program was.
     let from_program = icsr & FROM_PROGRAM != 0;
     let overflow = from_program && !stack.contains(&frame)
         || cfsr & (STACKING_ERROR | BELOW_LIMIT) != 0
         || address.is_some_and(|address| guard().contains(&(address as usize)));
     // Where they were not saved the stack pointer is left at its limit.
-    let saved = from_program && cfsr & STACKING_ERROR == 0 && (cfsr & BELOW_LIMIT == 0 || frame != stack.start);
+    let saved = from_program
+        && cfsr & STACKING_ERROR == 0
+        && (cfsr & BELOW_LIMIT == 0 || frame != stack.start);
     let pc = (saved && stack.contains(&frame) && stack.contains(&(frame + 28)))
-        // SAFETY: both ends of the saved registers lie in the program's stack. Number 6 of them is the program counter.
+        // SAFETY: both ends of the saved registers lie in the program's stack. Number 6 of them is
+        // the program counter.
         .then(|| unsafe { ptr::with_exposed_provenance::<u32>(frame).add(6).read_volatile() });
     super::refused(overflow, pc, &[(" cfsr ", cfsr), (" hfsr ", hfsr)], address)
 }

@@ -11,7 +11,8 @@ use crate::ending::{end, report, report_decimal, report_number};
 use core::panic::PanicInfo;
 use linestereo_boards::Exit;
 
-/// The end after an instruction or an address that the processor refused: what is known of it, and its registers by name.
+/// The end after an instruction or an address that the processor refused: what is known of it, and
+/// its registers by name.
 fn refused(overflow: bool, pc: Option<u32>, registers: &[(&str, u32)], address: Option<u32>) -> ! {
     report(if overflow { "stack overflow:" } else { "fault:" });
     if let Some(pc) = pc {

@@ -1,12 +1,13 @@
-//! Every trap is the end: no interrupt is enabled, and the program asks nobody for a service. The handler has a stack of its own.
+//! Every trap is the end: no interrupt is enabled, and the program asks nobody for a service. The
+//! handler has a stack of its own.
 
 use crate::arch::guard;
 use crate::stack;
 use core::arch::global_asm;
 use riscv::register::{mcause, mepc, mtval};
 
-// The first instruction that is executed after a trap; riscv-rt has one of its own where there is none, on the stack that may be full.
-// Traps begin at a multiple of 4 (mtvec, direct mode).
+// The first instruction that is executed after a trap; riscv-rt has one of its own where there is
+// none, on the stack that may be full. Traps begin at a multiple of 4 (mtvec, direct mode).
 global_asm!(
     ".section .trap.start, \"ax\"",
     ".balign 4",
@@ -18,7 +19,8 @@ global_asm!(
     refused = sym refused,
 );
 
-/// Causes (RISC-V privileged architecture, 1.12, "mcause") with an address in mtval: an instruction, a load or a store that is misaligned or refused.
+/// Causes (RISC-V privileged architecture, 1.12, "mcause") with an address in mtval: an
+/// instruction, a load or a store that is misaligned or refused.
 const WITH_ADDRESS: [usize; 6] = [0, 1, 4, 5, 6, 7];
 
 extern "C" fn refused(stack_pointer: usize) -> ! {

@@ -15,13 +15,20 @@ pub trait CoreMemory {
     fn view(&mut self) -> ScratchView<'_>;
 }
 
-impl<const ROW: usize, const MARKS: usize, const SEGMENTS: usize, const CANDIDATES: usize, const SUPPORT: usize>
-    CoreMemory for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
+impl<
+    const ROW: usize,
+    const MARKS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    const SUPPORT: usize,
+> CoreMemory for Scratch<ROW, MARKS, SEGMENTS, CANDIDATES, SUPPORT>
 {
     const CLEARED: Self = Self::new();
 
     fn fits(&self, dims: Dims) -> bool {
-        row_bytes(dims.width) <= ROW && mark_words(dims) <= MARKS && most_support_points(dims) <= SUPPORT
+        row_bytes(dims.width) <= ROW
+            && mark_words(dims) <= MARKS
+            && most_support_points(dims) <= SUPPORT
     }
 
     fn view(&mut self) -> ScratchView<'_> {

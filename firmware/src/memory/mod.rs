@@ -16,7 +16,8 @@ use linestereo::image::ViewError;
 use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
 use linestereo_rig::{CameraSide, Remap, RowError};
 
-/// All memory of one board that depends on the size of frames. All zero when new, so that it takes no flash.
+/// All memory of one board that depends on the size of frames. All zero when new, so that it takes
+/// no flash.
 #[derive(Debug)]
 pub struct Workspace<const PIXELS: usize, const RAW_ROW: usize, C, R> {
     left: [u8; PIXELS],
@@ -41,8 +42,8 @@ pub trait Memory {
     /// The pair that lies in the frames.
     fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError>;
 
-    /// Matches the pair that lies in the frames and was captured at these times (left, right, us), or parts of it once a whole pair has said how
-    /// far the rows are apart.
+    /// Matches the pair that lies in the frames and was captured at these times (left, right, us),
+    /// or parts of it once a whole pair has said how far the rows are apart.
     fn run(
         &mut self,
         matcher: &mut Matcher,
@@ -83,7 +84,9 @@ impl From<ViewError> for RunError {
     fn from(error: ViewError) -> Self {
         match error {
             ViewError::Dims(dims) => Self::Size(dims),
-            ViewError::TooShort { needed, given } => Self::NoRoom(NoRoom::Small { name: "frame", needed, given }),
+            ViewError::TooShort { needed, given } => {
+                Self::NoRoom(NoRoom::Small { name: "frame", needed, given })
+            }
             _ => Self::NoRoom(NoRoom::NothingSeen),
         }
     }
@@ -100,7 +103,9 @@ impl From<linestereo::RunError> for RunError {
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Workspace<PIXELS, RAW_ROW, C, R> {
+impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier>
+    Workspace<PIXELS, RAW_ROW, C, R>
+{
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
     /// Of these, bytes that the core works in.
@@ -212,7 +217,11 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
     }
 }
 
-fn views<'a>(frames: [&'a [u8]; 2], valid: [&'a [Span]; 2], dims: Dims) -> Result<[Gray<'a>; 2], RunError> {
+fn views<'a>(
+    frames: [&'a [u8]; 2],
+    valid: [&'a [Span]; 2],
+    dims: Dims,
+) -> Result<[Gray<'a>; 2], RunError> {
     let view = |pixels: &'a [u8], valid: &'a [Span]| {
         let view = Gray::new(pixels, dims, dims.width.into())?;
         if valid.is_empty() { Ok(view) } else { view.with_valid(valid) }
@@ -238,7 +247,10 @@ mod tests {
         let small = linestereo::RunError::ScratchTooSmall { name: "ROW", needed: 9, given: 4 };
         assert_eq!(of_core(small), "ROW of the board's memory holds 4, these images need 9");
         let [planned, given] = [320, 8].map(|width| Dims { width, height: 240 });
-        assert!(of_core(linestereo::RunError::SizeMismatch { planned, given }).starts_with("width is 8"));
+        assert!(
+            of_core(linestereo::RunError::SizeMismatch { planned, given })
+                .starts_with("width is 8")
+        );
         let of_view = |error: ViewError| refusal(error.into());
         let short = of_view(ViewError::TooShort { needed: 9, given: 4 }).to_string();
         assert_eq!(short, "frame of the board's memory holds 4, these images need 9");

@@ -60,16 +60,26 @@ pub struct CameraRows<const NODES: usize, const ROWS: usize, const BAND: usize> 
     valid_rows: u16,
 }
 
-impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier for CameraRows<NODES, ROWS, BAND> {
-    const CLEARED: Self =
-        Self { mesh: Mesh::new(), band: Band::new(), valid: [Span { start: 0, end: 0 }; ROWS], valid_rows: 0 };
+impl<const NODES: usize, const ROWS: usize, const BAND: usize> Rectifier
+    for CameraRows<NODES, ROWS, BAND>
+{
+    const CLEARED: Self = Self {
+        mesh: Mesh::new(),
+        band: Band::new(),
+        valid: [Span { start: 0, end: 0 }; ROWS],
+        valid_rows: 0,
+    };
 
     fn build(&mut self, remap: &Remap, eye: CameraSide) -> Result<(), NoRoom> {
         self.band.restart();
         self.mesh.build(remap, eye)?;
         self.valid_rows = self.mesh.valid(&mut self.valid).len() as u16;
         let needed = self.mesh.band_bytes();
-        if needed > BAND { Err(NoRoom::Small { name: "band", needed, given: BAND }) } else { Ok(()) }
+        if needed > BAND {
+            Err(NoRoom::Small { name: "band", needed, given: BAND })
+        } else {
+            Ok(())
+        }
     }
 
     fn restart(&mut self) {

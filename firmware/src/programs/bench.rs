@@ -24,7 +24,8 @@ pub fn measure<'m>(
     Ok((observer.costs, matched))
 }
 
-/// Adds what passes between the ends of steps to their stages; what it costs itself (a few instructions per step) is left out.
+/// Adds what passes between the ends of steps to their stages; what it costs itself (a few
+/// instructions per step) is left out.
 struct StageClock<'a, C> {
     clock: &'a C,
     last: u32,
@@ -41,8 +42,13 @@ impl<C: Clock> Observer for StageClock<'_, C> {
     }
 }
 
-/// Instructions of the obstacles of the last pair, as of a good one, and of sending them to an autopilot; and the bytes sent.
-pub fn measure_autopilot(matched: &Matched<'_>, clock: &impl Clock, view: &ObstaclePlan) -> [u64; 3] {
+/// Instructions of the obstacles of the last pair, as of a good one, and of sending them to an
+/// autopilot; and the bytes sent.
+pub fn measure_autopilot(
+    matched: &Matched<'_>,
+    clock: &impl Clock,
+    view: &ObstaclePlan,
+) -> [u64; 3] {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut count = Count(0);
@@ -64,7 +70,12 @@ impl ByteSink for Count {
 }
 
 /// One line of the table that the PC reads: what, a name, numbers; separated by tabs.
-pub fn line(out: &mut impl core::fmt::Write, name: impl core::fmt::Display, costs: &Costs, counts: &Counts) {
+pub fn line(
+    out: &mut impl core::fmt::Write,
+    name: impl core::fmt::Display,
+    costs: &Costs,
+    counts: &Counts,
+) {
     let _ = write!(out, "pair\t{name}\t{}", counts.segments_left);
     for cost in costs {
         let _ = write!(out, "\t{cost}");
@@ -107,7 +118,8 @@ mod tests {
         Scene::Blocks.paint(BOARD.largest, left, right);
         let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
         let plan = Params::DEFAULT.plan(BOARD.largest).unwrap();
-        let (costs, _) = measure(&mut *memory, &clock, &mut Matcher::new(plan), None, None).unwrap();
+        let (costs, _) =
+            measure(&mut *memory, &clock, &mut Matcher::new(plan), None, None).unwrap();
         assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
         assert_eq!(costs[Stage::Health as usize], 2); // before and after matching
         assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);

@@ -2,10 +2,12 @@
 //!
 //! ```text
 //! Describe    Hello, Machine, answer
-//! RunCase(n)  painted; matched once for its digests, which leaves code and tables in the caches; matched again against the counter; Case, answer
+//! RunCase(n)  painted; matched once for its digests, which leaves code and tables in the caches;
+//!             matched again against the counter; Case, answer
 //! others      refused
 //! ```
-//! A host asks for one pair after the other: what was lost on the way it asks for again, and a watchdog is fed in between.
+//! A host asks for one pair after the other: what was lost on the way it asks for again, and a
+//! watchdog is fed in between.
 
 use super::{bench, selftest};
 use crate::memory::Memory;
@@ -16,8 +18,8 @@ use linestereo_boards::Board;
 use linestereo_boards::built_in::Case;
 use linestereo_boards::built_in::digests::Digests;
 use linestereo_wire::{
-    Answer, CaseReport, Command, DELIMITER, Decoder, MAX_COMMAND, MachineReport, Message, Refusal, Request, Reset,
-    Silicon, send,
+    Answer, CaseReport, Command, DELIMITER, Decoder, MAX_COMMAND, MachineReport, Message, Refusal,
+    Request, Reset, Silicon, send,
 };
 
 /// A board without cameras that serves a host.
@@ -35,9 +37,14 @@ pub struct CaseServer<C, T, P> {
 
 impl<C: Clock, T: Clock, P: ByteSource + ByteSink> CaseServer<C, T, P> {
     /// Starts with a [`Message::Hello`].
-    pub fn start<W>(board: Board, expected: &'static [Digests], parts: BarePeripherals<C, T, P, W>) -> (Self, W) {
+    pub fn start<W>(
+        board: Board,
+        expected: &'static [Digests],
+        parts: BarePeripherals<C, T, P, W>,
+    ) -> (Self, W) {
         let BarePeripherals { counter, clock, host: port, watchdog, reset, silicon, .. } = parts;
-        let mut server = Self { board, expected, counter, clock, port, reset, silicon, decoder: Decoder::new() };
+        let mut server =
+            Self { board, expected, counter, clock, port, reset, silicon, decoder: Decoder::new() };
         server.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
         server.describe();
         (server, watchdog)
@@ -75,7 +82,10 @@ impl<C: Clock, T: Clock, P: ByteSource + ByteSink> CaseServer<C, T, P> {
         session.reset = self.reset;
         self.write(&Message::Hello(session.hello()));
         let mut expected = Fnv::EMPTY;
-        self.expected.as_flattened().iter().for_each(|digest| expected.write(&digest.to_le_bytes()));
+        self.expected
+            .as_flattened()
+            .iter()
+            .for_each(|digest| expected.write(&digest.to_le_bytes()));
         let (mut firmware, mut unit) = (heapless::String::new(), heapless::String::new());
         let _ = (firmware.push_str(env!("CARGO_PKG_VERSION")), unit.push_str(C::UNIT)); // both are short
         self.write(&Message::Machine(MachineReport {
@@ -94,7 +104,8 @@ impl<C: Clock, T: Clock, P: ByteSource + ByteSink> CaseServer<C, T, P> {
         let digests = selftest::digests(memory, &case)?;
         let mut matcher = case.params().matcher(case.dims).ok()?;
         let [start, start_us] = [self.counter.now(), self.clock.now()];
-        let (costs, matched) = bench::measure(memory, &self.counter, &mut matcher, None, None).ok()?;
+        let (costs, matched) =
+            bench::measure(memory, &self.counter, &mut matcher, None, None).ok()?;
         let [end, end_us] = [self.counter.now(), self.clock.now()];
         let mut name = heapless::String::new();
         let _ = core::fmt::write(&mut name, format_args!("{case}")); // it fits

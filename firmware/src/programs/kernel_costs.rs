@@ -1,12 +1,16 @@
-//! Cost of each kernel on this machine: the one that the core uses, and the portable one as compiled for the same processor.
+//! Cost of each kernel on this machine: the one that the core uses, and the portable one as
+//! compiled for the same processor.
 //!
-//! In: the pixels of a frame, memory for a row, a clock. Out: per kernel both costs, in the clock's unit, with the call and two looks at the
-//! clock (some ten instructions). Work of the usual size: rows of 320 px, curves of 64 disparities, 12 strips or points, 20 cells of 16 px.
+//! In: the pixels of a frame, memory for a row, a clock. Out: per kernel both costs, in the clock's
+//! unit, with the call and two looks at the clock (some ten instructions). Work of the usual size:
+//! rows of 320 px, curves of 64 disparities, 12 strips or points, 20 cells of 16 px.
 
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::diagnostics::kernel::{CELL, CODE_ROWS, Crossings, Knot, Products, Ring, Run, STRIP, Strip};
+use linestereo::diagnostics::kernel::{
+    CELL, CODE_ROWS, Crossings, Knot, Products, RUN_PIXELS, Ring, Run, STRIP, Strip,
+};
 
 const WIDTH: usize = 320;
 const DISPARITIES: usize = 64;
@@ -35,8 +39,8 @@ pub struct KernelCost {
 /// Measures every kernel; none where there are less than [`PIXELS`].
 pub fn measure(clock: &impl Clock, pixels: &[u8]) -> Option<[KernelCost; Kernels::COUNT]> {
     let pixels = pixels.first_chunk::<PIXELS>()?;
-    let [chosen, portable] =
-        [Kernels::CHOSEN, Kernels::PORTABLE].map(|kernels| costs(&black_box(kernels), clock, pixels));
+    let [chosen, portable] = [Kernels::CHOSEN, Kernels::PORTABLE]
+        .map(|kernels| costs(&black_box(kernels), clock, pixels));
     let mut pairs = chosen.into_iter().zip(portable);
     Some(core::array::from_fn(|_| {
         let ((kernel, chosen), (_, portable)) = pairs.next().unwrap_or_default();
@@ -44,7 +48,11 @@ pub fn measure(clock: &impl Clock, pixels: &[u8]) -> Option<[KernelCost; Kernels
     }))
 }
 
-fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'static str, u64); Kernels::COUNT] {
+fn costs(
+    kernels: &Kernels,
+    clock: &impl Clock,
+    pixels: &[u8; PIXELS],
+) -> [(&'static str, u64); Kernels::COUNT] {
     let row = |k: usize| pixels.get(k * WIDTH..(k + 1) * WIDTH).unwrap_or(&[]);
     let strips = core::array::from_fn::<_, WINDOWS, _>(|k| {
         let reference = row(k).first_chunk::<STRIP>().copied().unwrap_or_default();
@@ -66,10 +74,17 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         length: CELL as u32,
         ..Run::default()
     });
-    let ring =
-        Ring { bytes: pixels.get(..(ROWS + 2) * WIDTH).unwrap_or(&[]), width: WIDTH, rows: ROWS as u32, first: 0 };
-    let (mut out, mut curve, mut between) = ([0_u8; WIDTH], [0_u16; DISPARITIES], [Knot::default(); CELLS + 3]);
-    let [a, b, c] = core::array::from_fn(|k| core::array::from_fn(|i| row(k).get(i).copied().unwrap_or(0).into()));
+    let ring = Ring {
+        bytes: pixels.get(..(ROWS + 2) * WIDTH).unwrap_or(&[]),
+        width: WIDTH,
+        rows: ROWS as u32,
+        first: 0,
+    };
+    let (mut out, mut curve, mut between) =
+        ([0_u8; WIDTH], [0_u16; DISPARITIES], [Knot::default(); CELLS + 3]);
+    let [a, b, c] = core::array::from_fn(|k| {
+        core::array::from_fn(|i| row(k).get(i).copied().unwrap_or(0).into())
+    });
     let [a, b, c]: [&[u16; DISPARITIES]; 3] = [&a, &b, &c];
     let codes = Columns([[1; CODE_ROWS]; DISPARITIES + STRIP - 1]);
     let mut columns = Columns([[0; CODE_ROWS]; WIDTH]);
@@ -93,14 +108,27 @@ fn costs(kernels: &Kernels, clock: &impl Clock, pixels: &[u8; PIXELS]) -> [(&'st
         ("crossing", time(clock, || (kernels.crossing)(&columns_of_pixels, 100, 1))),
         ("bilinear_runs", time(clock, || (kernels.bilinear_runs)(pixels, WIDTH, &runs, &mut out))),
         ("bilinear_cells", time(clock, || (kernels.bilinear_cells)(ring, &knots, &mut out))),
-        ("weigh_knots", time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between))),
-        ("code_columns", time(clock, || (kernels.code_columns)(core::array::from_fn(row), 4, &mut columns.0))),
+        (
+            "weigh_knots",
+            time(clock, || (kernels.weigh_knots)([&knots; 4], [1 << 28; 4], &mut between)),
+        ),
+        (
+            "code_columns",
+            time(clock, || (kernels.code_columns)(core::array::from_fn(row), 4, &mut columns.0)),
+        ),
         ("code_steps", time(clock, || (kernels.code_steps)(&window.0))),
         ("code_costs", time(clock, || (kernels.code_costs)(&window.0, &codes.0, costs))),
         ("path_step", time(clock, || (kernels.path_step)(costs, 0, path))),
         ("sum_paths", time(clock, || (kernels.sum_paths)(costs, path, sums))),
         ("lowest_byte", time(clock, || (kernels.lowest_byte)(costs))),
         ("place_of_byte", time(clock, || (kernels.place_of_byte)(costs, 0))),
+        ("code_moments", time(clock, || (kernels.code_moments)(&[[3; CODE_ROWS]; STRIP + 2]))),
+        (
+            "second_differences",
+            time(clock, || (kernels.second_differences)([&[5; RUN_PIXELS]; 3], 2)),
+        ),
+        ("limited_steps", time(clock, || (kernels.limited_steps)(row(0), row(1), 63, &mut out))),
+        ("row_difference", time(clock, || (kernels.row_difference)(&[7; STRIP], &[9; STRIP]))),
         ("add_products", time(clock, || (kernels.add_products)(&[7; 10], &[9; 22], &mut products))),
     ]
 }
@@ -120,7 +148,11 @@ mod tests {
     #[test]
     fn every_kernel_has_a_line_where_there_are_pixels() {
         let costs = measure(&NoClock, &[7; PIXELS]).unwrap();
-        assert!(costs.iter().all(|cost| !cost.kernel.is_empty() && (cost.chosen, cost.portable) == (0, 0)));
+        assert!(
+            costs
+                .iter()
+                .all(|cost| !cost.kernel.is_empty() && (cost.chosen, cost.portable) == (0, 0))
+        );
         assert_eq!(measure(&NoClock, &[7; PIXELS - 1]), None);
     }
 }

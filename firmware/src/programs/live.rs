@@ -1,20 +1,24 @@
-//! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an autopilot on a port of its own.
+//! A board at work: pairs from a camera, results to a port, commands from it; obstacles to an
+//! autopilot on a port of its own.
 
 use crate::autopilot::Autopilot;
 use crate::clock_sync::ClockSync;
 use crate::indicator::{self, Status};
 use crate::memory::Memory;
-use crate::ports::{ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets};
+use crate::ports::{
+    ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets,
+};
 use crate::session::{Reply, Session, failed_frame};
 use linestereo::{Dims, Match, ObjectDepth};
 use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
-    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND, MAX_PACKET,
-    Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request, SEGMENTS_PER_PACKET, Setting, TimeSource,
-    send, send_frame, send_objects,
+    Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND,
+    MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request,
+    SEGMENTS_PER_PACKET, Setting, TimeSource, send, send_frame, send_objects,
 };
 
-/// A program that takes turns: commands that have come, then a pair if the host wants results, or an autopilot obstacles.
+/// A program that takes turns: commands that have come, then a pair if the host wants results, or
+/// an autopilot obstacles.
 #[derive(Debug)]
 pub struct Live<'a, C, P, A = NoAutopilot> {
     session: Session<'a>,
@@ -48,7 +52,8 @@ struct Photo {
     sent: usize,
 }
 
-/// Packets of a photo that are sent in one turn: between them commands are served, and a slow port does not starve a watchdog.
+/// Packets of a photo that are sent in one turn: between them commands are served, and a slow port
+/// does not starve a watchdog.
 const PHOTO_PACKETS: usize = 8;
 
 /// Work done in a turn.
@@ -65,7 +70,8 @@ pub enum Turn {
 }
 
 impl Turn {
-    /// Does the board do its work? What a watchdog is fed by: cameras that deliver nothing for long are to be reset.
+    /// Does the board do its work? What a watchdog is fed by: cameras that deliver nothing for long
+    /// are to be reset.
     #[must_use]
     pub const fn is_work(self) -> bool {
         matches!(self, Self::Idle | Self::Finished | Self::Leave)
@@ -93,7 +99,8 @@ impl ByteSource for NoAutopilot {
 const ANSWERS: usize = 4;
 /// Most reads of an autopilot's port in one turn: what a line of 57600 baud carries in 0.2 s.
 const AUTOPILOT_READS: usize = 64;
-/// Parameters that an autopilot has set go into the flash when it has set no other for so long, microseconds: erasing takes up to seconds.
+/// Parameters that an autopilot has set go into the flash when it has set no other for so long,
+/// microseconds: erasing takes up to seconds.
 const KEEP_AFTER_US: u64 = 1_000_000;
 
 impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
@@ -126,7 +133,8 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
         live
     }
 
-    /// With an autopilot at this port: as soon as there is a rig it gets obstacles, whether a host asks for results or not.
+    /// With an autopilot at this port: as soon as there is a rig it gets obstacles, whether a host
+    /// asks for results or not.
     pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
         let Self {
             session,
@@ -200,12 +208,18 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     /// Is the board's light on?
     #[must_use]
     pub fn is_lit(&self) -> bool {
-        indicator::is_lit(self.session.reset.map(|reset| reset.cause), self.status, (self.time_us / 1000) as u32)
+        indicator::is_lit(
+            self.session.reset.map(|reset| reset.cause),
+            self.status,
+            (self.time_us / 1000) as u32,
+        )
     }
 
     /// Reports to a host that wants results what the cameras lost, when that has changed.
     fn report_losses(&mut self, lost: CaptureReport, now_us: u64) {
-        let is_due = self.reported_us.is_none_or(|reported_us| now_us.saturating_sub(reported_us) >= LOSSES_US);
+        let is_due = self
+            .reported_us
+            .is_none_or(|reported_us| now_us.saturating_sub(reported_us) >= LOSSES_US);
         if self.session.running && lost != self.lost && is_due {
             (self.lost, self.reported_us) = (lost, Some(now_us));
             self.write(&Message::Capture(lost));
@@ -222,7 +236,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
                 if let Some(Ok(command)) = self.decoder.push(byte) {
                     took_long |= matches!(
                         command.request,
-                        Request::SetRig(_) | Request::Photograph | Request::KeepSettings | Request::ResetSettings
+                        Request::SetRig(_)
+                            | Request::Photograph
+                            | Request::KeepSettings
+                            | Request::ResetSettings
                     );
                     self.serve(&command, memory, camera);
                     self.autopilot.set_vehicle(self.session.vehicle);
@@ -275,7 +292,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
             }
             // Pixels come from the camera here; what follows is garbage to the decoder.
             Reply::Pair { command, .. } => {
-                self.write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }));
+                self.write(&Message::Answer(Answer {
+                    command,
+                    outcome: Outcome::Refused(Refusal::Unsupported),
+                }));
             }
         }
     }
@@ -311,7 +331,11 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         }
         self.autopilot_port = Some(port);
         let now_us = self.time_us; // of the last look
-        if self.unkept_us.take_if(|since_us| now_us.saturating_sub(*since_us) >= KEEP_AFTER_US).is_some() {
+        if self
+            .unkept_us
+            .take_if(|since_us| now_us.saturating_sub(*since_us) >= KEEP_AFTER_US)
+            .is_some()
+        {
             let _ = self.session.keep_settings(); // without flash they last until the next reset
         }
     }
@@ -344,15 +368,21 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         }
     }
 
-    /// Takes a pair as it comes, to be sent in the turns that follow. A photo that is not sent yet ends here: its pixels are overwritten.
-    fn photograph(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Result<PairHead, Refusal> {
+    /// Takes a pair as it comes, to be sent in the turns that follow. A photo that is not sent yet
+    /// ends here: its pixels are overwritten.
+    fn photograph(
+        &mut self,
+        memory: &mut impl Memory,
+        camera: &mut impl PairSource,
+    ) -> Result<PairHead, Refusal> {
         self.photo = None;
         self.autopilot.miss(); // nothing is matched until it is sent
         let pair = camera.next_pair(memory, None).ok_or(Refusal::NoPair)?;
         let Dims { width, height } = pair.dims;
         self.photo = Some(Photo { dims: pair.dims, sent: 0 });
         let times_us = pair.times_us.map(|[left, right]| (left, Some(right)));
-        let (capture_time_us, right_capture_time_us) = times_us.unwrap_or((self.capture_clock(camera), None));
+        let (capture_time_us, right_capture_time_us) =
+            times_us.unwrap_or((self.capture_clock(camera), None));
         Ok(PairHead { width, height, capture_time_us, right_capture_time_us })
     }
 
@@ -361,9 +391,11 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let Photo { dims, mut sent } = photo;
         let pixels = usize::from(dims.width) * usize::from(dims.height);
         for _ in 0..PHOTO_PACKETS {
-            let (is_right, first) = if sent < pixels { (false, sent) } else { (true, sent - pixels) };
+            let (is_right, first) =
+                if sent < pixels { (false, sent) } else { (true, sent - pixels) };
             let [left, right] = memory.frames();
-            let frame = (if is_right { right } else { left }).get(first..pixels).unwrap_or_default();
+            let frame =
+                (if is_right { right } else { left }).get(first..pixels).unwrap_or_default();
             let Some(piece) = frame.chunks(PIXELS_PER_PACKET).next() else { return Turn::Finished }; // the last ones are sent
             let mut list = heapless::Vec::new();
             let _ = list.extend_from_slice(piece); // a piece fits
@@ -405,23 +437,27 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         Turn::Finished
     }
 
-    /// Matches the pair that lies in the frames, and sends the result; `None` when images of its size cannot be matched.
-    fn match_captured(&mut self, memory: &mut impl Memory, pair: CapturedPair, now_us: u64) -> Option<()> {
+    /// Matches the pair that lies in the frames, and sends the result; `None` when images of its
+    /// size cannot be matched.
+    fn match_captured(
+        &mut self,
+        memory: &mut impl Memory,
+        pair: CapturedPair,
+        now_us: u64,
+    ) -> Option<()> {
         let (time_us, captured) = (captured_us(pair, now_us), captured_health(pair));
         let areas = self.session.areas();
         let matcher = self.session.matcher(pair.dims).ok()?;
         let mut matched = memory.run(matcher, areas.as_deref(), pair.times_us, &mut ()).ok()?;
         let health = *matched.health();
-        if health.is_refused() {
-            self.times.matching_us = saturated(self.time() - now_us);
-            self.write_frame(failed_frame(0, time_us, pair.dims, captured).with_pair(&health), None);
-            return Some(());
-        }
         let objects = self.session.objects(&mut matched);
         self.times.matching_us = saturated(self.time() - now_us);
-        self.autopilot.set_view(self.session.directions(pair.dims));
+        if !health.is_refused() {
+            self.autopilot.set_view(self.session.directions(pair.dims));
+        }
         self.autopilot.see(&matched, health.flags, now_us); // of the clock of its turns
-        let head = FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
+        let head =
+            FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
         self.write_frame(head, Some((matched.segments(), &objects)));
         Some(())
     }
@@ -437,7 +473,14 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let skipped = if self.has_skipped { Health::RESULTS_SKIPPED } else { Health::GOOD };
         let times = core::mem::take(&mut self.times);
         let (capture_time_us, clock) = self.sync.stamp(head.capture_time_us);
-        let head = FrameHead { sequence, health: head.health | skipped, times, capture_time_us, clock, ..head };
+        let head = FrameHead {
+            sequence,
+            health: head.health | skipped,
+            times,
+            capture_time_us,
+            clock,
+            ..head
+        };
         self.has_skipped = !self.has_room(&head, matches, objects);
         if self.has_skipped {
             return;
@@ -454,7 +497,8 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         camera.clock_us().unwrap_or_else(|| self.time())
     }
 
-    /// Does the port take a frame as a whole without waiting, or hold nothing? A slow host is not to slow the cameras down.
+    /// Does the port take a frame as a whole without waiting, or hold nothing? A slow host is not
+    /// to slow the cameras down.
     fn has_room(&self, head: &FrameHead, matches: &[Match], objects: &[ObjectDepth]) -> bool {
         let Room { free, all } = self.port.room();
         if free >= all || free >= (3 + matches.len().div_ceil(SEGMENTS_PER_PACKET)) * MAX_PACKET {
@@ -470,7 +514,8 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         free >= bytes
     }
 
-    /// Microseconds since the start. Right as long as the clock does not wrap between two questions.
+    /// Microseconds since the start. Right as long as the clock does not wrap between two
+    /// questions.
     #[inline(never)]
     fn time(&mut self) -> u64 {
         let now = self.clock.now();

@@ -1,7 +1,7 @@
 //! Cost of the depth of a pixel, and its bytes.
 //!
-//! In: a built-in pair that was matched. Out: for pixels on a grid, how many are answered, a digest of all answers and reasons, the mean
-//! and the largest cost of one.
+//! In: a built-in pair that was matched. Out: for pixels on a grid, how many are answered, a digest
+//! of all answers and reasons, the mean and the largest cost of one.
 
 use crate::memory::{Memory, RunError};
 use crate::ports::Clock;
@@ -29,7 +29,11 @@ pub struct Measured {
 }
 
 /// Matches a case and queries the pixels of the grid.
-pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Result<Measured, RunError> {
+pub fn measure(
+    memory: &mut impl Memory,
+    clock: &impl Clock,
+    case: &Case,
+) -> Result<Measured, RunError> {
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let Ok(plan) = case.params().plan(case.dims) else { return Err(RunError::Size(case.dims)) };
@@ -39,8 +43,11 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
     let mut costs = 0;
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
         // From the first to the last column and row.
-        let coordinate = |i: u16, of: u16, side: u16| (u32::from(side - 1) * u32::from(i) / u32::from(of - 1)) as u16;
-        let pixel = (coordinate(column, columns, case.dims.width), coordinate(row, rows, case.dims.height));
+        let coordinate = |i: u16, of: u16, side: u16| {
+            (u32::from(side - 1) * u32::from(i) / u32::from(of - 1)) as u16
+        };
+        let pixel =
+            (coordinate(column, columns, case.dims.width), coordinate(row, rows, case.dims.height));
         let start = clock.now();
         let answer = matched.pixel(pixel, None);
         let cost = clock.elapsed(start, clock.now());
@@ -60,7 +67,11 @@ pub fn measure(memory: &mut impl Memory, clock: &impl Clock, case: &Case) -> Res
 /// An answer without a rig.
 fn parts(answer: Result<PixelDepth, PixelRejection>) -> [u16; 3] {
     match answer {
-        Ok(found) => [found.disparity.to_bits() as u16, found.sigma.to_bits() as u16, found.confidence.to_bits()],
+        Ok(found) => [
+            found.disparity.to_bits() as u16,
+            found.sigma.to_bits() as u16,
+            found.confidence.to_bits(),
+        ],
         Err(reason) => [reason as u16, u16::MAX, 0],
     }
 }
@@ -68,5 +79,6 @@ fn parts(answer: Result<PixelDepth, PixelRejection>) -> [u16; 3] {
 /// One line of the table that the PC reads: what, a name, numbers, the digest; separated by tabs.
 pub fn line(out: &mut impl fmt::Write, case: &Case, measured: &Measured) {
     let Measured { queried, answered, digest, mean, worst_case } = measured;
-    let _ = writeln!(out, "pixels\t{case}\t{queried}\t{answered}\t{mean}\t{worst_case}\t{digest:08x}");
+    let _ =
+        writeln!(out, "pixels\t{case}\t{queried}\t{answered}\t{mean}\t{worst_case}\t{digest:08x}");
 }

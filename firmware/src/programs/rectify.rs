@@ -1,6 +1,7 @@
 //! Cost of rectifying a pair, and its bytes.
 //!
-//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the most expensive raw row, and a digest of both rectified images.
+//! In: a built-in rig, a size. Out: the cost of set-up, of both images, of the most expensive raw
+//! row, and a digest of both rectified images.
 //!
 //! ```text
 //! set-up:  rig -> common view -> two meshes                floating point, once
@@ -50,7 +51,8 @@ impl Workspace {
 /// A built-in rig.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuiltIn {
-    /// A lens with little distortion, cameras turned against each other by 1 degree: 75 degrees of view.
+    /// A lens with little distortion, cameras turned against each other by 1 degree: 75 degrees of
+    /// view.
     Moderate,
     /// A strong barrel, cameras turned against each other by 2 degrees: 110 degrees of view.
     Strong,
@@ -78,10 +80,18 @@ impl BuiltIn {
             Self::Strong => (0.5, [-0.3, 0.09, -0.011], [0.006, -0.008, 0.014]),
         };
         let lens = Lens::BrownConrady { k, p: [0.0005, -0.0003] };
-        let camera =
-            |x: f64, y: f64| Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens).ok();
+        let camera = |x: f64, y: f64| {
+            Camera::new(dims, [focal * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens)
+                .ok()
+        };
         let [x, y, z] = half_turn;
-        Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, [1.0, x, y, z], [-0.06, 0.0005, 0.001]).ok()
+        Calibration::new(
+            camera(1.5, -2.0)?,
+            camera(-2.0, 1.0)?,
+            [1.0, x, y, z],
+            [-0.06, 0.0005, 0.001],
+        )
+        .ok()
     }
 }
 
@@ -100,8 +110,14 @@ pub struct Measured {
     pub digest: u32,
 }
 
-/// Sets a rig up for frames of this size and rectifies a pair of noise; `None` where rig or memory do not fit.
-pub fn measure(workspace: &mut Workspace, clock: &impl Clock, rig: BuiltIn, dims: Dims) -> Option<Measured> {
+/// Sets a rig up for frames of this size and rectifies a pair of noise; `None` where rig or memory
+/// do not fit.
+pub fn measure(
+    workspace: &mut Workspace,
+    clock: &impl Clock,
+    rig: BuiltIn,
+    dims: Dims,
+) -> Option<Measured> {
     let started = clock.now();
     let remap = rig.calibration(dims)?.rectify(dims, View::default()).ok()?.remap();
     for (mesh, eye) in workspace.meshes.iter_mut().zip(CameraSide::BOTH) {
@@ -121,7 +137,8 @@ pub fn measure(workspace: &mut Workspace, clock: &impl Clock, rig: BuiltIn, dims
             let cost = clock.elapsed(before, clock.now());
             measured.rows += cost;
             measured.worst_row = measured.worst_row.max(cost);
-            let [first, last] = [finished.start, finished.end].map(|y| usize::from(y) * usize::from(dims.width));
+            let [first, last] =
+                [finished.start, finished.end].map(|y| usize::from(y) * usize::from(dims.width));
             digest.write(workspace.frame.get(first..last).unwrap_or(&[]));
         }
     }
@@ -133,5 +150,8 @@ pub fn measure(workspace: &mut Workspace, clock: &impl Clock, rig: BuiltIn, dims
 pub fn line(out: &mut impl fmt::Write, rig: BuiltIn, dims: Dims, measured: &Measured) {
     let Measured { set_up, rows, worst_row, band_bytes, digest } = measured;
     let name = rig.name();
-    let _ = writeln!(out, "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{worst_row}\t{band_bytes}\t{digest:08x}");
+    let _ = writeln!(
+        out,
+        "rectify\t{name}_{dims}\t{set_up}\t{rows}\t{worst_row}\t{band_bytes}\t{digest:08x}"
+    );
 }

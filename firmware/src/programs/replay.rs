@@ -1,12 +1,15 @@
 //! Pairs in, results out: what a PC sends is matched as a camera's pairs would be.
 //!
 //! ```text
-//! in   packets of commands; after a `Pair` command the pixels of the left and of the right image, as they are; after a `RawPair` command
-//!      raw rows, left and right in turn: each is rectified as it is read, and no raw frame is ever held
-//! out  packets of messages: for each command its answer, for each pair before that its frame, segments, points and objects
+//! in   packets of commands; after a `Pair` command the pixels of the left and of the right image,
+//!      as they are; after a `RawPair` command raw rows, left and right in turn: each is rectified
+//!      as it is read, and no raw frame is ever held
+//! out  packets of messages: for each command its answer, for each pair before that its frame,
+//!      segments, points and objects
 //! ```
 //!
-//! A pair that cannot be matched is refused by name and skipped, bytes that are no packet are counted, and the next good pair is matched.
+//! A pair that cannot be matched is refused by name and skipped, bytes that are no packet are
+//! counted, and the next good pair is matched.
 
 use super::bench::{self, Costs};
 use crate::memory::Memory;
@@ -15,8 +18,8 @@ use crate::session::{self, Reply, Session};
 use linestereo::{Dims, Matched};
 use linestereo_rig::CameraSide;
 use linestereo_wire::{
-    Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead, PointStream,
-    Refusal, send, send_frame, send_objects,
+    Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead,
+    PointStream, Refusal, send, send_frame, send_objects,
 };
 
 /// Outcome of a pair, for logs and tables.
@@ -69,7 +72,13 @@ pub fn run(
             | Reply::Leave(Answer { command, .. })
             | Reply::Clock(Answer { command, .. })
             | Reply::SetClock(Answer { command, .. }, _) => {
-                write(&Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }), output);
+                write(
+                    &Message::Answer(Answer {
+                        command,
+                        outcome: Outcome::Refused(Refusal::Unsupported),
+                    }),
+                    output,
+                );
             }
             Reply::Pair { command, head, is_raw } => {
                 let sequence = session.next_sequence();
@@ -121,8 +130,8 @@ fn pair<'m, S: ByteSource>(
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
     let areas = session.areas();
     let matcher = session.matcher(dims)?;
-    let (costs, matched) =
-        bench::measure(memory, clock, matcher, areas.as_deref(), times_us).map_err(session::refusal)?;
+    let (costs, matched) = bench::measure(memory, clock, matcher, areas.as_deref(), times_us)
+        .map_err(session::refusal)?;
     if let Some(Err(skewed)) = times_us.map(|times| session.limits.skew_us(times)) {
         return Err(skewed.into());
     }
@@ -146,7 +155,8 @@ fn read_rectified<S: ByteSource>(
     if given < 2 * pixels { Err(truncated(pixels, given)) } else { Ok(dims) }
 }
 
-/// Reads the rows of a raw pair and rectifies each, or skips them. Gives what rectifying costs, without the reading.
+/// Reads the rows of a raw pair and rectifies each, or skips them. Gives what rectifying costs,
+/// without the reading.
 fn read_raw<S: ByteSource>(
     memory: &mut impl Memory,
     clock: &impl Clock,
@@ -180,10 +190,21 @@ fn truncated(pixels: usize, given: usize) -> Refusal {
 
 /// Points are made twice, to count them and to send them: no board has the memory to list them.
 #[inline(never)] // its head and points are on the stack only while it sends
-fn write_results(matched: &mut Matched<'_>, sequence: u32, pair: &PairHead, output: &mut impl ByteSink) {
+fn write_results(
+    matched: &mut Matched<'_>,
+    sequence: u32,
+    pair: &PairHead,
+    output: &mut impl ByteSink,
+) {
     let mut points = 0;
     matched.points(|_| points += 1);
-    let head = FrameHead::new(sequence, pair.capture_time_us, matched.dims(), Health::GOOD, matched.counts());
+    let head = FrameHead::new(
+        sequence,
+        pair.capture_time_us,
+        matched.dims(),
+        Health::GOOD,
+        matched.counts(),
+    );
     let mut head = head.with_pair(matched.health());
     head.counts.points = points;
     let mut write = packets(output);

@@ -1,5 +1,5 @@
-//! Does this machine compute what the PC computed? Built-in frames, one digest per stage and one of what an autopilot gets, against those of
-//! [`digests`](linestereo_boards::built_in::digests).
+//! Does this machine compute what the PC computed? Built-in frames, one digest per stage and one of
+//! what an autopilot gets, against those of [`digests`](linestereo_boards::built_in::digests).
 
 use crate::autopilot::Autopilot;
 use crate::memory::Memory;
@@ -24,7 +24,8 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The name of the first stage that differs, or [`AUTOPILOT`](linestereo_boards::built_in::AUTOPILOT).
+    /// The name of the first stage that differs, or
+    /// [`AUTOPILOT`](linestereo_boards::built_in::AUTOPILOT).
     #[must_use]
     pub fn differs_in(&self) -> Option<&'static str> {
         match (&self.found, &self.expected) {
@@ -35,10 +36,19 @@ impl Outcome {
 }
 
 /// Runs every case of a board, and says whether all digests are the expected ones.
-pub fn run(memory: &mut impl Memory, board: &Board, expected: &[Digests], mut report: impl FnMut(&Outcome)) -> bool {
+pub fn run(
+    memory: &mut impl Memory,
+    board: &Board,
+    expected: &[Digests],
+    mut report: impl FnMut(&Outcome),
+) -> bool {
     let mut all_equal = true;
     for (number, case) in Case::all(board).enumerate() {
-        let outcome = Outcome { case, found: digests(memory, &case), expected: expected.get(number).copied() };
+        let outcome = Outcome {
+            case,
+            found: digests(memory, &case),
+            expected: expected.get(number).copied(),
+        };
         all_equal &= outcome.differs_in().is_none();
         report(&outcome);
     }
@@ -67,13 +77,16 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
     ObstacleParams::DEFAULT.plan(&params, case.dims).ok()
 }
 
-/// Digest of what an autopilot gets: of matches and support points as those of a good pair, then of the pair as it is.
+/// Digest of what an autopilot gets: of matches and support points as those of a good pair, then of
+/// the pair as it is.
 fn autopilot(view: &ObstaclePlan, matched: &Matched<'_>) -> u32 {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut digest = Digest(Fnv::EMPTY);
     let flags = matched.health().flags;
-    for (health, time_us) in [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)] {
+    for (health, time_us) in
+        [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)]
+    {
         autopilot.see(matched, health, time_us);
         autopilot.turn(time_us, &mut digest);
     }
@@ -98,14 +111,16 @@ mod tests {
     #[test]
     fn this_machine_computes_what_is_expected_of_the_boards() {
         let hint = "when the output was meant to change: cargo xtask bless";
-        let report = |outcome: &Outcome| assert_eq!(outcome.differs_in(), None, "{}; {hint}", outcome.case);
+        let report =
+            |outcome: &Outcome| assert_eq!(outcome.differs_in(), None, "{}; {hint}", outcome.case);
         let mut large = Box::new(mps2_an500::Workspace::new());
         assert!(run(&mut *large, &mps2_an500::BOARD, &expected::QVGA, report));
         let mut small = Box::new(mps2_an386::Workspace::new());
         assert!(run(&mut *small, &mps2_an386::BOARD, &expected::QQVGA, report));
     }
 
-    /// A stage that hashes nothing proves nothing: rows once did, and reports without a list of points.
+    /// A stage that hashes nothing proves nothing: rows once did, and reports without a list of
+    /// points.
     #[test]
     fn every_stage_of_a_pair_with_matches_is_hashed() {
         let nothing = StageDigests::new();
@@ -127,8 +142,8 @@ mod tests {
             digests.of(Stage::Rows)
         };
         // A pixel of a row that segments look at.
-        let middle =
-            usize::from(case.dims.width) * usize::from(case.dims.height / 2) + usize::from(case.dims.width / 2);
+        let middle = usize::from(case.dims.width) * usize::from(case.dims.height / 2)
+            + usize::from(case.dims.width / 2);
         assert_ne!(of(None), of(Some(middle)));
     }
 
@@ -138,7 +153,9 @@ mod tests {
         let mut expected = expected::QQVGA;
         expected[3][Stage::Matching as usize] ^= 1;
         let mut wrong = Vec::new();
-        let report = |outcome: &Outcome| wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)));
+        let report = |outcome: &Outcome| {
+            wrong.extend(outcome.differs_in().map(|stage| (outcome.case.scene, stage)))
+        };
         assert!(!run(&mut *memory, &mps2_an386::BOARD, &expected, report));
         assert_eq!(wrong, [(Scene::ALL[3], Stage::Matching.name())]);
     }

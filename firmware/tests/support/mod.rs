@@ -17,6 +17,7 @@ pub(crate) fn rectification_to(view: View) -> Rectification {
     let dims = Dims { width: 64, height: 48 };
     let lens = Lens::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] };
     let camera = || Camera::new(dims, [50.0; 2], [31.0, 24.0], 0.0, lens).unwrap();
-    let rig = Calibration::new(camera(), camera(), [1.0, 0.001, -0.002, 0.003], [-0.06, 0.0, 0.0]).unwrap();
+    let rig = Calibration::new(camera(), camera(), [1.0, 0.001, -0.002, 0.003], [-0.06, 0.0, 0.0])
+        .unwrap();
     rig.rectify(dims, view).unwrap()
 }

@@ -2,7 +2,9 @@
 
 use core::cell::RefCell;
 use linestereo_firmware::ports::{ByteSink, ByteSource, Clock, Room};
-use linestereo_wire::{Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Request, encode};
+use linestereo_wire::{
+    Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Request, encode,
+};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
@@ -70,7 +72,11 @@ impl Port {
     /// The same as messages.
     pub(crate) fn received(&self) -> Vec<Message> {
         let mut decoder: Decoder<Message, MAX_PACKET> = Decoder::new();
-        self.bytes().into_iter().filter_map(|byte| decoder.push(byte)).collect::<Result<_, _>>().unwrap()
+        self.bytes()
+            .into_iter()
+            .filter_map(|byte| decoder.push(byte))
+            .collect::<Result<_, _>>()
+            .unwrap()
     }
 
     pub(crate) fn pass(&self, us: u32) {

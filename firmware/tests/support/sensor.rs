@@ -7,8 +7,9 @@ use linestereo_firmware::camera::{Model, Wire};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-/// A sensor that keeps what is written to it until it is reset by register, and writes down what was said. Registers not written since the reset answer
-/// with what a reset leaves in them, as far as drivers rely on it, or with 0.
+/// A sensor that keeps what is written to it until it is reset by register, and writes down what
+/// was said. Registers not written since the reset answer with what a reset leaves in them, as far
+/// as drivers rely on it, or with 0.
 #[derive(Clone)]
 pub(crate) struct Fake(pub(crate) Rc<RefCell<Registers>>);
 
@@ -27,17 +28,28 @@ pub(crate) struct Registers {
 
 impl Fake {
     pub(crate) fn of<M: Model>() -> Self {
-        let mut values =
-            M::IDENTITY.iter().map(|identity| (identity.register, identity.value)).collect::<BTreeMap<_, _>>();
+        let mut values = M::IDENTITY
+            .iter()
+            .map(|identity| (identity.register, identity.value))
+            .collect::<BTreeMap<_, _>>();
         let mut reset = None;
         if M::NAME == "HM01B0" {
-            // INTEGRATION 0x0108, DIGITAL_GAIN 0x0100, automatic exposure on: more rows than a frame has here.
+            // INTEGRATION 0x0108, DIGITAL_GAIN 0x0100, automatic exposure on: more rows than a
+            // frame has here.
             values.extend([(0x0202, 0x01), (0x0203, 0x08), (0x020e, 0x01), (0x2100, 0x01)]);
             reset = Some((0x0103, values.clone()));
         }
         let (stuck, said) = (BTreeMap::new(), Vec::new());
         let (wire, pointer, fails_after) = (M::WIRE, 0, None);
-        Self(Rc::new(RefCell::new(Registers { wire, values, reset, stuck, pointer, fails_after, said })))
+        Self(Rc::new(RefCell::new(Registers {
+            wire,
+            values,
+            reset,
+            stuck,
+            pointer,
+            fails_after,
+            said,
+        })))
     }
 
     pub(crate) fn set(&self, register: u16, value: u16) {
@@ -58,7 +70,11 @@ impl ErrorType for Fake {
 }
 
 impl I2c for Fake {
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), ErrorKind> {
         let mut chip = self.0.borrow_mut();
         if chip.fails_after == Some(0) {
             chip.fails_after = None;
@@ -71,14 +87,19 @@ impl I2c for Fake {
             match operation {
                 Operation::Write(bytes) => {
                     let (register, value) = match (chip.wire, &**bytes) {
-                        (Wire::Long8, [high, low, rest @ ..]) => (u16::from_be_bytes([*high, *low]), rest),
+                        (Wire::Long8, [high, low, rest @ ..]) => {
+                            (u16::from_be_bytes([*high, *low]), rest)
+                        }
                         (_, [low, rest @ ..]) => (u16::from(*low), rest),
                         _ => panic!("a write without a register"),
                     };
                     chip.pointer = register;
                     if !value.is_empty() {
-                        let value = value.iter().fold(0, |value, &byte| value << 8 | u16::from(byte));
-                        if let Some((_, values)) = chip.reset.clone().filter(|&(reset, _)| reset == register) {
+                        let value =
+                            value.iter().fold(0, |value, &byte| value << 8 | u16::from(byte));
+                        if let Some((_, values)) =
+                            chip.reset.clone().filter(|&(reset, _)| reset == register)
+                        {
                             chip.values = values;
                             let stuck = chip.stuck.clone();
                             chip.values.extend(stuck);

@@ -1,17 +1,20 @@
-//! Copies and fills memory, by the names that the compiler calls them (Run-time ABI for the Arm Architecture, 2024Q3, 5.3.2).
+//! Copies and fills memory, by the names that the compiler calls them (Run-time ABI for the Arm
+//! Architecture, 2024Q3, 5.3.2).
 //!
-//! Those that come with Rust are compiled for any processor: 2.1 KB and up to 1.2 instructions a byte. These take 0.25 to 0.65, and 228 bytes; the
-//! linker prefers them, since Rust's are weak.
+//! Those that come with Rust are compiled for any processor: 2.1 KB and up to 1.2 instructions a
+//! byte. These take 0.25 to 0.65, and 228 bytes; the linker prefers them, since Rust's are weak.
 //!
 //! ```text
-//! copy   sixteen bytes a round: by LDM and STM where both addresses are words', else by single words
+//! copy   sixteen bytes a round: by LDM and STM where both addresses are words', else by single
+//!        words
 //! fill   the first word as it comes, then sixteen bytes a round from a word's address on
 //! rest   eight, four, two bytes and one, each by a bit of the length
 //! ```
 //!
 //! # Bounds
-//! Words at any address are loaded and stored, which Armv7-M and Armv8-M Mainline allow in normal memory alone. An end in device memory has to begin at
-//! a word: from there on every access to it is aligned. The RP2350's USB driver copies packets so, whose buffers begin at 64 bytes.
+//! Words at any address are loaded and stored, which Armv7-M and Armv8-M Mainline allow in normal
+//! memory alone. An end in device memory has to begin at a word: from there on every access to it
+//! is aligned. The RP2350's USB driver copies packets so, whose buffers begin at 64 bytes.
 
 use core::arch::global_asm;
 

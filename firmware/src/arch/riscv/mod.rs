@@ -9,10 +9,15 @@ use crate::stack;
 use core::arch::asm;
 use linestereo_boards::Exit;
 
-/// Goes to `enter` with the program, on the program's stack. Handlers begin at the end of theirs: see `fault/riscv.rs`.
-#[expect(improper_ctypes_definitions, reason = "both sides are this crate; a function pointer is one register")]
+/// Goes to `enter` with the program, on the program's stack. Handlers begin at the end of theirs:
+/// see `fault/riscv.rs`.
+#[expect(
+    improper_ctypes_definitions,
+    reason = "both sides are this crate; a function pointer is one register"
+)]
 pub(crate) fn switch_stack(enter: extern "C" fn(fn() -> Exit) -> !, program: fn() -> Exit) -> ! {
-    // SAFETY: the stack pointer is the end of memory that nothing else uses; what this stack holds is never returned to.
+    // SAFETY: the stack pointer is the end of memory that nothing else uses; what this stack holds
+    // is never returned to.
     unsafe {
         asm!(
             "mv sp, {top}",
@@ -25,15 +30,17 @@ pub(crate) fn switch_stack(enter: extern "C" fn(fn() -> Exit) -> !, program: fn(
     }
 }
 
-/// One operation of semihosting ("RISC-V Semihosting", 1.0): three instructions that say together that the breakpoint is a call. They are not
-/// compressed, and lie on one page.
+/// One operation of semihosting ("RISC-V Semihosting", 1.0): three instructions that say together
+/// that the breakpoint is a call. They are not compressed, and lie on one page.
 ///
 /// # Safety
-/// `argument` is what the operation expects, and memory it points to may be read or written as the operation does.
+/// `argument` is what the operation expects, and memory it points to may be read or written as the
+/// operation does.
 #[cfg(feature = "emulated")]
 pub(crate) unsafe fn semihosting_call(operation: u32, argument: *const u32) -> u32 {
     let result;
-    // SAFETY: the breakpoint is answered by the PC, which changes a0 and the memory that the caller vouches for.
+    // SAFETY: the breakpoint is answered by the PC, which changes a0 and the memory that the caller
+    // vouches for.
     unsafe {
         asm!(
             ".option push",

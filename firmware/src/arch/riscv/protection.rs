@@ -1,10 +1,12 @@
-//! Physical memory protection: an entry may forbid every access, in machine mode too when it is locked, and wins over those with higher numbers.
-//! Memory in no entry is allowed (RISC-V privileged architecture, 1.12, section 3.7.1).
+//! Physical memory protection: an entry may forbid every access, in machine mode too when it is
+//! locked, and wins over those with higher numbers. Memory in no entry is allowed (RISC-V
+//! privileged architecture, 1.12, section 3.7.1).
 
 use crate::arch;
 use crate::fence::Fence;
 use riscv::register::{
-    pmpaddr0, pmpaddr1, pmpaddr2, pmpaddr3, pmpaddr4, pmpaddr5, pmpaddr6, pmpaddr7, pmpcfg0, pmpcfg1,
+    pmpaddr0, pmpaddr1, pmpaddr2, pmpaddr3, pmpaddr4, pmpaddr5, pmpaddr6, pmpaddr7, pmpcfg0,
+    pmpcfg1,
 };
 
 /// The entry of the guard, and the first one for fences.
@@ -20,8 +22,9 @@ pub(crate) fn guard() {
     forbid(GUARD, below.start, below.len());
 }
 
-/// Forbids the fences, each at a multiple of its size; `false` where there are fewer entries. Processors have none, 16 or 64 of them, RP2350
-/// eight; where there are none the guard's is not kept.
+/// Forbids the fences, each at a multiple of its size; `false` where there are fewer entries.
+/// Processors have none, 16 or 64 of them, RP2350 eight; where there are none the guard's is not
+/// kept.
 pub fn forbid_fences(fences: &[&Fence]) -> bool {
     const { assert!(Fence::BYTES.is_power_of_two()) };
     if pmpcfg0::read().bits & 0xff != LOCKED_NO_ACCESS || FIRST_FENCE + fences.len() > ENTRIES {

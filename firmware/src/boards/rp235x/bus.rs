@@ -1,16 +1,21 @@
-//! I2C that ends, without the registers: every transaction has a time limit, and a device that holds SDA low is clocked until it lets go.
+//! I2C that ends, without the registers: every transaction has a time limit, and a device that
+//! holds SDA low is clocked until it lets go.
 //!
 //! In: a [`Block`], what a DW_apb_i2c is and does. Out: [`LimitedI2c`], of `embedded-hal`.
 //!
 //! ```text
-//! transaction   off, until what was before has ended; on, with an address; a byte after the other; until the stop
-//! at each wait  aborted by the block (nobody answers): an error; it has sent the stop itself. Too late: an error, and everything set up again
+//! transaction   off, until what was before has ended; on, with an address; a byte after the other;
+//!               until the stop
+//! at each wait  aborted by the block (nobody answers): an error; it has sent the stop itself. Too
+//!               late: an error, and everything set up again
 //! clear         SDA low: SCL up to nine times, until it is high; then a stop
 //! ```
-//! An abort is looked for until the stop has been seen, so that a last byte that nobody takes is noticed, whatever TX_EMPTY_CTRL says.
+//! An abort is looked for until the stop has been seen, so that a last byte that nobody takes is
+//! noticed, whatever TX_EMPTY_CTRL says.
 //!
 //! # Source
-//! RP2350 datasheet: 12.2 (I2C; IC_TX_ABRT_SOURCE, IC_DATA_CMD). I2C specification UM10204, 3.1.16 (bus clear).
+//! RP2350 datasheet: 12.2 (I2C; IC_TX_ABRT_SOURCE, IC_DATA_CMD). I2C specification UM10204, 3.1.16
+//! (bus clear).
 
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
@@ -60,7 +65,8 @@ pub trait Block {
     /// State now.
     fn state(&self) -> State;
 
-    /// Takes an order; after the last one it sends a stop. A start, and one again where the direction changes, it sends by itself.
+    /// Takes an order; after the last one it sends a stop. A start, and one again where the
+    /// direction changes, it sends by itself.
     fn order(&mut self, order: Order, is_last: bool);
 
     /// The oldest byte that was read.
@@ -147,7 +153,9 @@ impl<B: Block> LimitedI2c<B> {
         };
         for operation in operations {
             match operation {
-                Operation::Write(bytes) => bytes.iter().try_for_each(|&byte| order(self, Order::Write(byte)))?,
+                Operation::Write(bytes) => {
+                    bytes.iter().try_for_each(|&byte| order(self, Order::Write(byte)))?
+                }
                 Operation::Read(bytes) => {
                     for byte in bytes.iter_mut() {
                         order(self, Order::Read)?;
@@ -183,7 +191,11 @@ impl<B> ErrorType for LimitedI2c<B> {
 }
 
 impl<B: Block> I2c for LimitedI2c<B> {
-    fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), BusError> {
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), BusError> {
         let done = self.transfer(address, operations);
         if done == Err(BusError::Late) {
             self.0.set_up();
@@ -192,8 +204,8 @@ impl<B: Block> I2c for LimitedI2c<B> {
     }
 }
 
-/// Clocks SCL until whoever holds SDA low has sent its byte, nine times at most; then a stop. Both pins are open drains, released. Says
-/// whether SDA is free.
+/// Clocks SCL until whoever holds SDA low has sent its byte, nine times at most; then a stop. Both
+/// pins are open drains, released. Says whether SDA is free.
 pub fn clear<C, D>(clock: &mut C, data: &mut D, delay: &mut impl DelayNs) -> bool
 where
     C: OutputPin<Error = Infallible>,

@@ -7,14 +7,16 @@
 //! DMA channel 1, 3     the address of the next slot out of a table that wraps -> channel 0, 2
 //! PIO0_IRQ_1, DMA_IRQ_1   both the same, of one priority: rows.rs says what it means
 //! ```
-//! Everything is decided in `rows.rs`; here registers are read and written. Not yet run on hardware.
+//! Everything is decided in `rows.rs`; here registers are read and written. Not yet run on
+//! hardware.
 //!
 //! # Cost
-//! 2 x 42 KiB of rings and 2 x 512 bytes of tables; an interrupt every 63 us while both cameras send.
+//! 2 x 42 KiB of rings and 2 x 512 bytes of tables; an interrupt every 63 us while both cameras
+//! send.
 //!
 //! # Source
-//! RP2350 datasheet: 11.7 (PIO registers), 12.6.3 (aliases, chaining), 12.6.8 (abort), 12.6.10 (DMA registers), RP2350-E5 (an aborted channel has to
-//! be disabled before, and what chains to it).
+//! RP2350 datasheet: 11.7 (PIO registers), 12.6.3 (aliases, chaining), 12.6.8 (abort), 12.6.10 (DMA
+//! registers), RP2350-E5 (an aborted channel has to be disabled before, and what chains to it).
 
 use super::program::{self, Program, Wire};
 use super::rows::{BORDER, FRAME_ROWS, RING_ROWS, RowCounter, SLOT_WORDS, Seen};
@@ -33,7 +35,8 @@ use embassy_rp::pac::{DMA, PIO0};
 use embassy_rp::peripherals::PIO0;
 use embassy_rp::pio::program::{ArrayVec, PioVersion, Program as Assembled, SideSet, Wrap};
 use embassy_rp::pio::{
-    Common, Config, FifoJoin, InterruptHandler, LoadedProgram, Pin, Pio, ShiftConfig, ShiftDirection, StateMachine,
+    Common, Config, FifoJoin, InterruptHandler, LoadedProgram, Pin, Pio, ShiftConfig,
+    ShiftDirection, StateMachine,
 };
 use embassy_rp::{Peri, bind_interrupts};
 use embassy_sync::blocking_mutex::Mutex;
@@ -41,7 +44,8 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use linestereo_rig::CameraSide;
 
 bind_interrupts!(struct Interrupts {
-    // `Pio::new` asks for it and enables it; it never comes, because nothing is a source of it (INTE of IRQ 0 stays 0).
+    // `Pio::new` asks for it and enables it; it never comes, because nothing is a source of it
+    // (INTE of IRQ 0 stays 0).
     PIO0_IRQ_0 => InterruptHandler<PIO0>;
 });
 
@@ -59,7 +63,8 @@ type Ring = [[u32; SLOT_WORDS]; RING_ROWS];
 /// Addresses of the slots of a ring. Aligned to its own size, as a table that wraps has to be.
 type Table = [u32; RING_ROWS];
 
-static RINGS: [Shared<Ring>; 2] = [const { Shared(UnsafeCell::new([[0; SLOT_WORDS]; RING_ROWS])) }; 2];
+static RINGS: [Shared<Ring>; 2] =
+    [const { Shared(UnsafeCell::new([[0; SLOT_WORDS]; RING_ROWS])) }; 2];
 static TABLES: [Shared<Table>; 2] = [const { Shared(UnsafeCell::new([0; RING_ROWS])) }; 2];
 const _: () = assert!(align_of::<Shared<Table>>() == size_of::<Table>());
 
@@ -111,8 +116,8 @@ impl Channel {
 
     /// Nothing of a row has come that is not complete, and nothing is on its way.
     fn is_at_rest(self) -> bool {
-        let is_idle =
-            PIO0.sm(self.number).addr().read().addr() >= ORIGIN.load(Ordering::Relaxed) + program::ROWS.wrap_target;
+        let is_idle = PIO0.sm(self.number).addr().read().addr()
+            >= ORIGIN.load(Ordering::Relaxed) + program::ROWS.wrap_target;
         let is_empty = PIO0.fstat().read().rxempty() & 1 << self.number != 0;
         is_idle && is_empty && DMA.ch(self.number).trans_count().read().count() == SLOT_WORDS as u32
     }
@@ -122,7 +127,8 @@ impl Channel {
         let (rows, addresses) = (DMA.ch(self.number), DMA.ch(self.number + 1));
         let running = 1 << self.number;
         PIO0.ctrl().modify(|w| w.set_sm_enable(w.sm_enable() & !running));
-        // RP2350-E5: neither may start again, and neither may start another one: 0 would chain both to the left camera's channel 0.
+        // RP2350-E5: neither may start again, and neither may start another one: 0 would chain both
+        // to the left camera's channel 0.
         rows.al1_ctrl().write_value(disabled(self.number).0);
         addresses.al1_ctrl().write_value(disabled(self.number + 1).0);
         DMA.chan_abort().write(|w| w.set_chan_abort(0b11 << self.number));
@@ -140,7 +146,9 @@ impl Channel {
         rows.read_addr().write_value(PIO0.rxf(self.number).as_ptr().addr() as u32);
         rows.trans_count().write(|w| w.set_count(SLOT_WORDS as u32));
         rows.al1_ctrl().write_value(self.rows_control().0);
-        addresses.read_addr().write_value(self.table().wrapping_add(slot as usize % RING_ROWS).addr() as u32);
+        addresses
+            .read_addr()
+            .write_value(self.table().wrapping_add(slot as usize % RING_ROWS).addr() as u32);
         addresses.write_addr().write_value(rows.al2_write_addr_trig().as_ptr().addr() as u32);
         addresses.trans_count().write(|w| w.set_count(1));
         addresses.ctrl_trig().write_value(self.addresses_control()); // and both run
@@ -198,15 +206,18 @@ impl Channel {
 
     fn serve(self, counter: &mut RowCounter) {
         let Some(seen) = self.look() else { return };
-        // SAFETY: a word of the ring, of a row that is complete; the DMA is elsewhere, or the row is not used.
-        let length_word = |slot| unsafe { (&raw const (*self.slot(slot))[SLOT_WORDS - 1]).read_volatile() };
+        // SAFETY: a word of the ring, of a row that is complete; the DMA is elsewhere, or the row
+        // is not used.
+        let length_word =
+            |slot| unsafe { (&raw const (*self.slot(slot))[SLOT_WORDS - 1]).read_volatile() };
         if let Some(slot) = counter.take(FRAME_ROWS as u32, &seen, length_word) {
             self.restart(slot);
         }
     }
 }
 
-/// Control of a channel that does nothing, and starts nothing when it is aborted: it chains to itself.
+/// Control of a channel that does nothing, and starts nothing when it is aborted: it chains to
+/// itself.
 fn disabled(channel: usize) -> CtrlTrig {
     let mut control = CtrlTrig::default();
     control.set_chain_to(channel as u8);
@@ -263,7 +274,10 @@ impl Block {
 
     /// Starts both cameras' hardware: the left and the right ring.
     pub fn start(self, pins: [Pins; 2]) -> [CameraRing; 2] {
-        let Self { mut common, machines: (mut left_rows, mut left_frames, mut right_rows, mut right_frames) } = self;
+        let Self {
+            mut common,
+            machines: (mut left_rows, mut left_frames, mut right_rows, mut right_frames),
+        } = self;
         let rows = common.load_program(&assembled(&program::ROWS));
         let frames = common.load_program(&assembled(&program::FRAMES));
         ORIGIN.store(rows.origin, Ordering::Relaxed);
@@ -313,7 +327,8 @@ fn config(program: &LoadedProgram<'static, PIO0>, pins: &Pins) -> Config<'static
     config.use_program(program, &[]);
     config.set_in_pins(&pins.each_ref());
     config.set_jmp_pin(&pins[Wire::LineValid as usize]);
-    config.shift_in = ShiftConfig { threshold: 32, direction: ShiftDirection::Right, auto_fill: true };
+    config.shift_in =
+        ShiftConfig { threshold: 32, direction: ShiftDirection::Right, auto_fill: true };
     config.fifo_join = FifoJoin::RxOnly;
     config
 }
@@ -342,7 +357,8 @@ impl RowRing for CameraRing {
         let pixels = Channel::of(self.eye).slot(row).cast::<u8>().wrapping_add(BORDER as usize);
         let count = into.len().min(4 * (SLOT_WORDS - 1) - BORDER as usize);
         fence(Ordering::SeqCst);
-        // SAFETY: inside one slot of the ring. The DMA may be writing there; the capture asks `written` afterwards and then does not use it.
+        // SAFETY: inside one slot of the ring. The DMA may be writing there; the capture asks
+        // `written` afterwards and then does not use it.
         unsafe { ptr::copy_nonoverlapping(pixels, into.as_mut_ptr(), count) };
         fence(Ordering::SeqCst);
     }
@@ -351,7 +367,8 @@ impl RowRing for CameraRing {
         time_us()
     }
 
-    /// An interrupt that came since it was looked is an event too: it does not sleep then. SysTick ends every sleep.
+    /// An interrupt that came since it was looked is an event too: it does not sleep then. SysTick
+    /// ends every sleep.
     fn rest(&self) {
         cortex_m::asm::wfe();
     }

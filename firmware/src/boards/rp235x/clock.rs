@@ -1,4 +1,5 @@
-//! TIMER0 as the board's clock: 64 bits of microseconds since the reset (RP2350 datasheet, 12.8), and what wakes a sleeping program.
+//! TIMER0 as the board's clock: 64 bits of microseconds since the reset (RP2350 datasheet, 12.8),
+//! and what wakes a sleeping program.
 
 use crate::ports::Clock;
 use cortex_m::peripheral::SYST;
@@ -23,7 +24,8 @@ pub fn time_us() -> u64 {
 pub struct Micros(());
 
 impl Micros {
-    /// From now on SysTick also wakes a sleeping program every millisecond, of this frequency of the processor, Hz.
+    /// From now on SysTick also wakes a sleeping program every millisecond, of this frequency of
+    /// the processor, Hz.
     #[must_use]
     pub fn start(mut systick: SYST, frequency: u32) -> Self {
         systick.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);

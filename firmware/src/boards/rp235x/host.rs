@@ -1,4 +1,5 @@
-//! The host's port: USB, served by an executor in interrupts of the lowest priority, so that the program stays a plain loop.
+//! The host's port: USB, served by an executor in interrupts of the lowest priority, so that the
+//! program stays a plain loop.
 
 use super::time_us;
 use crate::boards::usb_port::{self, UsbPort};

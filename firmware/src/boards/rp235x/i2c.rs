@@ -1,10 +1,12 @@
-//! The registers and pins of an I2C block: [`bus`](super::bus) says what is done with them. Not yet run on hardware.
+//! The registers and pins of an I2C block: [`bus`](super::bus) says what is done with them. Not yet
+//! run on hardware.
 //!
-//! embassy-rp's own driver waits for ever when SDA is held low, as it is after a reset in the middle of a read; here it only sets pins and speed.
+//! embassy-rp's own driver waits for ever when SDA is held low, as it is after a reset in the
+//! middle of a read; here it only sets pins and speed.
 //!
 //! # Source
-//! RP2350 datasheet: 12.2 (disabling it, aborts, its registers). IC_CON as a reset leaves it: master, fast mode, starts again where the direction
-//! changes.
+//! RP2350 datasheet: 12.2 (disabling it, aborts, its registers). IC_CON as a reset leaves it:
+//! master, fast mode, starts again where the direction changes.
 
 use super::bus::{Block, LimitedI2c, Order, State, clear};
 use super::{Pause, time_us};
@@ -57,7 +59,12 @@ impl<T: Registers, C: SclPin<T>, D: SdaPin<T>> Block for BoardBlock<T, C, D> {
         let mut config = Config::default();
         config.frequency = 400_000;
         (config.sda_pullup, config.scl_pullup) = (false, false);
-        I2c::new_blocking(self.block.reborrow(), self.clock.reborrow(), self.data.reborrow(), config);
+        I2c::new_blocking(
+            self.block.reborrow(),
+            self.clock.reborrow(),
+            self.data.reborrow(),
+            config,
+        );
         self.switch_off();
     }
 
@@ -72,7 +79,8 @@ impl<T: Registers, C: SclPin<T>, D: SdaPin<T>> Block for BoardBlock<T, C, D> {
     }
 
     fn state(&self) -> State {
-        let (status, interrupts) = (T::REGISTERS.ic_status().read(), T::REGISTERS.ic_raw_intr_stat().read());
+        let (status, interrupts) =
+            (T::REGISTERS.ic_status().read(), T::REGISTERS.ic_raw_intr_stat().read());
         // Looked at after the interrupts: whoever sees the stop of an abort sees the abort too.
         let abort = T::REGISTERS.ic_tx_abrt_source().read().0 & 0x1_ffff;
         State {

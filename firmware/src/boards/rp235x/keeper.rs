@@ -1,7 +1,8 @@
 //! The rig in the last two sectors of the QSPI flash, settings in the two before them.
 //!
-//! A store stops every interrupt for as long as the flash erases and programs, some 50 ms (400 ms at most: W25Q32JV datasheet, tSE), because
-//! nothing can be read from it meanwhile: rows that come then are lost, and said to be.
+//! A store stops every interrupt for as long as the flash erases and programs, some 50 ms (400 ms
+//! at most: W25Q32JV datasheet, tSE), because nothing can be read from it meanwhile: rows that come
+//! then are lost, and said to be.
 
 use crate::slot_store::BoardStore;
 use core::fmt;
@@ -26,7 +27,8 @@ pub type Kept<const BYTES: usize> = BoardStore<BoardFlash<BYTES>>;
 #[must_use]
 pub fn keeper<const BYTES: usize>(flash: Peri<'static, FLASH>) -> Option<Kept<BYTES>> {
     let (end, sector) = (BYTES as u32, ERASE_SIZE as u32);
-    let [settings, rig] = [4, 2].map(|sectors| [end - sectors * sector, end - (sectors - 1) * sector]);
+    let [settings, rig] =
+        [4, 2].map(|sectors| [end - sectors * sector, end - (sectors - 1) * sector]);
     BoardStore::new(BoardFlash(Flash::new_blocking(flash)), rig, settings).ok()
 }
 
@@ -46,7 +48,8 @@ impl<const BYTES: usize> ReadNorFlash for BoardFlash<BYTES> {
     }
 }
 
-/// Written in whole pages: what a page has beside the bytes is written as ones, which changes nothing.
+/// Written in whole pages: what a page has beside the bytes is written as ones, which changes
+/// nothing.
 impl<const BYTES: usize> NorFlash for BoardFlash<BYTES> {
     const WRITE_SIZE: usize = 1;
     const ERASE_SIZE: usize = ERASE_SIZE;

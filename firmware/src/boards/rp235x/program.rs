@@ -1,25 +1,29 @@
 //! Programs of the state machines of a PIO block for a camera's wires.
 //!
-//! In: four data wires, PCLKO, LVLD and FVLD of one HM01B0 on pins that follow each other ([`Wire`]). Out: of every row its pixels and, behind
-//! them, how many nibbles it had; a flag when a frame starts and one when it ends.
+//! In: four data wires, PCLKO, LVLD and FVLD of one HM01B0 on pins that follow each other
+//! ([`Wire`]). Out: of every row its pixels and, behind them, how many nibbles it had; a flag when
+//! a frame starts and one when it ends.
 //!
 //! ```text
 //! rows    idle   wait for a falling edge of PCLKO; LVLD low: idle
 //!         first  count = 0
-//!         nibble take D3 .. D0 (the lower half of a pixel comes first: HM01B0's OSC_CLK_DIV, bit 4, is 0), count one more
+//!         nibble take D3 .. D0 (the lower half of a pixel comes first: HM01B0's OSC_CLK_DIV,
+//!             bit 4, is 0), count one more
 //!                wait for the next falling edge of PCLKO; LVLD high: nibble
 //!                behind the row: a word with the count, as `!count`; idle
 //! frames  wait for FVLD high: flag "start";  wait for FVLD low: flag "end"
 //! ```
-//! A row that is shorter or longer than it should be puts the word with the count in another slot or another count in it, so that the row is
-//! known to be bad however late anybody looks at it ([`nibbles`]). LVLD is looked at where the pixels are: at the falling edge of PCLKO.
+//! A row that is shorter or longer than it should be puts the word with the count in another slot
+//! or another count in it, so that the row is known to be bad however late anybody looks at it
+//! ([`nibbles`]). LVLD is looked at where the pixels are: at the falling edge of PCLKO.
 //!
 //! # Bounds
-//! Sampled 3 cycles or less after the edge is seen (2 more cycles: the synchroniser); data stay for half a period of PCLKO, 12 cycles at 6 MHz
-//! and 150 MHz.
+//! Sampled 3 cycles or less after the edge is seen (2 more cycles: the synchroniser); data stay for
+//! half a period of PCLKO, 12 cycles at 6 MHz and 150 MHz.
 //!
 //! # Source
-//! RP2350 datasheet, 11.4 (instruction set), 11.5.4 (autopush), 11.5.6 (input synchronisers). `firmware/tests/pio.rs` runs these words.
+//! RP2350 datasheet, 11.4 (instruction set), 11.5.4 (autopush), 11.5.6 (input synchronisers).
+//! `firmware/tests/pio.rs` runs these words.
 
 /// A camera's wires, counted from its first pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +53,8 @@ pub struct Program {
     pub wrap_target: u8,
 }
 
-/// Takes the rows of one camera. LVLD is its pin for `jmp pin`; it shifts to the right and pushes every 32 bits.
+/// Takes the rows of one camera. LVLD is its pin for `jmp pin`; it shifts to the right and pushes
+/// every 32 bits.
 pub const ROWS: Program = Program { words: &ROW_WORDS, wrap_target: IDLE };
 
 const FIRST: u8 = 0;
@@ -60,7 +65,7 @@ const IDLE: u8 = 7;
 const ROW_WORDS: [u16; 10] = [
     mov_x_not_null(),             // first:  count = 0
     in_pins(4),                   // nibble: four bits
-    jmp_x_dec(NEXT),              //         one more; never zero, and goes on to the next instruction in either case
+    jmp_x_dec(NEXT), //         one more; never zero, goes on to the next instruction either way
     wait(true, Wire::PixelClock), // next:
     wait(false, Wire::PixelClock),
     jmp_pin(NIBBLE),              //         the row goes on
@@ -70,7 +75,8 @@ const ROW_WORDS: [u16; 10] = [
     jmp_pin(FIRST),
 ];
 
-/// Says when frames of one camera start and end. On state machine 1 the flags are 0 and 1, on state machine 3 they are 2 and 3.
+/// Says when frames of one camera start and end. On state machine 1 the flags are 0 and 1, on state
+/// machine 3 they are 2 and 3.
 pub const FRAMES: Program = Program { words: &FRAME_WORDS, wrap_target: 0 };
 
 const FRAME_WORDS: [u16; 4] =

@@ -1,25 +1,30 @@
 //! Bytes written by the DMA -> numbers of rows and [`Signal`]s, without the hardware.
 //!
-//! In: at every interrupt of a camera, what its DMA channels and its flags say ([`Seen`]). Out: signals, oldest first, and when the DMA has to
-//! be set to the start of a row again.
+//! In: at every interrupt of a camera, what its DMA channels and its flags say ([`Seen`]). Out:
+//! signals, oldest first, and when the DMA has to be set to the start of a row again.
 //!
 //! ```text
-//! memory   a ring of rows, each of its pixels and a word with its length (program.rs); a row has a slot, its number modulo the ring
+//! memory   a ring of rows, each of its pixels and a word with its length (program.rs); a row has a
+//!          slot, its number modulo the ring
 //! data     DMA channel: one row from the PIO's queue to its slot, then an interrupt and `next`
 //! next     DMA channel: the address of the next slot, out of a table that wraps -> data
 //! rows done = those whose slot is before the one that `next` has loaded last
 //!
-//! start of a frame   the number of its first row that is kept, reported when the border above it is complete
-//! rows               of each: does the word behind it say the right length?  those of the border are only reported if not; the last row that
-//!                    is kept is reported when the border below it is complete
-//! end of a frame     a row that has begun is a short line; then the DMA goes to the start of a row: that takes effect long before the
-//!                    next start, while the sensor sends nothing
+//! start of a frame   the number of its first row that is kept, reported when the border above it
+//!                    is complete
+//! rows               of each: does the word behind it say the right length?  those of the border
+//!                    are only reported if not; the last row that is kept is reported when the
+//!                    border below it is complete
+//! end of a frame     a row that has begun is a short line; then the DMA goes to the start of a
+//!                    row: that takes effect long before the next start, while the sensor sends
+//!                    nothing
 //! both, or a queue that is full   signals are lost, and it says so
 //! ```
 //!
 //! # Bounds
-//! Rows are counted right as long as fewer of them than the ring holds come between two looks; a row ends every 125 us, the ring holds 16 ms.
-//! After a longer time the flags of frames have come as well, and signals count as lost.
+//! Rows are counted right as long as fewer of them than the ring holds come between two looks; a
+//! row ends every 125 us, the ring holds 16 ms. After a longer time the flags of frames have come
+//! as well, and signals count as lost.
 
 use super::program;
 use crate::capture::Signal;
@@ -35,11 +40,14 @@ pub const ROW_BYTES: usize = 324;
 /// Rows of a frame with its border.
 pub const FRAME_ROWS: usize = 244;
 /// Size of the images that are kept.
-pub const DIMS: Dims =
-    Dims { width: ROW_BYTES as u16 - 2 * BORDER as u16, height: FRAME_ROWS as u16 - 2 * BORDER as u16 };
+pub const DIMS: Dims = Dims {
+    width: ROW_BYTES as u16 - 2 * BORDER as u16,
+    height: FRAME_ROWS as u16 - 2 * BORDER as u16,
+};
 /// Words of a row with that of its length.
 pub const SLOT_WORDS: usize = ROW_BYTES / 4 + 1;
-/// Signals that are kept: those of all rows of the ring and of the frames that they are of. More would be of rows that are overwritten.
+/// Signals that are kept: those of all rows of the ring and of the frames that they are of. More
+/// would be of rows that are overwritten.
 const SIGNALS: usize = RING_ROWS + 8;
 
 /// Cause of a camera's interrupt.
@@ -87,9 +95,15 @@ impl RowCounter {
         self.row.wrapping_add(rows)
     }
 
-    /// Takes what an interrupt has found; frames have so many rows with their border, and `length_word` is the word behind the row of a slot.
-    /// `Some`: the DMA has to be set to the start of this slot now, whatever it was doing.
-    pub fn take(&mut self, frame_rows: u32, seen: &Seen, length_word: impl Fn(u32) -> u32) -> Option<u32> {
+    /// Takes what an interrupt has found; frames have so many rows with their border, and
+    /// `length_word` is the word behind the row of a slot. `Some`: the DMA has to be set to the
+    /// start of this slot now, whatever it was doing.
+    pub fn take(
+        &mut self,
+        frame_rows: u32,
+        seen: &Seen,
+        length_word: impl Fn(u32) -> u32,
+    ) -> Option<u32> {
         let Seen { time_us, .. } = *seen;
         if seen.is_started && seen.is_ended {
             // Which came first nobody knows any more.
@@ -126,8 +140,8 @@ impl RowCounter {
         self.signals.pop_front()
     }
 
-    /// A row that is as it should be is reported if it is kept; the last of these when the border below it is complete as well, so that a frame
-    /// with a row too few is never whole.
+    /// A row that is as it should be is reported if it is kept; the last of these when the border
+    /// below it is complete as well, so that a frame with a row too few is never whole.
     fn end_row(&mut self, frame_rows: u32, bytes: u32, time_us: u64) {
         self.row = self.row.wrapping_add(1);
         let index = self.of_frame;
@@ -138,7 +152,11 @@ impl RowCounter {
         } else if self.of_frame == first {
             self.push_start();
         } else if self.of_frame == frame_rows {
-            self.push_after_start(Signal::Rows { end: self.row.wrapping_sub(BORDER), bytes, time_us });
+            self.push_after_start(Signal::Rows {
+                end: self.row.wrapping_sub(BORDER),
+                bytes,
+                time_us,
+            });
         }
     }
 
@@ -167,8 +185,8 @@ impl RowCounter {
     }
 }
 
-/// Bytes of a row of so many nibbles. Of one that is not as long as it should be they are no multiple of what they should be either, whatever
-/// lies where its length should.
+/// Bytes of a row of so many nibbles. Of one that is not as long as it should be they are no
+/// multiple of what they should be either, whatever lies where its length should.
 fn bytes(nibbles: u32) -> u32 {
     let bytes = nibbles / 2;
     let is_other = nibbles != 2 * ROW_BYTES as u32 && bytes.is_multiple_of(ROW_BYTES as u32);

@@ -1,4 +1,5 @@
-//! The autopilot's port: a UART at 57600 baud, sent by interrupts out of a buffer that holds several MAVLink frames, received into one.
+//! The autopilot's port: a UART at 57600 baud, sent by interrupts out of a buffer that holds
+//! several MAVLink frames, received into one.
 
 use crate::ports::{ByteSink, ByteSource};
 use core::fmt;
@@ -16,7 +17,8 @@ bind_interrupts!(struct Interrupts {
     UART0_IRQ => BufferedInterruptHandler<UART0>;
 });
 
-/// Bytes that wait to be sent: several frames of 179 bytes at most; and those received between two turns of the program.
+/// Bytes that wait to be sent: several frames of 179 bytes at most; and those received between two
+/// turns of the program.
 const WAITING: usize = 1024;
 
 /// UART 0.
@@ -30,7 +32,11 @@ impl fmt::Debug for Autopilot {
 
 impl Autopilot {
     /// 57600 baud, 8 bits, no parity: out on GP0, in on GP1. At most one.
-    pub fn start(uart: Peri<'static, UART0>, out: Peri<'static, PIN_0>, into: Peri<'static, PIN_1>) -> Self {
+    pub fn start(
+        uart: Peri<'static, UART0>,
+        out: Peri<'static, PIN_0>,
+        into: Peri<'static, PIN_1>,
+    ) -> Self {
         static OUT: StaticCell<[u8; WAITING]> = StaticCell::new();
         static IN: StaticCell<[u8; WAITING]> = StaticCell::new();
         interrupt::UART0_IRQ.set_priority(Priority::P3); // below the cameras

@@ -13,12 +13,13 @@ use embassy_rp::watchdog;
 use embassy_time::Duration;
 use linestereo_wire::{Reset, ResetCause};
 
-/// Reset after so long without a finished frame: the longest thing that may lie between two is making ready for a rig, 115 million
-/// instructions.
+/// Reset after so long without a finished frame: the longest thing that may lie between two is
+/// making ready for a rig, 115 million instructions.
 const PATIENCE: Duration = Duration::from_secs(8);
 
-/// In a scratch register, which survives what the watchdog does: it was this program that had started it. The boot ROM restarts the chip by
-/// the watchdog as well, after it was loaded by USB for example.
+/// In a scratch register, which survives what the watchdog does: it was this program that had
+/// started it. The boot ROM restarts the chip by the watchdog as well, after it was loaded by USB
+/// for example.
 const OURS: u32 = 0x6c69_6e65;
 
 /// Resets the board when no frame is finished for 8 s.
@@ -37,7 +38,8 @@ impl FrameWatchdog {
         watchdog.pause_on_debug(true);
         WATCHDOG.scratch0().write_value(OURS);
         watchdog.start(PATIENCE);
-        // The HAL selects what to reset by the RP2040's layout, without processors, XIP and half of the SRAM: everything but the oscillators.
+        // The HAL selects what to reset by the RP2040's layout, without processors, XIP and half of
+        // the SRAM: everything but the oscillators.
         PSM.wdsel().write_value(psm::regs::Wdsel(0x01ff_fff3));
         Self(watchdog)
     }
@@ -56,7 +58,8 @@ pub fn reset_cause() -> Reset {
     let (last, reason) = (POWMAN.chip_reset().read(), WATCHDOG.reason().read());
     let is_ours = WATCHDOG.scratch0().read() == OURS;
     WATCHDOG.scratch0().write_value(0);
-    // The watchdog's own reason is cleared by every other reset, on the RP2350 by SYSRESETREQ as well: what ends with that leaves a note.
+    // The watchdog's own reason is cleared by every other reset, on the RP2350 by SYSRESETREQ as
+    // well: what ends with that leaves a note.
     words.unwrap_or(Reset::of(if reason.timer() && is_ours {
         ResetCause::Watchdog
     } else if reason.timer() || reason.force() {

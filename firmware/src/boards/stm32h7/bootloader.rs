@@ -1,15 +1,18 @@
 //! From the program to a boot loader that takes another one over USB.
 //!
 //! ```text
-//! STM32H743   a word in memory that a reset leaves alone, reset; at the start, before clocks are set: the chip's own, in system memory
-//! Portenta    a word in a backup register, reset: Arduino's, which starts first and knows it; the chip's own has no USB on this board
+//! STM32H743   a word in memory that a reset leaves alone, reset; at the start, before clocks are
+//!             set: the chip's own, in system memory
+//! Portenta    a word in a backup register, reset: Arduino's, which starts first and knows it; the
+//!             chip's own has no USB on this board
 //! ```
-//! Not yet run on hardware. ST's forum knows boot loaders of version 0x91 (chips of revision V) that run when jumped to and then fail to erase: there
-//! BOOT0 has to be high at a reset.
+//! Not yet run on hardware. ST's forum knows boot loaders of version 0x91 (chips of revision V)
+//! that run when jumped to and then fail to erase: there BOOT0 has to be high at a reset.
 //!
 //! # Source
-//! AN2606, "STM32H74xxx/75xxx devices", and ST's "Jump to bootloader from application on STM32H7 devices": 0x1FF0_9800. ArduinoCore-mbed,
-//! `variants/PORTENTA_H7_M7/portenta_bootloader.cpp`: RTC_BKP_DR0, 0xDF59.
+//! AN2606, "STM32H74xxx/75xxx devices", and ST's "Jump to bootloader from application on STM32H7
+//! devices": 0x1FF0_9800. ArduinoCore-mbed, `variants/PORTENTA_H7_M7/portenta_bootloader.cpp`:
+//! RTC_BKP_DR0, 0xDF59.
 
 use embassy_time::{Duration, block_for};
 
@@ -60,14 +63,16 @@ mod word {
         }
     }
 
-    /// Goes on in the chip's boot loader if the last run wanted that, once. To be called before anything else: it expects the chip as after a reset.
+    /// Goes on in the chip's boot loader if the last run wanted that, once. To be called before
+    /// anything else: it expects the chip as after a reset.
     pub fn follow() {
         let found = WORD.each_ref().map(|word| word.swap(0, Ordering::Relaxed));
         if found != [BOOT, !BOOT] {
             return;
         }
-        // SAFETY: nothing of this program runs on: no interrupt is enabled yet, and the stack that it used is not used any more. Memory
-        // protection, the one thing that has changed since the reset, is off before.
+        // SAFETY: nothing of this program runs on: no interrupt is enabled yet, and the stack that
+        // it used is not used any more. Memory protection, the one thing that has changed since the
+        // reset, is off before.
         unsafe {
             (*cortex_m::peripheral::MPU::PTR).ctrl.write(0);
             cortex_m::asm::dsb();

@@ -1,10 +1,13 @@
 //! Two MT9V034 on one bus: their mode, and what their frames have to be like.
 //!
-//! 320x240 px, of 640x480 pixels of the sensor two by two, each frame triggered. A row takes `(640 + 94)` clocks of the sensor, its exposure counts
-//! in rows: 27.5 us at 26.67 MHz, 29.4 us at 25 MHz. Frames of 240 rows of that are 6.6 and 7.0 ms; should a sensor take twice as long for
+//! 320x240 px, of 640x480 pixels of the sensor two by two, each frame triggered. A row takes
+//! `(640 + 94)` clocks of the sensor, its exposure counts in rows: 27.5 us at 26.67 MHz, 29.4 us at
+//! 25 MHz. Frames of 240 rows of that are 6.6 and 7.0 ms; should a sensor take twice as long for
 //! binned rows, all limits below still hold.
 
-use crate::camera::{Binning, Chip, Config, Mt9v034, PairExposure, ResetLine, StereoCamera, StereoConfig, Trigger};
+use crate::camera::{
+    Binning, Chip, Config, Mt9v034, PairExposure, ResetLine, StereoCamera, StereoConfig, Trigger,
+};
 use crate::capture::{Limits, RingLayout};
 use crate::ports::FrameStart;
 use core::cell::RefCell;
@@ -19,7 +22,8 @@ use static_cell::StaticCell;
 
 /// Size of each sensor's images.
 pub const DIMS: Dims = Dims { width: 320, height: 240 };
-/// No pair for so long is a pair that is missing, microseconds: two exposures of 480 rows and two readouts, and as much again.
+/// No pair for so long is a pair that is missing, microseconds: two exposures of 480 rows and two
+/// readouts, and as much again.
 pub const PATIENCE_US: u32 = 150_000;
 /// Clocks of the sensor for a row.
 const ROW_CLOCKS: u32 = 640 + 94;
@@ -41,8 +45,9 @@ impl Row {
         }
     }
 
-    /// 128 rows: as many as the program may be behind, 3.5 ms. Rectifying takes longer than reading out when both sensors send at once; with one,
-    /// up to the strongest lenses it does not fall behind by half of a frame. Ahead a whole frame waits.
+    /// 128 rows: as many as the program may be behind, 3.5 ms. Rectifying takes longer than reading
+    /// out when both sensors send at once; with one, up to the strongest lenses it does not fall
+    /// behind by half of a frame. Ahead a whole frame waits.
     #[must_use]
     pub const fn layout(self) -> RingLayout {
         let rows = if cfg!(feature = "ahead") { 256 } else { 128 };
@@ -52,7 +57,8 @@ impl Row {
     /// Limits that every frame has to meet.
     #[must_use]
     pub const fn limits(self) -> Limits {
-        // Both at once, or the second one after the first is read out: an exposure and a readout later.
+        // Both at once, or the second one after the first is read out: an exposure and a readout
+        // later.
         let pair_us = match self {
             Self::Both => 1000,
             Self::One => 60_000,
@@ -71,10 +77,18 @@ impl Row {
 /// The bus of both sensors.
 pub type Bus = I2c<'static, Blocking, i2c::Master>;
 /// Two sensors with their reset lines.
-pub type Sensors<RL, RR> =
-    StereoCamera<Mt9v034, RefCellDevice<'static, Bus>, RL, RefCellDevice<'static, Bus>, RR, Output<'static>, Delay>;
+pub type Sensors<RL, RR> = StereoCamera<
+    Mt9v034,
+    RefCellDevice<'static, Bus>,
+    RL,
+    RefCellDevice<'static, Bus>,
+    RR,
+    Output<'static>,
+    Delay,
+>;
 
-/// Two sensors at the first two addresses of a bus, the left one at the first. `clock_hz` is the sensors' own clock.
+/// Two sensors at the first two addresses of a bus, the left one at the first. `clock_hz` is the
+/// sensors' own clock.
 pub fn sensors<T: Instance, RL: ResetLine, RR: ResetLine>(
     bus: Peri<'static, T>,
     (clock, data): (Peri<'static, impl SclPin<T>>, Peri<'static, impl SdaPin<T>>),
@@ -88,8 +102,10 @@ pub fn sensors<T: Instance, RL: ResetLine, RR: ResetLine>(
     config.timeout = Duration::from_millis(20); // longer than any transaction: what hangs is an error, not a reset
     let bus = &*BUS.init(RefCell::new(I2c::new_blocking(bus, clock, data, config)));
     let [left, right, ..] = Mt9v034::ADDRESSES;
-    let chips =
-        (Chip::new(RefCellDevice::new(bus), left, left_reset), Chip::new(RefCellDevice::new(bus), right, right_reset));
+    let chips = (
+        Chip::new(RefCellDevice::new(bus), left, left_reset),
+        Chip::new(RefCellDevice::new(bus), right, right_reset),
+    );
     let row_ns = (u64::from(ROW_CLOCKS) * 1_000_000_000 / u64::from(clock_hz)) as u32;
     let config = StereoConfig {
         config: Config::new(DIMS, Binning::Two, FrameStart::Triggered),

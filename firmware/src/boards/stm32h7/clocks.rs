@@ -1,24 +1,26 @@
 //! Clocks from the chip alone: no crystal is needed, so none can be wrong.
 //!
 //! ```text
-//! HSI 64 MHz / 4 * 50 = 800 MHz   / 2 = 400 MHz core, / 2 = 200 MHz buses and DMA, / 2 = 100 MHz peripherals
-//!                                 / 30 = 26.67 MHz for the sensors (MCO1)
+//! HSI 64 MHz / 4 * 50 = 800 MHz   / 2 = 400 MHz core, / 2 = 200 MHz buses and DMA, / 2 = 100 MHz
+//!                                 peripherals / 30 = 26.67 MHz for the sensors (MCO1)
 //! HSI48                           USB, trimmed by the host's frames
 //! TIM5                            microseconds, 64 bits (embassy-time)
 //! ```
-//! 400 MHz at voltage scale 1 is what every revision of the silicon and every temperature allows; 480 MHz needs revision V and scale 0.
-//! The HSI is within 1 % at room temperature: good for UARTs and sensors, not for a wall clock.
+//! 400 MHz at voltage scale 1 is what every revision of the silicon and every temperature allows;
+//! 480 MHz needs revision V and scale 0. The HSI is within 1 % at room temperature: good for UARTs
+//! and sensors, not for a wall clock.
 //!
 //! # Source
-//! RM0433, sections 6.6 (supply) and 8.5 (clocks), table 6 of DS12110 (frequencies by scale); RM0399, section 7.5: the Portenta's switching
-//! regulator gives 1.8 V to the linear one (MicroPython's `mpconfigboard.h` and OpenMV's `omv_boardconfig.h` say so as well). The supply can
-//! be chosen once after power on; a bootloader has chosen the same.
+//! RM0433, sections 6.6 (supply) and 8.5 (clocks), table 6 of DS12110 (frequencies by scale);
+//! RM0399, section 7.5: the Portenta's switching regulator gives 1.8 V to the linear one
+//! (MicroPython's `mpconfigboard.h` and OpenMV's `omv_boardconfig.h` say so as well). The supply
+//! can be chosen once after power on; a bootloader has chosen the same.
 
 use crate::ports::Clock;
 use embassy_stm32::Config;
 use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, HSIPrescaler, Hsi48Config, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
-    VoltageScale, mux,
+    AHBPrescaler, APBPrescaler, HSIPrescaler, Hsi48Config, Pll, PllDiv, PllMul, PllPreDiv,
+    PllSource, Sysclk, VoltageScale, mux,
 };
 use embassy_time::Instant;
 
@@ -54,8 +56,9 @@ pub fn config() -> Config {
     config
 }
 
-/// Runs from the HSI, with the PLLs off, as after a reset: a bootloader may have left a clock that is too fast for the voltage that `init`
-/// chooses first, and settings of a PLL that runs are not taken (RM0433, section 8.7.11).
+/// Runs from the HSI, with the PLLs off, as after a reset: a bootloader may have left a clock that
+/// is too fast for the voltage that `init` chooses first, and settings of a PLL that runs are not
+/// taken (RM0433, section 8.7.11).
 pub fn take_over() {
     use embassy_stm32::pac::RCC;
     RCC.cr().modify(|control| control.set_hsion(true));
@@ -77,8 +80,8 @@ pub enum FrameClock {
     Usb2 = 0b11,
 }
 
-/// Trims the HSI48 by the frames of this USB (RM0433, section 9.8.2, SYNCSRC, which can be written while the trimming is off). The HAL knows only
-/// the first.
+/// Trims the HSI48 by the frames of this USB (RM0433, section 9.8.2, SYNCSRC, which can be written
+/// while the trimming is off). The HAL knows only the first.
 pub fn follow_usb_frames(source: FrameClock) {
     use embassy_stm32::pac::{CRS, crs::vals::Syncsrc};
     CRS.cr().modify(|control| control.set_cen(false));

@@ -3,27 +3,33 @@
 //! ```text
 //! DCMI -> DMA1 stream 0, circular, words -> ring in SRAM of domain 2
 //! VSYNC pin rises (EXTI)   a frame starts: its time          DCMI itself tells only of ends
-//! LINE                     a row ends: once the interface's buffer is empty, how far has the DMA come, if the next one has not begun?
+//! LINE                     a row ends: once the interface's buffer is empty, how far has the DMA
+//!                          come, if the next one has not begun?
 //! VSYNC                    a frame ends
 //! OVR, DMA error           bytes are lost
 //! Bands asks for it        DCMI and DMA start anew; DCMI waits for the next frame
 //! ```
-//! The HAL's driver takes one frame at a time and no position, so its pins, clocks and addresses are used and the registers are written here.
+//! The HAL's driver takes one frame at a time and no position, so its pins, clocks and addresses
+//! are used and the registers are written here.
 //!
 //! # Bounds
-//! The interrupt looks at the DMA's position between two rows, 3 us with an MT9V034; one that is late leaves the row to the next, and may be late by any
-//! number of rows that the ring holds. Frames are a millisecond apart.
+//! The interrupt looks at the DMA's position between two rows, 3 us with an MT9V034; one that is
+//! late leaves the row to the next, and may be late by any number of rows that the ring holds.
+//! Frames are a millisecond apart.
 //!
 //! # Source
-//! RM0433: sections 16 (DMA: 16.3.8 circular mode, 16.5.5 S0CR), 17.3 (DMAMUX request 75), 20 (EXTI), 29 (DCMI: 29.6 interrupts, 29.7
-//! registers); RM0399 has the same peripherals. Edges and levels: those with which OpenMV (`mt9v0xx.c`, `sensor.c`) takes frames of an MT9V034 with
-//! an STM32H743.
+//! RM0433: sections 16 (DMA: 16.3.8 circular mode, 16.5.5 S0CR), 17.3 (DMAMUX request 75), 20
+//! (EXTI), 29 (DCMI: 29.6 interrupts, 29.7 registers); RM0399 has the same peripherals. Edges and
+//! levels: those with which OpenMV (`mt9v0xx.c`, `sensor.c`) takes frames of an MT9V034 with an
+//! STM32H743.
 
 use super::clocks::now_us;
 use crate::boards::selected::ROW;
 use crate::capture::{Bands, Dma, Events, RingLayout, Signal, Stream};
 use core::cell::{RefCell, UnsafeCell};
-use embassy_stm32::dcmi::{D0Pin, D1Pin, D2Pin, D3Pin, D4Pin, D5Pin, D6Pin, D7Pin, HSyncPin, PixClkPin, VSyncPin};
+use embassy_stm32::dcmi::{
+    D0Pin, D1Pin, D2Pin, D3Pin, D4Pin, D5Pin, D6Pin, D7Pin, HSyncPin, PixClkPin, VSyncPin,
+};
 use embassy_stm32::gpio::{AfType, Flex, Pull};
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac;
@@ -47,15 +53,18 @@ const STREAM: usize = 0;
 #[repr(C, align(32))]
 struct Ring(UnsafeCell<[u8; RING_BYTES]>);
 
-// SAFETY: only read, through raw pointers, by copies whose result is not used when the DMA was there meanwhile.
+// SAFETY: only read, through raw pointers, by copies whose result is not used when the DMA was
+// there meanwhile.
 unsafe impl Sync for Ring {}
 
 // SAFETY: the section is not initialised, and every pattern of bits is a byte.
 #[unsafe(link_section = ".rings")]
 static RING: Ring = Ring(UnsafeCell::new([0; RING_BYTES]));
 
-/// Empty until the stream is started. A list, because the bytes of an `Option` that is `None` are not all zero, and would lie in flash.
-static STATE: CriticalSectionMutex<RefCell<Vec<State, 1>>> = CriticalSectionMutex::new(RefCell::new(Vec::new()));
+/// Empty until the stream is started. A list, because the bytes of an `Option` that is `None` are
+/// not all zero, and would lie in flash.
+static STATE: CriticalSectionMutex<RefCell<Vec<State, 1>>> =
+    CriticalSectionMutex::new(RefCell::new(Vec::new()));
 
 struct State {
     bands: Bands<QUEUE>,
@@ -97,7 +106,8 @@ impl CameraPins {
             ($($pin:ident)*) => { [$(($pin.af_num(), Flex::new($pin))),*] };
         }
         for (function, mut pin) in pins!(d0 d1 d2 d3 d4 d5 d6 d7 vsync hsync clock) {
-            // No sensor: no frame, no row, no pixel, instead of noise that keeps the interrupts busy.
+            // No sensor: no frame, no row, no pixel, instead of noise that keeps the interrupts
+            // busy.
             pin.set_as_af_unchecked(function, AfType::input(Pull::Down));
             core::mem::forget(pin); // stays so
         }
@@ -123,28 +133,37 @@ pub struct DcmiStream {
 }
 
 impl DcmiStream {
-    /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are high.
-    /// `None` when it was started before, the ring is larger than the memory for it, or VSYNC is a pin below 5, which has an interrupt of its own.
+    /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are
+    /// high. `None` when it was started before, the ring is larger than the memory for it, or VSYNC
+    /// is a pin below 5, which has an interrupt of its own.
     pub fn start(interface: CameraInterface, layout: RingLayout) -> Option<Self> {
-        if layout.bytes() as usize > RING_BYTES || !layout.row_bytes.is_multiple_of(4) || interface.pins.vsync.1 < 5 {
+        if layout.bytes() as usize > RING_BYTES
+            || !layout.row_bytes.is_multiple_of(4)
+            || interface.pins.vsync.1 < 5
+        {
             return None;
         }
         let (port, pin) = interface.pins.vsync;
         let vsync_line = usize::from(pin);
-        if !STATE.lock(|state| state.borrow_mut().push(State { bands: Bands::new(layout), vsync_line }).is_ok()) {
+        if !STATE.lock(|state| {
+            state.borrow_mut().push(State { bands: Bands::new(layout), vsync_line }).is_ok()
+        }) {
             return None;
         }
         rcc::enable_and_reset::<peripherals::DCMI>();
         pac::DMAMUX1.ccr(STREAM).write(|mux| mux.set_dmareq_id(DCMI_REQUEST));
         cortex_m::interrupt::free(|_| {
-            pac::SYSCFG.exticr(vsync_line / 4).modify(|config| config.set_exti(vsync_line % 4, port));
+            pac::SYSCFG
+                .exticr(vsync_line / 4)
+                .modify(|config| config.set_exti(vsync_line % 4, port));
             pac::EXTI.rtsr(0).modify(|lines| lines.set_line(vsync_line, true));
             pac::EXTI.imr(0).modify(|lines| lines.set_line(vsync_line, true));
         });
         start_anew(layout);
         for interrupt in [interrupt::DCMI, vsync_interrupt(vsync_line)] {
             interrupt.set_priority(Priority::P1);
-            // SAFETY: the handlers below are ready, and no critical section relies on these interrupts being off.
+            // SAFETY: the handlers below are ready, and no critical section relies on these
+            // interrupts being off.
             unsafe { interrupt.enable() };
         }
         Some(Self { layout })
@@ -175,9 +194,11 @@ impl Stream for DcmiStream {
         let start = (row % self.layout.rows) as usize * row_bytes + from;
         // The row is complete in memory before it is read: this memory is not cached.
         cortex_m::asm::dmb();
-        // SAFETY: the bytes lie in the ring, because rows of the layout fit in it. The DMA may write there meanwhile; then the caller learns
-        // from `written` that the copy is of no use.
-        unsafe { RING.0.get().cast::<u8>().add(start).copy_to_nonoverlapping(into.as_mut_ptr(), count) };
+        // SAFETY: the bytes lie in the ring, because rows of the layout fit in it. The DMA may
+        // write there meanwhile; then the caller learns from `written` that the copy is of no use.
+        unsafe {
+            RING.0.get().cast::<u8>().add(start).copy_to_nonoverlapping(into.as_mut_ptr(), count)
+        };
         cortex_m::asm::dmb();
     }
 
@@ -185,7 +206,8 @@ impl Stream for DcmiStream {
         now_us()
     }
 
-    /// Until the next interrupt: if one came since the last call, not at all. A task of the ports wakes every 5 ms.
+    /// Until the next interrupt: if one came since the last call, not at all. A task of the ports
+    /// wakes every 5 ms.
     fn rest(&self) {
         cortex_m::asm::wfe();
     }
@@ -280,7 +302,8 @@ fn serve() {
     });
 }
 
-/// Waits until the interface has given the row's last words to the DMA: some bus cycles. A DMA that does not take them is an overrun soon.
+/// Waits until the interface has given the row's last words to the DMA: some bus cycles. A DMA that
+/// does not take them is an overrun soon.
 fn empty_buffer() {
     for _ in 0..100 {
         if !pac::DCMI.sr().read().fne() {

@@ -1,14 +1,18 @@
-//! Sectors of the flash that keep the rig and settings: of bank 2 the last two and the two before them.
+//! Sectors of the flash that keep the rig and settings: of bank 2 the last two and the two before
+//! them.
 //!
-//! The program runs from bank 1, so that it goes on while a sector is erased (1 to 4 s) and only the command that asked for it waits.
+//! The program runs from bank 1, so that it goes on while a sector is erased (1 to 4 s) and only
+//! the command that asked for it waits.
 //!
-//! Power may fail while a word of 32 bytes is written. Such a word cannot be corrected, and reading it is a bus fault: it is read with bus
-//! faults ignored, and the flash's own flag says that it is of no use. Memory protection, which keeps the sectors out of the cache, stays on
-//! meanwhile: without HFNMIENA it would be off, and what is read would be what lay there before.
+//! Power may fail while a word of 32 bytes is written. Such a word cannot be corrected, and reading
+//! it is a bus fault: it is read with bus faults ignored, and the flash's own flag says that it is
+//! of no use. Memory protection, which keeps the sectors out of the cache, stays on meanwhile:
+//! without HFNMIENA it would be off, and what is read would be what lay there before.
 //!
 //! # Source
-//! RM0433, sections 4.3 (sectors, words, reading while the other bank is written) and 4.7.5 (double errors: bus error and DBECCERR);
-//! Armv7-M reference manual, B1.4.3 (FAULTMASK), B3.2.8 (CCR.BFHFNMIGN), B3.2.15 (CFSR) and B3.5.5 (MPU_CTRL.HFNMIENA).
+//! RM0433, sections 4.3 (sectors, words, reading while the other bank is written) and 4.7.5 (double
+//! errors: bus error and DBECCERR); Armv7-M reference manual, B1.4.3 (FAULTMASK), B3.2.8
+//! (CCR.BFHFNMIGN), B3.2.15 (CFSR) and B3.5.5 (MPU_CTRL.HFNMIENA).
 
 use crate::slot_store::BoardStore;
 use core::arch::asm;
@@ -86,7 +90,8 @@ impl NorFlash for KeptFlash {
     }
 }
 
-/// Makes bank 2 erase 64 bits at once (PSIZE), which is the fastest: its registers stay unlocked until the HAL has erased.
+/// Makes bank 2 erase 64 bits at once (PSIZE), which is the fastest: its registers stay unlocked
+/// until the HAL has erased.
 fn erase_in_parallel() {
     let bank = pac::FLASH.bank(BANK);
     if bank.cr().read().lock() {
@@ -123,8 +128,9 @@ unsafe fn copy_ignoring_faults(address: usize, bytes: &mut [u8]) {
     const HFNMIENA: u32 = 1 << 1;
     /// CFSR: what bus faults leave; a bit that is written is cleared.
     const BUS_FAULTS: u32 = 0xff00;
-    // SAFETY: nothing else changes CCR and MPU_CTRL while FAULTMASK holds all handlers back, as which this code counts meanwhile; all are as
-    // before afterwards. The source is memory, as the caller says.
+    // SAFETY: nothing else changes CCR and MPU_CTRL while FAULTMASK holds all handlers back, as
+    // which this code counts meanwhile; all are as before afterwards. The source is memory, as the
+    // caller says.
     unsafe {
         let (scb, mpu) = (&*SCB::PTR, &*MPU::PTR);
         mpu.ctrl.modify(|control| control | HFNMIENA);
@@ -132,7 +138,8 @@ unsafe fn copy_ignoring_faults(address: usize, bytes: &mut [u8]) {
         scb.ccr.modify(|ccr| ccr | BFHFNMIGN);
         cortex_m::asm::dsb();
         cortex_m::asm::isb();
-        core::ptr::with_exposed_provenance::<u8>(address).copy_to_nonoverlapping(bytes.as_mut_ptr(), bytes.len());
+        core::ptr::with_exposed_provenance::<u8>(address)
+            .copy_to_nonoverlapping(bytes.as_mut_ptr(), bytes.len());
         cortex_m::asm::dsb();
         scb.ccr.modify(|ccr| ccr & !BFHFNMIGN);
         scb.cfsr.write(BUS_FAULTS); // or the next fault would be taken for one at this address

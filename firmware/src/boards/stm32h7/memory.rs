@@ -1,20 +1,23 @@
 //! Caches on, and what must not be cached.
 //!
 //! ```text
-//! 0x3000_0000, 512 KiB   SRAM of domain 2, into which the camera's DMA writes: not cached, so that nothing has to be invalidated
+//! 0x3000_0000, 512 KiB   SRAM of domain 2, into which the camera's DMA writes: not cached, so that
+//!                        nothing has to be invalidated
 //! 0x0818_0000, 512 KiB   the sectors of the rig and of settings: what was written is what is read
 //! ```
-//! The alternative to the first, invalidating each row before it is copied, is two more ways to be wrong: lines that rows share, and lines
-//! that speculative reads bring back. A row is read once, so a cache would gain little: words of a copy come in bursts.
+//! The alternative to the first, invalidating each row before it is copied, is two more ways to be
+//! wrong: lines that rows share, and lines that speculative reads bring back. A row is read once,
+//! so a cache would gain little: words of a copy come in bursts.
 //!
 //! # Source
-//! Armv7-M reference manual (DDI 0403E), B3.5 (memory protection unit); RM0433 and RM0399: memory map, RCC_AHB2ENR.
+//! Armv7-M reference manual (DDI 0403E), B3.5 (memory protection unit); RM0433 and RM0399: memory
+//! map, RCC_AHB2ENR.
 
 use cortex_m::peripheral::{CPUID, MPU, SCB};
 use embassy_stm32::pac::{DBGMCU, RCC};
 
-/// Regions of the memory protection unit; the highest number counts where they overlap. The lowest are the stacks'
-/// (`firmware/src/arch`), and the others were cleared there.
+/// Regions of the memory protection unit; the highest number counts where they overlap. The lowest
+/// are the stacks' (`firmware/src/arch`), and the others were cleared there.
 const KEPT_REGION: u32 = 14;
 const RINGS_REGION: u32 = 15;
 
@@ -24,8 +27,9 @@ pub fn prepare() {
     unsafe extern "C" {
         static __vector_table: u32;
     }
-    // SAFETY: nothing else has these peripherals, no interrupt is enabled yet, and the regions are those of the memory map: what lies in
-    // them is used by the camera's DMA and by the flash that keeps the rig and settings alone. The vector table is that of cortex-m-rt.
+    // SAFETY: nothing else has these peripherals, no interrupt is enabled yet, and the regions are
+    // those of the memory map: what lies in them is used by the camera's DMA and by the flash that
+    // keeps the rig and settings alone. The vector table is that of cortex-m-rt.
     unsafe {
         let scb = &*SCB::PTR;
         scb.vtor.write((&raw const __vector_table).addr() as u32);
@@ -47,7 +51,8 @@ pub fn prepare() {
     let _ = RCC.ahb2enr().read(); // the clock runs after a read (RM0433, section 8.5.10)
 }
 
-/// Revision Y and older may read wrong data from the AXI SRAM while two requests are open (ES0392, 2.2.9); ST's `SystemInit` does the same.
+/// Revision Y and older may read wrong data from the AXI SRAM while two requests are open (ES0392,
+/// 2.2.9); ST's `SystemInit` does the same.
 fn read_axi_sram_one_at_a_time() {
     /// Revisions from X on read right.
     const X: u32 = 0x2000;
@@ -74,11 +79,13 @@ impl Caches {
 /// Makes memory normal, not cached, shared and never executed.
 ///
 /// # Safety
-/// Everything in the region may be normal memory, not cached, shared and never executed. `bytes` is a power of two and divides `address`.
+/// Everything in the region may be normal memory, not cached, shared and never executed. `bytes` is
+/// a power of two and divides `address`.
 unsafe fn not_cached(region: u32, address: u32, bytes: u32) {
     /// The address and the number of the region are those given (B3.5.8).
     const VALID: u32 = 1 << 4;
-    /// Never executed, everybody reads and writes, TEX = 1, shared, not cached, not buffered, enabled (B3.5.9).
+    /// Never executed, everybody reads and writes, TEX = 1, shared, not cached, not buffered,
+    /// enabled (B3.5.9).
     const NOT_CACHED: u32 = 1 << 28 | 0b011 << 24 | 1 << 19 | 1 << 18 | 1;
     let size = (bytes.trailing_zeros() - 1) << 1;
     // SAFETY: as the caller says.

@@ -5,8 +5,9 @@
 //! program -> pipe -> task -> UART's buffer      program <- pipe <- task <- UART's buffer
 //! program -> pipe -> task -> UART's buffer      program <- UART's buffer      MAVLink, 57600 baud
 //! ```
-//! The tasks run in an interrupt that no peripheral uses, below all others and above the program. The program never waits for ever for a task
-//! that waits for a host ([`HostLine`]), and not at all for the autopilot's.
+//! The tasks run in an interrupt that no peripheral uses, below all others and above the program.
+//! The program never waits for ever for a task that waits for a host ([`HostLine`]), and not at all
+//! for the autopilot's.
 //!
 //! # Cost
 //! 15 KiB of pipes and buffers with those of USB.
@@ -25,13 +26,15 @@ use embassy_stm32::interrupt::typelevel::Binding;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::interrupt;
 use embassy_stm32::usart::{
-    BufferedInterruptHandler, BufferedUart, BufferedUartRx, BufferedUartTx, Config, Instance, RxPin, TxPin,
+    BufferedInterruptHandler, BufferedUart, BufferedUartRx, BufferedUartTx, Config, Instance,
+    RxPin, TxPin,
 };
 use embassy_time::Timer;
 use embedded_io_async::{Read as _, Write as _};
 use static_cell::StaticCell;
 
-/// Bytes that wait for the host's end of its UART: the records of a frame; for the autopilot's; and for the program: more than a command.
+/// Bytes that wait for the host's end of its UART: the records of a frame; for the autopilot's; and
+/// for the program: more than a command.
 const OUT: usize = 8192;
 const AUTOPILOT_OUT: usize = 1024;
 const IN: usize = 1024;
@@ -42,7 +45,8 @@ static TO_UART: Pipe<OUT> = Pipe::new();
 static FROM_UART: Pipe<IN> = Pipe::new();
 static TO_AUTOPILOT: Pipe<AUTOPILOT_OUT> = Pipe::new();
 
-/// How long a record waits for a host at the UART, microseconds: more than a full buffer takes on the UART.
+/// How long a record waits for a host at the UART, microseconds: more than a full buffer takes on
+/// the UART.
 const PATIENCE_US: u64 = 100_000;
 /// Baud rate of the host's UART.
 const HOST_BAUD: u32 = 921_600;
@@ -59,7 +63,8 @@ unsafe fn CEC() {
     unsafe { EXECUTOR.on_interrupt() }
 }
 
-/// The spawner of the ports' tasks, and the priorities of the interrupts of UARTs and USB: to be asked for once, before these start.
+/// The spawner of the ports' tasks, and the priorities of the interrupts of UARTs and USB: to be
+/// asked for once, before these start.
 pub fn executor(uarts: [interrupt; 2], usb: interrupt) -> Option<SendSpawner> {
     for uart in uarts {
         uart.set_priority(Priority::P4);
@@ -94,8 +99,12 @@ async fn send_to_autopilot(uart: BufferedUartTx<'static>) -> ! {
 
 /// From the program to a UART.
 ///
-/// embassy-stm32 0.6 waits for ever in a write for which its buffer lacks room: it registers no waker there. So every write finds it empty.
-async fn send_uart<const BYTES: usize>(mut uart: BufferedUartTx<'static>, pipe: &'static Pipe<BYTES>) -> ! {
+/// embassy-stm32 0.6 waits for ever in a write for which its buffer lacks room: it registers no
+/// waker there. So every write finds it empty.
+async fn send_uart<const BYTES: usize>(
+    mut uart: BufferedUartTx<'static>,
+    pipe: &'static Pipe<BYTES>,
+) -> ! {
     let mut bytes = [0; CHUNK];
     loop {
         let count = pipe.read(&mut bytes).await;
@@ -156,7 +165,9 @@ pub fn host_port<T: Instance>(
     static OUT: StaticCell<[u8; 256]> = StaticCell::new();
     static IN: StaticCell<[u8; 256]> = StaticCell::new();
     let (out, into) = (OUT.init([0; 256]), IN.init([0; 256]));
-    let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(HOST_BAUD)).ok()?;
+    let uart =
+        BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(HOST_BAUD))
+            .ok()?;
     let (sender, receiver) = uart.split();
     spawner.spawn(send_to_host(sender).ok()?);
     spawner.spawn(receive_uart(receiver).ok()?);
@@ -178,7 +189,9 @@ pub fn autopilot_port<T: Instance>(
     static OUT: StaticCell<[u8; 512]> = StaticCell::new();
     static IN: StaticCell<[u8; AUTOPILOT_IN]> = StaticCell::new();
     let (out, into) = (OUT.init([0; 512]), IN.init_with(|| [0; AUTOPILOT_IN]));
-    let uart = BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(AUTOPILOT_BAUD)).ok()?;
+    let uart =
+        BufferedUart::new(uart, receive, transmit, out, into, interrupts, settings(AUTOPILOT_BAUD))
+            .ok()?;
     let (sender, receiver) = uart.split();
     spawner.spawn(send_to_autopilot(sender).ok()?);
     Some(AutopilotPort(receiver))

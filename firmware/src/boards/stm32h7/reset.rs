@@ -1,7 +1,8 @@
 //! Why the chip was reset, and what resets it when no frame is finished.
 //!
 //! # Source
-//! RM0433, section 8.7.39 (RCC_RSR; RM0399 has the same flags for the Cortex-M7), section 48 (IWDG).
+//! RM0433, section 8.7.39 (RCC_RSR; RM0399 has the same flags for the Cortex-M7), section 48
+//! (IWDG).
 
 use crate::ending;
 use crate::ports::Watchdog;
@@ -10,11 +11,13 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, peripherals};
 use linestereo_wire::{Reset, ResetCause};
 
-/// Twice the longest time without a finished frame: a sector takes up to 4 s to be erased (DS12110, table "Flash memory programming"), making
-/// ready for its rig half a second; the watchdog's oscillator may be 5 % fast.
+/// Twice the longest time without a finished frame: a sector takes up to 4 s to be erased (DS12110,
+/// table "Flash memory programming"), making ready for its rig half a second; the watchdog's
+/// oscillator may be 5 % fast.
 const WATCHDOG_US: u32 = 10_000_000;
 
-/// Cause of the reset by the flags and the note of the last run, once. Power on sets the brown-out's and the pin's flags as well, and every reset the pin's.
+/// Cause of the reset by the flags and the note of the last run, once. Power on sets the
+/// brown-out's and the pin's flags as well, and every reset the pin's.
 #[must_use]
 pub fn cause() -> Option<Reset> {
     let flags = RCC.rsr().read();
@@ -39,7 +42,8 @@ pub fn cause() -> Option<Reset> {
     })
 }
 
-/// The independent watchdog. It has an oscillator of its own, and nothing but a reset or a debugger stops it.
+/// The independent watchdog. It has an oscillator of its own, and nothing but a reset or a debugger
+/// stops it.
 #[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
 pub struct IndependentDog(IndependentWatchdog<'static, peripherals::IWDG1>);
 

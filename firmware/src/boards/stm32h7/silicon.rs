@@ -1,4 +1,5 @@
-//! Identification of the chip, its clock, wait states and caches, for a host that records the cost of a pair.
+//! Identification of the chip, its clock, wait states and caches, for a host that records the cost
+//! of a pair.
 //!
 //! # Source
 //! RM0433, sections 4.9.1 (FLASH_ACR) and 60.5.8 (DBGMCU_IDC).
@@ -30,7 +31,12 @@ fn silicon(core_hz: u32) -> Silicon {
 }
 
 /// Around what the board has started.
-pub fn bare(clocks: Peri<'static, RCC>, host: HostPort, watchdog: IndependentDog, reset: Option<Reset>) -> Bare {
+pub fn bare(
+    clocks: Peri<'static, RCC>,
+    host: HostPort,
+    watchdog: IndependentDog,
+    reset: Option<Reset>,
+) -> Bare {
     let core_hz = rcc::clocks(&clocks).sys.to_hertz().map_or(0, |frequency| frequency.0);
     BarePeripherals {
         counter: CycleCounter::start(core_hz),

@@ -1,6 +1,7 @@
 //! A trigger that a task fires, while the program matches the pair before.
 //!
-//! The task runs in the ports' interrupt: it is late by what these take, microseconds, for both sensors alike. The time of a pair is that of its VSYNC in any case.
+//! The task runs in the ports' interrupt: it is late by what these take, microseconds, for both
+//! sensors alike. The time of a pair is that of its VSYNC in any case.
 
 use crate::camera::{Model as _, Mt9v034, TriggerInput};
 use crate::ports::{Cameras, TimedCameras};

@@ -13,8 +13,9 @@ fn curve_lengths() -> impl Iterator<Item = usize> {
 /// Most strips or points of one curve here.
 const MOST: usize = 34;
 
-/// Curves that sum what `count` slices of pixels give, with slices that are too short or longer than need be among them. `given` runs a
-/// kernel on the slices; the first of both runs is that of the kernel.
+/// Curves that sum what `count` slices of pixels give, with slices that are too short or longer
+/// than need be among them. `given` runs a kernel on the slices; the first of both runs is that of
+/// the kernel.
 fn summed_curves(
     rooms: &mut Rooms,
     random: &mut Random,
@@ -52,14 +53,24 @@ fn summed_curves(
                 let mut expected = *curve;
                 let range = range(CURVE, length, distance / 2, distance % 2 == 0);
                 starts[3] = range.start;
-                run(&others[..count], random.next(), &mut curve[range.clone()], &mut expected[range]);
+                run(
+                    &others[..count],
+                    random.next(),
+                    &mut curve[range.clone()],
+                    &mut expected[range],
+                );
                 compared.note(*curve == expected, length, (count, 0), starts);
             }
         }
     }
 }
 
-pub(super) fn sad_curves(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn sad_curves(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     summed_curves(rooms, random, compared, 0..=10, STRIP - 1, |others, seed, ours, theirs| {
         let mut random = Random(seed | 1);
         let mut strips = [Strip { reference: [0; STRIP], other: &[] }; MOST];
@@ -73,7 +84,12 @@ pub(super) fn sad_curves(kernels: &Kernels, rooms: &mut Rooms, random: &mut Rand
     });
 }
 
-pub(super) fn hamming_curves(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn hamming_curves(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     // Three more than the most that are allowed: no reason to give other bits.
     summed_curves(rooms, random, compared, 0..=MOST, 0, |others, seed, ours, theirs| {
         let mut random = Random(seed | 1);
@@ -122,7 +138,12 @@ pub(super) fn combined_curves(
     }
 }
 
-pub(super) fn lowest_entries(kernels: &Kernels, _: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn lowest_entries(
+    kernels: &Kernels,
+    _: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     for length in 0..=70 {
         for round in 0..64 {
             let mut curve = [u16::MAX; COMBINED];
@@ -134,7 +155,12 @@ pub(super) fn lowest_entries(kernels: &Kernels, _: &mut Rooms, random: &mut Rand
             }
             let start = round % 2;
             let curve = &curve[start..start + length];
-            compared.note((kernels.lowest)(curve) == portable::lowest(curve), length, (1, 0), [2 * start, 0, 0, 0]);
+            compared.note(
+                (kernels.lowest)(curve) == portable::lowest(curve),
+                length,
+                (1, 0),
+                [2 * start, 0, 0, 0],
+            );
         }
     }
 }

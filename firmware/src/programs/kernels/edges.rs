@@ -5,18 +5,31 @@ use super::{Compared, Kernels};
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::portable;
 
-pub(super) fn largest_steps(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
-    const FAR: [usize; 5] = [usize::MAX / 20, usize::MAX / 2, usize::MAX / 2 + 1, usize::MAX - 1, usize::MAX];
+pub(super) fn largest_steps(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
+    const FAR: [usize; 5] =
+        [usize::MAX / 20, usize::MAX / 2, usize::MAX / 2 + 1, usize::MAX - 1, usize::MAX];
     for contents in Contents::ALL {
         contents.fill(random, &mut rooms.image.contents);
         for stride in (0..=5).chain([8, 63, 255, 319, 320, 321, 322, 640]).chain(FAR) {
             for count in (0..=20).chain([500, 0xfffe, 0xffff, 0x1_0000, usize::MAX]) {
-                if stride == 0 && count > 500 && (contents != Contents::Random || count > 0x1_0000) {
+                if stride == 0 && count > 500 && (contents != Contents::Random || count > 0x1_0000)
+                {
                     continue; // the same pixel for ever
                 }
                 let needed = count.saturating_sub(1).saturating_mul(stride).saturating_add(1);
-                for length in [needed, needed.saturating_add(1), needed - 1, needed - needed.min(stride), needed / 2, 0]
-                {
+                for length in [
+                    needed,
+                    needed.saturating_add(1),
+                    needed - 1,
+                    needed - needed.min(stride),
+                    needed / 2,
+                    0,
+                ] {
                     let length = length.min(IMAGE - ALIGNMENTS);
                     for distance in 0..ALIGNMENTS {
                         let range = range(IMAGE, length, distance, count % 2 == 0);
@@ -56,12 +69,18 @@ pub(super) fn crossings<T: PartialEq>(
         usize::MAX / 7,
         usize::MAX / 7 + 1,
     ];
-    let mut compare = |image: &[u8; IMAGE], length: usize, first: usize, stride: usize, distance: usize, at_back| {
+    let mut compare = |image: &[u8; IMAGE],
+                       length: usize,
+                       first: usize,
+                       stride: usize,
+                       distance: usize,
+                       at_back| {
         let range = range(IMAGE, length, distance, at_back);
         let start = range.start;
         let pixels = &image[range];
         for sign in [1, -1] {
-            let equal = kernel(pixels, first, stride, sign) == definition(pixels, first, stride, sign);
+            let equal =
+                kernel(pixels, first, stride, sign) == definition(pixels, first, stride, sign);
             compared.note(equal, length, (first, stride), [start, 0, 0, 0]);
         }
     };

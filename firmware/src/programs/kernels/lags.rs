@@ -5,11 +5,18 @@ use super::{Compared, Kernels};
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{GRADIENTS, Products, RIGHT_GRADIENTS, portable};
 
-pub(super) fn products(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn products(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     const LEFT: usize = GRADIENTS + 2;
     const RIGHT: usize = RIGHT_GRADIENTS + 2;
     let [left, right, _] = &mut rooms.rows;
-    for (of_left, of_right) in Contents::ALL.into_iter().flat_map(|of_left| Contents::ALL.map(|all| (of_left, all))) {
+    for (of_left, of_right) in
+        Contents::ALL.into_iter().flat_map(|of_left| Contents::ALL.map(|all| (of_left, all)))
+    {
         for round in 0..8 * ALIGNMENTS * ALIGNMENTS {
             of_left.fill(random, &mut left.contents);
             of_right.fill(random, &mut right.contents);
@@ -23,7 +30,8 @@ pub(super) fn products(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random
             };
             // What was summed before: anything, so that sums wrap.
             let mut number = || random.next() as i32;
-            let mut sums = [(); 2].map(|()| Products { at_lags: [(); 5].map(|()| number()), energy: number() });
+            let mut sums = [(); 2]
+                .map(|()| Products { at_lags: [(); 5].map(|()| number()), energy: number() });
             let mut expected = sums;
             (kernels.add_products)(left, right, &mut sums);
             portable::add_products(left, right, &mut expected);

@@ -1,10 +1,13 @@
-//! Do the kernels of this machine equal the portable ones? Every length and alignment, down to inputs that the core never gives them.
+//! Do the kernels of this machine equal the portable ones? Every length and alignment, down to
+//! inputs that the core never gives them.
 //!
-//! In: the kernels, and [`Rooms`] that hold what they read and write. Out: per kernel, comparisons made and the first difference.
+//! In: the kernels, and [`Rooms`] that hold what they read and write. Out: per kernel, comparisons
+//! made and the first difference.
 //!
 //! ```text
 //! for each kernel, length, contents:
-//!     place inputs and output at every alignment, once at the front of their rooms and once at the back, next to a fence
+//!     place inputs and output at every alignment, once at the front of their rooms and once at
+//!         the back, next to a fence
 //!     kernel, portable kernel: the whole rooms must be equal, not the output alone
 //! ```
 //!
@@ -15,11 +18,12 @@
 //! edges   the largest step; crossings, and census of one pixel
 //! lags    products of gradients along two rows, at several lags
 //! pixels  grey levels between pixels
-//! support codes, costs of windows of codes, paths
+//! support codes, costs of windows of codes, paths; few pixels of rows
 //! memory  copies and fills of memory, which are no kernels but as delicate
 //! ```
 //!
-//! On a board the fences are forbidden memory (`fence.rs`): a kernel that reads or writes one byte too far ends in a fault.
+//! On a board the fences are forbidden memory (`fence.rs`): a kernel that reads or writes one byte
+//! too far ends in a fault.
 
 mod curves;
 mod edges;
@@ -34,8 +38,8 @@ pub use rooms::Rooms;
 
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{
-    self, CODE_ROWS, CodeColumn, Crossing, Crossings, GRADIENTS, Knot, LargestStep, Products, RIGHT_GRADIENTS, Ring,
-    Run, STRIP, Strip, portable,
+    self, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, GRADIENTS, Knot, LargestStep,
+    Products, RIGHT_GRADIENTS, RUN_PIXELS, Ring, Run, STRIP, Strip, portable,
 };
 use memory::Memory;
 use rooms::ALIGNMENTS;
@@ -88,11 +92,16 @@ kernels! {
     sum_paths: fn(&[u8], &[u8], &mut [u8]) -> u8,
     lowest_byte: fn(&[u8]) -> u8,
     place_of_byte: fn(&[u8], u8) -> Option<usize>,
+    code_moments: fn(&[CodeColumn; STRIP + 2]) -> CodeMoments,
+    second_differences: fn([&[u8; RUN_PIXELS]; 3], usize) -> u32,
+    limited_steps: fn(&[u8], &[u8], u8, &mut [u8]),
+    row_difference: fn(&[u8; STRIP], &[u8; STRIP]) -> u16,
     add_products: fn(&[u8; GRADIENTS + 2], &[u8; RIGHT_GRADIENTS + 2], &mut [Products; 2]),
 }
 
 impl Kernels {
-    /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be found.
+    /// Control: each is wrong for few inputs, as a kernel with a forgotten case is, and must be
+    /// found.
     pub const WRONG: Self = Self {
         gradient_row: |above, row, below, out| {
             portable::gradient_row(above, row, below, out);
@@ -147,7 +156,8 @@ impl Kernels {
             portable::census_code(shorter, first, stride)
         },
         crossing: |crossings, first, sign| {
-            portable::crossing(crossings, first, sign).filter(|found| found.shift < 1 || found.along != 23)
+            portable::crossing(crossings, first, sign)
+                .filter(|found| found.shift < 1 || found.along != 23)
         },
         bilinear_runs: |rows, width, runs, out| {
             portable::bilinear_runs(rows, width, runs, out);
@@ -189,7 +199,19 @@ impl Kernels {
             portable::sum_paths(a, b, sums.get_mut(..known).unwrap_or(&mut []))
         },
         lowest_byte: |costs| portable::lowest_byte(costs.get(..costs.len() & !3).unwrap_or(&[])),
-        place_of_byte: |costs, bound| portable::place_of_byte(costs, bound).filter(|&place| place != 41),
+        place_of_byte: |costs, bound| {
+            portable::place_of_byte(costs, bound).filter(|&place| place != 41)
+        },
+        code_moments: |columns| {
+            let found = portable::code_moments(columns);
+            CodeMoments { down: found.down & 0x1f_ffff, ..found }
+        },
+        second_differences: |rows, apart| portable::second_differences(rows, apart) & 0x1fff,
+        limited_steps: |before, after, most, out| {
+            let known = before.len() - usize::from(before.len() == 33);
+            portable::limited_steps(before.get(..known).unwrap_or(&[]), after, most, out);
+        },
+        row_difference: |a, b| portable::row_difference(a, b).min(2039),
         add_products: |left, right, sums| {
             portable::add_products(left, right, sums);
             sums[1].energy ^= i32::from(right[..2] == [0, 255]);
@@ -222,7 +244,13 @@ pub struct Compared {
 }
 
 impl Compared {
-    fn note(&mut self, equal: bool, length: usize, (count, stride): (usize, usize), starts: [usize; 4]) {
+    fn note(
+        &mut self,
+        equal: bool,
+        length: usize,
+        (count, stride): (usize, usize),
+        starts: [usize; 4],
+    ) {
         self.comparisons += 1;
         if !equal && self.first.is_none() {
             let alignments = starts.map(|start| (start % ALIGNMENTS) as u8);
@@ -237,7 +265,13 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
     let suites: [Suite; Kernels::COUNT] = [
         |kernels, rooms, random, compared| {
             let ours = |[a, r, b]: [&[u8]; 3], out: &mut [u8]| (kernels.gradient_row)(a, r, b, out);
-            rows::rows(ours, |[a, r, b], out| portable::gradient_row(a, r, b, out), rooms, random, compared);
+            rows::rows(
+                ours,
+                |[a, r, b], out| portable::gradient_row(a, r, b, out),
+                rooms,
+                random,
+                compared,
+            );
         },
         |kernels, rooms, random, compared| {
             rows::rows(kernels.census_row, portable::census_row, rooms, random, compared);
@@ -247,32 +281,56 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
         curves::hamming_curves,
         |kernels, _, random, compared| {
             let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.sum_curve)(a, b, out);
-            curves::combined_curves(ours, |[a, b, _], out| portable::sum_curve(a, b, out), random, compared);
+            curves::combined_curves(
+                ours,
+                |[a, b, _], out| portable::sum_curve(a, b, out),
+                random,
+                compared,
+            );
         },
         |kernels, _, random, compared| {
             let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_curve)(a, b, out);
-            curves::combined_curves(ours, |[a, b, _], out| portable::lower_curve(a, b, out), random, compared);
+            curves::combined_curves(
+                ours,
+                |[a, b, _], out| portable::lower_curve(a, b, out),
+                random,
+                compared,
+            );
         },
         |kernels, _, random, compared| {
-            let ours = |[a, b, c]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_sum_curve)(a, b, c, out);
-            curves::combined_curves(ours, |[a, b, c], out| portable::lower_sum_curve(a, b, c, out), random, compared);
+            let ours =
+                |[a, b, c]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_sum_curve)(a, b, c, out);
+            curves::combined_curves(
+                ours,
+                |[a, b, c], out| portable::lower_sum_curve(a, b, c, out),
+                random,
+                compared,
+            );
         },
         curves::lowest_entries,
         edges::largest_steps,
         |kernels, rooms, random, compared| {
-            let ours = |pixels: &[u8], first, stride, _| (kernels.census_code)(pixels, first, stride);
-            let theirs = |pixels: &[u8], first, stride, _| portable::census_code(pixels, first, stride);
+            let ours =
+                |pixels: &[u8], first, stride, _| (kernels.census_code)(pixels, first, stride);
+            let theirs =
+                |pixels: &[u8], first, stride, _| portable::census_code(pixels, first, stride);
             edges::crossings(ours, theirs, rooms, random, compared);
         },
         |kernels, rooms, random, compared| {
             for are_rows in [true, false] {
                 fn of(are_rows: bool, pixels: &[u8], stride: usize) -> Crossings<'_> {
-                    if are_rows { Crossings::of_rows(pixels, stride) } else { Crossings::of_columns(pixels, stride) }
+                    if are_rows {
+                        Crossings::of_rows(pixels, stride)
+                    } else {
+                        Crossings::of_columns(pixels, stride)
+                    }
                 }
-                let ours =
-                    |pixels: &[u8], first, stride, sign| (kernels.crossing)(&of(are_rows, pixels, stride), first, sign);
-                let theirs =
-                    |pixels: &[u8], first, stride, sign| portable::crossing(&of(are_rows, pixels, stride), first, sign);
+                let ours = |pixels: &[u8], first, stride, sign| {
+                    (kernels.crossing)(&of(are_rows, pixels, stride), first, sign)
+                };
+                let theirs = |pixels: &[u8], first, stride, sign| {
+                    portable::crossing(&of(are_rows, pixels, stride), first, sign)
+                };
                 edges::crossings(ours, theirs, rooms, random, compared);
             }
         },
@@ -286,6 +344,10 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
         support::sums_of_paths,
         support::lowest_bytes,
         support::places_of_bytes,
+        support::code_moments,
+        support::second_differences,
+        support::limited_steps,
+        support::row_differences,
         lags::products,
     ];
     let mut all_equal = true;
@@ -303,8 +365,10 @@ pub const MEMORY_FUNCTIONS: usize = 2;
 
 /// Compares copies and fills of memory with loops over the bytes, and says whether all are equal.
 pub fn run_memory(rooms: &mut Rooms, report: impl FnMut(&Compared)) -> bool {
-    let compared: [Compared; MEMORY_FUNCTIONS] =
-        [memory::copies(Memory::CALLED, rooms, &mut Random::new()), memory::fills(Memory::CALLED, rooms)];
+    let compared: [Compared; MEMORY_FUNCTIONS] = [
+        memory::copies(Memory::CALLED, rooms, &mut Random::new()),
+        memory::fills(Memory::CALLED, rooms),
+    ];
     compared.iter().for_each(report);
     compared.iter().all(|compared| compared.first.is_none())
 }
@@ -332,9 +396,12 @@ mod tests {
     fn every_wrong_kernel_is_found() {
         let mut rooms = Box::new(Rooms::new());
         let mut found = Vec::new();
-        assert!(!run(&Kernels::WRONG, &mut rooms, |compared| found.push((compared.kernel, compared.first))));
+        assert!(!run(&Kernels::WRONG, &mut rooms, |compared| found
+            .push((compared.kernel, compared.first))));
         assert!(found.iter().all(|(_, first)| first.is_some()), "{found:?}");
-        let of = |name: &str| found.iter().find(|(kernel, _)| *kernel == name).and_then(|(_, first)| *first).unwrap();
+        let of = |name: &str| {
+            found.iter().find(|(kernel, _)| *kernel == name).and_then(|(_, first)| *first).unwrap()
+        };
         assert_eq!(of("gradient_row").length, 77);
         assert_eq!(of("census_row").length, 61);
         assert_eq!(of("reverse_row").length, 43);

@@ -20,7 +20,8 @@ fn inside(random: &mut Random, width: usize, length: usize, bytes: usize) -> Run
         _ => (random.next() >> 1) as i32 % (most + 1),
     };
     let steps = (length as i32 - 1).max(1);
-    for (from, step, most) in [(&mut run.x_q16, &mut run.dx_q16, end - 1), (&mut run.fy_q14, &mut run.dfy_q14, 1 << 14)]
+    for (from, step, most) in
+        [(&mut run.x_q16, &mut run.dx_q16, end - 1), (&mut run.fy_q14, &mut run.dfy_q14, 1 << 14)]
     {
         let (first, last) = (ends(most), ends(most));
         // Rounded towards zero: the last one is not passed.
@@ -33,7 +34,12 @@ fn inside(random: &mut Random, width: usize, length: usize, bytes: usize) -> Run
     run
 }
 
-pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn bilinear_runs(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     for round in 0..12_000_usize {
         if round % 40 == 0 {
             Contents::ALL[round / 40 % 6].fill(random, &mut rooms.image.contents);
@@ -70,7 +76,8 @@ pub(super) fn bilinear_runs(kernels: &Kernels, rooms: &mut Rooms, random: &mut R
                 _ => run.length = run.length.wrapping_add(much as u32),
             }
         }
-        let length = if round % 11 == 0 { random.below(total + 3) } else { total }.min(ROW - ALIGNMENTS);
+        let length =
+            if round % 11 == 0 { random.below(total + 3) } else { total }.min(ROW - ALIGNMENTS);
         let rows = range(IMAGE, bytes, random.below(ALIGNMENTS), at_back);
         let to = range(ROW, length, random.below(ALIGNMENTS), at_back);
         let starts = [rows.start, to.start, 0, 0];
@@ -89,7 +96,12 @@ const KNOTS: usize = 8;
 /// Positions far outside, or next to the end of numbers.
 const ANYWHERE: [i32; 8] = [0, 1, -1, 1 << 16, -(1 << 20), 1 << 29, i32::MAX, i32::MIN];
 
-pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn bilinear_cells(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     for round in 0..8_000_usize {
         if round % 40 == 0 {
             Contents::ALL[round / 40 % 6].fill(random, &mut rooms.image.contents);
@@ -98,7 +110,8 @@ pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms, random: &mut 
         let width = [1 + random.below(60), 255, 256, 257, 320][round % 5];
         let rows = 1 + random.below(9);
         // Rows held, as few as may be; now and then a little less.
-        let bytes = (rows - 1) * width + columns(width) + 1 - random.below(2) * usize::from(round % 9 == 0);
+        let bytes =
+            (rows - 1) * width + columns(width) + 1 - random.below(2) * usize::from(round % 9 == 0);
         let first = random.below(500) as i32;
         // From anywhere to anywhere inside, by about as many pixels as there are, up or down.
         let mut knots = [Knot::default(); KNOTS];
@@ -132,15 +145,22 @@ pub(super) fn bilinear_cells(kernels: &Kernels, rooms: &mut Rooms, random: &mut 
     }
 }
 
-pub(super) fn weighed_knots(kernels: &Kernels, _: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn weighed_knots(
+    kernels: &Kernels,
+    _: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     for round in 0..2_000_usize {
         let mut number = || match round % 3 {
             0 => ANYWHERE[random.below(8)],
             _ => random.next() as i32,
         };
-        let rows: [[Knot; KNOTS]; 4] = [(); 4].map(|()| [(); KNOTS].map(|()| Knot { x: number(), y: number() }));
+        let rows: [[Knot; KNOTS]; 4] =
+            [(); 4].map(|()| [(); KNOTS].map(|()| Knot { x: number(), y: number() }));
         let weights = [(); 4].map(|()| number());
-        let counts: [usize; 5] = [(); 5].map(|()| if round % 4 == 0 { random.below(KNOTS + 1) } else { 6 });
+        let counts: [usize; 5] =
+            [(); 5].map(|()| if round % 4 == 0 { random.below(KNOTS + 1) } else { 6 });
         let [a, b, c, d] = &rows;
         let rows = [&a[..counts[0]], &b[..counts[1]], &c[..counts[2]], &d[..counts[3]]];
         let mut found = [Knot { x: 7, y: 7 }; KNOTS];

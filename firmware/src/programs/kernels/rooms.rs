@@ -1,6 +1,7 @@
 //! Memory for what kernels read and write, and what is put there.
 //!
-//! In: a length, a distance. Out: a range next to a fence at every alignment; pixels of every kind, the same in every run.
+//! In: a length, a distance. Out: a range next to a fence at every alignment; pixels of every kind,
+//! the same in every run.
 
 use crate::fence::Fence;
 use crate::programs::random::Random;
@@ -72,7 +73,15 @@ impl Rooms {
     #[must_use]
     pub const fn fences(&self) -> [&Fence; Self::FENCES] {
         let [a, b, c] = &self.rows;
-        [&a.before, &b.before, &c.before, &self.out.before, &self.curve.before, &self.image.before, &self.behind]
+        [
+            &a.before,
+            &b.before,
+            &c.before,
+            &self.out.before,
+            &self.curve.before,
+            &self.image.before,
+            &self.behind,
+        ]
     }
 }
 

@@ -5,7 +5,8 @@ use super::{Compared, Kernels};
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::portable;
 
-/// A kernel that computes a row from three, at every width; then with rows that are not equally long.
+/// A kernel that computes a row from three, at every width; then with rows that are not equally
+/// long.
 pub(super) fn rows(
     kernel: impl Fn([&[u8]; 3], &mut [u8]),
     definition: impl Fn([&[u8]; 3], &mut [u8]),
@@ -14,29 +15,31 @@ pub(super) fn rows(
     compared: &mut Compared,
 ) {
     let mut expected = [0; ROW];
-    let mut compare = |rooms: &mut Rooms, lengths: [usize; 4], distances: [usize; 4], at_back: bool| {
-        let mut ranges = [const { 0..0 }; 4];
-        for ((range, length), distance) in ranges.iter_mut().zip(lengths).zip(distances) {
-            *range = super::rooms::range(ROW, length, distance, at_back);
-        }
-        let starts = [0, 1, 2, 3].map(|i: usize| ranges[i].start);
-        let [a, r, b, to] = ranges;
-        let [above, row, below] = &rooms.rows;
-        let inputs = [&above.contents[a], &row.contents[r], &below.contents[b]];
-        let out = &mut rooms.out.contents;
-        out.fill(UNTOUCHED);
-        expected.fill(UNTOUCHED);
-        kernel(inputs, &mut out[to.clone()]);
-        definition(inputs, &mut expected[to]);
-        compared.note(*out == expected, lengths[1], (3, 0), starts);
-    };
+    let mut compare =
+        |rooms: &mut Rooms, lengths: [usize; 4], distances: [usize; 4], at_back: bool| {
+            let mut ranges = [const { 0..0 }; 4];
+            for ((range, length), distance) in ranges.iter_mut().zip(lengths).zip(distances) {
+                *range = super::rooms::range(ROW, length, distance, at_back);
+            }
+            let starts = [0, 1, 2, 3].map(|i: usize| ranges[i].start);
+            let [a, r, b, to] = ranges;
+            let [above, row, below] = &rooms.rows;
+            let inputs = [&above.contents[a], &row.contents[r], &below.contents[b]];
+            let out = &mut rooms.out.contents;
+            out.fill(UNTOUCHED);
+            expected.fill(UNTOUCHED);
+            kernel(inputs, &mut out[to.clone()]);
+            definition(inputs, &mut expected[to]);
+            compared.note(*out == expected, lengths[1], (3, 0), starts);
+        };
     for width in (1..=80).chain([320]) {
         for contents in Contents::ALL {
             for room in &mut rooms.rows {
                 contents.fill(random, &mut room.contents);
             }
             for at_back in [false, true] {
-                // Every combination once; with other contents all alignments of each slice, in twenty combinations.
+                // Every combination once; with other contents all alignments of each slice, in
+                // twenty combinations.
                 let step = if contents == Contents::Random { 1 } else { 13 };
                 for combination in (0..256_usize).step_by(step) {
                     let distances = [0, 2, 4, 6].map(|bit| combination >> bit & 3);
@@ -58,7 +61,12 @@ pub(super) fn rows(
     }
 }
 
-pub(super) fn reversed_rows(kernels: &Kernels, rooms: &mut Rooms, random: &mut Random, compared: &mut Compared) {
+pub(super) fn reversed_rows(
+    kernels: &Kernels,
+    rooms: &mut Rooms,
+    random: &mut Random,
+    compared: &mut Compared,
+) {
     for length in (0..=80).chain([320]) {
         for distance in 0..ALIGNMENTS {
             for at_back in [false, true] {

@@ -1,4 +1,5 @@
-//! The memory protection unit: what no access of any kind may reach. How a region forbids is each architecture's own.
+//! The memory protection unit: what no access of any kind may reach. How a region forbids is each
+//! architecture's own.
 
 #[cfg(not(armv8m))]
 mod v7;
@@ -24,7 +25,8 @@ pub(crate) fn guard() {
         }
     }
     version::forbid_below_stack();
-    /// MPU_CTRL: enabled, all else as without protection (Armv7-M reference manual, B3.5.5; the same of Armv8-M).
+    /// MPU_CTRL: enabled, all else as without protection (Armv7-M reference manual, B3.5.5; the
+    /// same of Armv8-M).
     const ENABLE: u32 = 1 << 2 | 1;
     // SAFETY: nothing else writes this register, and no code or data lies in what is forbidden.
     unsafe { (*MPU::PTR).ctrl.write(ENABLE) };
@@ -37,7 +39,8 @@ fn regions() -> u32 {
     unsafe { (*MPU::PTR)._type.read() >> 8 & 0xff }
 }
 
-/// Forbids the fences, each at a multiple of its size; `false` where the processor has fewer regions.
+/// Forbids the fences, each at a multiple of its size; `false` where the processor has fewer
+/// regions.
 pub fn forbid_fences(fences: &[&Fence]) -> bool {
     const { assert!(Fence::BYTES.is_power_of_two()) };
     if (regions() as usize) < version::FIRST_FENCE as usize + fences.len() {

@@ -1,13 +1,17 @@
-//! Armv8-M, with the limits of both stacks. No region can forbid access, but an address in two regions is refused
-//! (Armv8-M Architecture Reference Manual, DDI 0553, "Protected Memory System Architecture"): forbidden is what lies in a second region.
+//! Armv8-M, with the limits of both stacks. No region can forbid access, but an address in two
+//! regions is refused (Armv8-M Architecture Reference Manual, DDI 0553, "Protected Memory System
+//! Architecture"): forbidden is what lies in a second region.
 //!
 //! ```text
 //! region 0        from the guard's start to the end of the SRAM's addresses, as without protection
 //! region 1        the guard
-//! regions 1 - 7   fences, while kernels are compared: eight regions is all that most of these processors have
-//! PSPLIM          the stack's end: what goes below it is a fault, whatever the step, and with fences instead of the guard too
-//! MSPLIM          the end of the handlers' stack, which is where the program's begins: a handler that takes too much locks the processor up
-//!                 (a watchdog's work) instead of changing what the program keeps there
+//! regions 1 - 7   fences, while kernels are compared: eight regions is all that most of these
+//!                 processors have
+//! PSPLIM          the stack's end: what goes below it is a fault, whatever the step, and with
+//!                 fences instead of the guard too
+//! MSPLIM          the end of the handlers' stack, which is where the program's begins: a handler
+//!                 that takes too much locks the processor up (a watchdog's work) instead of
+//!                 changing what the program keeps there
 //! ```
 
 use crate::{arch, stack};
@@ -47,7 +51,8 @@ pub(super) fn forbid(region: u32, start: usize, bytes: usize) {
 
 /// One region.
 fn write(region: u32, start: usize, bytes: usize) {
-    /// MPU_RLAR: memory attribute 0, enabled. MPU_RBAR is the address alone: privileged code reads, writes and executes.
+    /// MPU_RLAR: memory attribute 0, enabled. MPU_RBAR is the address alone: privileged code reads,
+    /// writes and executes.
     const ENABLE: u32 = 1;
     // SAFETY: nothing else writes these regions.
     unsafe {
