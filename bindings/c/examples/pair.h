@@ -1,4 +1,5 @@
-/* A pair of PGM images in memory -> its results as text. Needs no C library: the same on a PC and on a board. */
+/* A pair of PGM images in memory -> its results as text. Needs no C library: the same on a PC and
+   on a board. */
 #ifndef PAIR_H
 #define PAIR_H
 
@@ -37,7 +38,8 @@ static int pgm_read(const uint8_t *file, size_t bytes, uint16_t *width, uint16_t
     return 1;
 }
 
-/* A number such as 451.5; both of its parts are exact in single precision, so it is what strtof gives. */
+/* A number such as 451.5; both of its parts are exact in single precision, so it is what strtof
+   gives. */
 static float number_read(const char *text) {
     uint32_t digits = 0, scale = 1;
     int is_fraction = 0;
@@ -120,7 +122,28 @@ static void segment_print(Write write, size_t id, int has_rig, const LinestereoS
     text_print(write, "\n");
 }
 
-/* The last pair: segments, points, the depth of its middle, health. */
+static void bar_print(Write write, int has_rig, const LinestereoBar *bar) {
+    for (int end = 0; end < 2; end++) {
+        decimal_print(write, bar->x_q5[end], 5, 5);
+        text_print(write, ",");
+        decimal_print(write, bar->y_q5[end], 5, 5);
+        text_print(write, ",");
+    }
+    decimal_print(write, bar->width_q5, 5, 5);
+    for (int end = 0; end < 2; end++) {
+        text_print(write, ",");
+        decimal_print(write, bar->disparity_q6[end], 6, 6);
+    }
+    text_print(write, ",");
+    decimal_print(write, bar->sigma_q6, 6, 6);
+    text_print(write, ",");
+    decimal_print(write, bar->confidence_q16, 16, 5);
+    for (int end = 0; end < 2; end++) metres_print(write, has_rig, bar->depth_q16[end]);
+    for (int end = 0; end < 2; end++) metres_print(write, has_rig, bar->depth_sigma_q16[end]);
+    text_print(write, "\n");
+}
+
+/* The last pair: segments, points, the depth of its middle, health, bars. */
 static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, const LinestereoConfig *config) {
     int has_rig = config->focal_px != 0;
     LinestereoHealth health;
@@ -164,6 +187,14 @@ static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, c
     }
     text_print(write, health.faults ? "" : "good");
     text_print(write, health.is_fit ? ", fit\n" : ", not fit\n");
+
+    text_print(write, "x0,y0,x1,y1,width_px,disparity0_px,disparity1_px,sigma_px,confidence,"
+                      "depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n");
+    for (size_t index = 0; index < health.bars; index++) {
+        LinestereoBar bar;
+        if ((status = linestereo_bar(matcher, index, &bar)) != LINESTEREO_STATUS_OK) return status;
+        bar_print(write, has_rig, &bar);
+    }
     return LINESTEREO_STATUS_OK;
 }
 

@@ -1,4 +1,5 @@
-/* A rectified pair of PGM images -> segments, points, the depth of the middle, health:
+/* A rectified pair of PGM images -> segments, points, the depth of the middle, health,
+   bars:
 
        pc left.pgm right.pgm [MAX_DISPARITY [FOCAL_PX BASELINE_M]] */
 #include <stdio.h>

@@ -1,10 +1,13 @@
-/* Sparse stereo depth from line segments and support points: C and C++. Made by cbindgen from bindings/c/src; do not edit.
+/* Sparse stereo depth from line segments and support points: C and C++. Made by cbindgen from
+   bindings/c/src; do not edit.
 
-   Memory is the caller's, nothing is allocated, nothing is global: each matcher is used by one thread at a time. Left is the reference image;
-   disparity is x_left - x_right; x grows right, y down, z forward. Numbers are integers with a fraction: _q6 counts 1/64, _q16 1/65536.
+   Memory is the caller's, nothing is allocated, nothing is global: each matcher is used by one
+   thread at a time. Left is the reference image; disparity is x_left - x_right; x grows right, y
+   down, z forward. Numbers are integers with a fraction: _q6 counts 1/64, _q16 1/65536.
 
-   Every pointer is checked for null and alignment, every length, stride and number for its range: LinestereoStatus says what is wrong. What else a
-   pointer points to has to be what its type says; memory and images belong to the matcher until their last use. */
+   Every pointer is checked for null and alignment, every length, stride and number for its range:
+   LinestereoStatus says what is wrong. What else a pointer points to has to be what its type says;
+   memory and images belong to the matcher until their last use. */
 
 #ifndef LINESTEREO_H
 #define LINESTEREO_H
@@ -18,10 +21,11 @@
 #define LINESTEREO_VERSION_MINOR 1
 #define LINESTEREO_VERSION_PATCH 0
 
-/* Number of uint64_t of a static that holds a matcher for images of this size, so many segments in each image and this cell, up to 6 % more than
-   linestereo_scratch_size says when the program runs: static uint64_t memory[LINESTEREO_MEMORY_WORDS(320, 240)]; is 112 KiB. */
+/* Number of uint64_t of a static that holds a matcher for images of this size, so many segments in
+   each image and this cell, up to 6 % more than linestereo_scratch_size says when the program runs:
+   static uint64_t memory[LINESTEREO_MEMORY_WORDS(320, 240)]; is 112 KiB. */
 #define LINESTEREO_MEMORY_WORDS_FOR(width, height, segments, cell) \
-    (((size_t)16384 + (size_t)66 * (width) + (size_t)(width) * (height) / 8 + (size_t)24 * (segments) + \
+    (((size_t)17160 + (size_t)66 * (width) + (size_t)(width) * (height) / 8 + (size_t)24 * (segments) + \
       (size_t)160 * LINESTEREO_CELLS_(width, height, cell) + (size_t)10 * ((width) / 8) * ((height) / 8)) / 8)
 /* The same with the defaults of linestereo_config. */
 #define LINESTEREO_MEMORY_WORDS(width, height) LINESTEREO_MEMORY_WORDS_FOR(width, height, 1024, 20)
@@ -30,7 +34,8 @@
     (LINESTEREO_SIDES_(width, cell) * LINESTEREO_SIDES_(height, cell) < 4096 ? LINESTEREO_SIDES_(width, cell) * LINESTEREO_SIDES_(height, cell) : 4096)
 #define LINESTEREO_SIDES_(side, cell) (((size_t)(side) + (cell) - 1) / (cell))
 
-// Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object or a pixel has no depth.
+// Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object
+// or a pixel has no depth.
 enum LinestereoStatus
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -98,6 +103,8 @@ enum LinestereoStatus
   LINESTEREO_STATUS_NO_RIG = 34,
   // The depth of this disparity is infinite.
   LINESTEREO_STATUS_INFINITE = 35,
+  // There are not so many bars.
+  LINESTEREO_STATUS_NO_SUCH_BAR = 36,
   // A region without pixels.
   LINESTEREO_STATUS_REGION_EMPTY = 40,
   // A region outside of the image.
@@ -232,8 +239,9 @@ typedef struct {
   uint16_t segments;
   // First disparity searched, px; -32 to 0. 0.
   int16_t min_disparity;
-  // End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the width. The nearest depth is
-  // focal length times baseline divided by it. 64, or what a narrower image allows.
+  // End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the
+  // width. The nearest depth is focal length times baseline divided by it. 64, or what a
+  // narrower image allows.
   uint16_t max_disparity;
   // Least grey step times four at which an edge is started; 4 to 1020. 48.
   uint16_t anchor_gradient;
@@ -245,7 +253,8 @@ typedef struct {
   uint16_t cell;
   // Largest distance from an edge of pixels that get its disparity, px; 1 to 6. 4.
   uint16_t reach;
-  // Least probability of points and segments, 1/65536; 10 to 99 percent. 0xe666, which is 90 percent.
+  // Least probability of points and segments, 1/65536; 10 to 99 percent. 0xe666, which is 90
+  // percent.
   uint16_t min_confidence_q16;
   // Largest difference between window and census, 1/64 px; 16 to 1024. 64.
   int16_t margin_q6;
@@ -257,7 +266,8 @@ typedef struct {
   float focal_px;
   // Distance of the cameras, m; 0.0001 to 10. Unused without a focal length.
   float baseline_m;
-  // Added to every disparity: column of the principal point on the right minus that on the left, px. 0.
+  // Added to every disparity: column of the principal point on the right minus that on the left,
+  // px. 0.
   float disparity_offset_px;
   // Column and row of the left principal point, px; -2048 to 2048.
   float principal_point_px[2];
@@ -333,8 +343,11 @@ typedef struct {
   uint16_t segments_found;
   // Segments with a disparity.
   uint16_t segments_matched;
-  // 1 when the list of segments was full or the budget of work spent: results are good, but not all that the images have.
+  // 1 when the list of segments was full or the budget of work spent: results are good, but not
+  // all that the images have.
   uint16_t is_cut;
+  // Bars in front of what is around them.
+  uint16_t bars;
 } LinestereoHealth;
 
 // A segment of the left image with its disparity.
@@ -357,6 +370,26 @@ typedef struct {
   int32_t depth_sigma_q16[2];
 } LinestereoSegment;
 
+// A pole, leg or stand of the left image, in front of what is around it.
+typedef struct {
+  // Columns of both ends of its left edge, top first, 1/32 px; whole numbers are pixel centres.
+  uint16_t x_q5[2];
+  // Rows of both ends, 1/32 px.
+  uint16_t y_q5[2];
+  // Width from the left to the right edge, along a row, 1/32 px.
+  uint16_t width_q5;
+  // Disparity at both ends, 1/64 px.
+  int16_t disparity_q6[2];
+  // Standard deviation of the disparity, 1/64 px.
+  int16_t sigma_q6;
+  // Probability that the disparity is within 1 px, 1/65536.
+  uint16_t confidence_q16;
+  // Depth at both ends, 1/65536 m; 0 without a rig, INT32_MAX where it is infinite.
+  int32_t depth_q16[2];
+  // Standard deviation of these, 1/65536 m; 0 without a rig.
+  int32_t depth_sigma_q16[2];
+} LinestereoBar;
+
 // A pixel of the left image with a disparity.
 typedef struct {
   // Column, px.
@@ -367,7 +400,8 @@ typedef struct {
   int16_t disparity_q6;
   // Probability that it is within 1 px, 1/65536.
   uint16_t confidence_q16;
-  // Index of its segment; -1: a side of a segment that is not listed; -2: a support point.
+  // Index of its segment; -1: a bar, or a side of a segment that is not listed; -2: a support
+  // point.
   int32_t segment;
 } LinestereoPoint;
 
@@ -380,7 +414,8 @@ typedef struct {
   int16_t disparity_q6;
   // Standard deviation of the disparity, 1/64 px.
   int16_t sigma_q6;
-  // Probability that the disparity is within 1 px, of an object within 1 px of its range, 1/65536.
+  // Probability that the disparity is within 1 px, of an object within 1 px of its range,
+  // 1/65536.
   uint16_t confidence_q16;
   // Segments and support points behind an object's depth; 0 of a pixel.
   uint16_t support;
@@ -409,15 +444,17 @@ extern "C" {
 // The default parameters for images of this size, px.
 LinestereoConfig linestereo_config(uint16_t width, uint16_t height);
 
-// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. For a static:
-// `LINESTEREO_MEMORY_WORDS`.
+// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when
+// `linestereo_init` refuses them. For a static: `LINESTEREO_MEMORY_WORDS`.
 size_t linestereo_scratch_size(const LinestereoConfig *config);
 
-// Makes a matcher in this memory, which is its own until its last use, and stays where it is. No memory has to be freed.
+// Makes a matcher in this memory, which is its own until its last use, and stays where it is. No
+// memory has to be freed.
 LinestereoStatus linestereo_init(void *memory, size_t size, const LinestereoConfig *config, LinestereoMatcher **matcher);
 
-// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null. A pair that is
-// not fit to be used is `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
+// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of
+// capture, us of one clock, or null. A pair that is not fit to be used is
+// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
 LinestereoStatus linestereo_run(LinestereoMatcher *matcher,
                                 const LinestereoImage *left,
                                 const LinestereoImage *right,
@@ -434,19 +471,22 @@ LinestereoStatus linestereo_run_areas(LinestereoMatcher *matcher,
 // Faults of the last pair, and its counts.
 LinestereoStatus linestereo_health(LinestereoMatcher *matcher, LinestereoHealth *health);
 
-// Segment `index` of the last pair, from 0, most confident first. `LinestereoHealth.segments_matched` says how many there are.
+// Segment `index` of the last pair, from 0, most confident first.
+// `LinestereoHealth.segments_matched` says how many there are.
 LinestereoStatus linestereo_segment(LinestereoMatcher *matcher, size_t index, LinestereoSegment *segment);
 
-// Calls `each` with every point of the last pair: those of segments, most probable first, then support points; at most one per pixel.
-// The callback must return, and not call the same matcher.
+// Bar `index` of the last pair, from 0, by its first row. `LinestereoHealth.bars` says how many
+// there are.
+LinestereoStatus linestereo_bar(LinestereoMatcher *matcher, size_t index, LinestereoBar *bar);
+
+// Calls `each` with every point of the last pair: those of bars, of segments, most probable first,
+// then support points; at most one per pixel. The callback must return, and not call the same
+// matcher.
 LinestereoStatus linestereo_points(LinestereoMatcher *matcher, LinestereoPointCallback each, void *context);
 
-// The same points as a list, for languages that have no callbacks: the first `capacity` of them, which `points` has room for. `count` becomes the
-// number of all: at most one per pixel.
-LinestereoStatus linestereo_point_list(LinestereoMatcher *matcher,
-                                       LinestereoPoint *points,
-                                       size_t capacity,
-                                       size_t *count);
+// The same points as a list, for languages that have no callbacks: the first `capacity` of them,
+// which `points` has room for. `count` becomes the number of all: at most one per pixel.
+LinestereoStatus linestereo_point_list(LinestereoMatcher *matcher, LinestereoPoint *points, size_t capacity, size_t *count);
 
 // The depth of what lies in a box of the left image, or from 100 on why there is none.
 LinestereoStatus linestereo_box(LinestereoMatcher *matcher, const LinestereoArea *area, LinestereoDepth *depth);
@@ -461,13 +501,9 @@ LinestereoStatus linestereo_mask(LinestereoMatcher *matcher,
 // The depth of a pixel of the left image, on a segment or not, or from 100 on why there is none.
 LinestereoStatus linestereo_pixel(LinestereoMatcher *matcher, uint16_t x, uint16_t y, LinestereoDepth *depth);
 
-// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this disparity (1/64 px): x right, y down, z forward of
-// the left camera, three numbers of 1/65536 m.
-LinestereoStatus linestereo_position(LinestereoMatcher *matcher,
-                                     uint16_t x_q5,
-                                     uint16_t y_q5,
-                                     int16_t disparity_q6,
-                                     int32_t *xyz_q16);
+// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this
+// disparity (1/64 px): x right, y down, z forward of the left camera, three numbers of 1/65536 m.
+LinestereoStatus linestereo_position(LinestereoMatcher *matcher, uint16_t x_q5, uint16_t y_q5, int16_t disparity_q6, int32_t *xyz_q16);
 
 // A status in words; never null.
 const char *linestereo_status_text(int32_t status);

@@ -1,7 +1,7 @@
 //! A matcher with its memory, as the functions of the header use it.
 
 use crate::status::Status;
-use crate::types::{Camera, Config, Depth, Health, Owner, Point, Segment};
+use crate::types::{Bar, Camera, Config, Depth, Health, Owner, Point, Segment};
 use core::mem::MaybeUninit;
 use linestereo::health::CameraHealth;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
@@ -119,7 +119,8 @@ impl Engine {
     pub fn run(&mut self, pair: Pair<'static>, areas: Option<&[Area]>) -> Result<(), Status> {
         let last = core::mem::replace(&mut self.matched, Err(Status::NoPair));
         let scratch = last.ok().map(Matched::into_scratch).or_else(|| self.scratch.take());
-        // A run that fails would lose the memory, but images of another size than the memory's do not come here.
+        // A run that fails would lose the memory, but images of another size than the memory's do
+        // not come here.
         let scratch = scratch.ok_or(Status::NotInitialised)?;
         // Not `map_err`, which copies all of a result.
         match self.matcher.run(pair, areas, scratch, &mut ()) {
@@ -153,13 +154,20 @@ impl Engine {
             rows_q8: health.rows.map_or(0, |rows| rows.offset_q8),
             rows_samples: health.rows.map_or(0, |rows| rows.samples.into()),
             segments_found: counts.segments_left,
-            segments_matched: counts.matched,
+            segments_matched: matched.segments().len() as u16, // at most 4096
             is_cut: counts.is_cut().into(),
+            bars: matched.bars().len() as u16, // at most 32
         })
     }
 
     pub fn segment(&mut self, index: usize) -> Result<Segment, Status> {
         self.matched()?.segments().get(index).map(Segment::new).ok_or(Status::NoSuchSegment)
+    }
+
+    pub fn bar(&mut self, index: usize) -> Result<Bar, Status> {
+        let rig = self.matcher.plan().rig();
+        let found = self.matched()?.bars().get(index).ok_or(Status::NoSuchBar)?;
+        Ok(Bar::new(found, rig))
     }
 
     pub fn points(&mut self, mut each: impl FnMut(Point)) -> Result<(), Status> {
@@ -203,6 +211,11 @@ fn metres(depth: Option<linestereo::Depth>) -> i32 {
     depth.map_or(0, linestereo::Depth::to_bits)
 }
 
+fn metres_of_ends(ends: Option<[linestereo::Depth; 2]>) -> [i32; 2] {
+    // Not by `map` of arrays, which is a loop and a copy each.
+    ends.map_or([0; 2], |[start, end]| [start.to_bits(), end.to_bits()])
+}
+
 impl Depth {
     fn of_object(found: &ObjectDepth) -> Self {
         Self {
@@ -231,9 +244,6 @@ impl Camera {
 
 impl Segment {
     fn new(found: &Match) -> Self {
-        // Not by `map` of arrays, which is a loop and a copy each.
-        let metres =
-            |ends: Option<[linestereo::Depth; 2]>| ends.map_or([0; 2], |[start, end]| [start.to_bits(), end.to_bits()]);
         let ([start, end], [disparity_start, disparity_end]) = (found.ends, found.disparity);
         Self {
             x_q5: [start.x.to_bits(), end.x.to_bits()],
@@ -246,8 +256,27 @@ impl Segment {
                 linestereo::Owner::Right => Owner::Right,
                 linestereo::Owner::Both => Owner::Both,
             },
-            depth_q16: metres(found.depth),
-            depth_sigma_q16: metres(found.depth_sigma),
+            depth_q16: metres_of_ends(found.depth),
+            depth_sigma_q16: metres_of_ends(found.depth_sigma),
+        }
+    }
+}
+
+impl Bar {
+    fn new(found: &linestereo::Bar, rig: Option<Rig>) -> Self {
+        let ([top, bottom], [upper, lower]) = (found.ends(), found.disparity());
+        let sigma = found.sigma();
+        let depths = |rig: Rig| [rig.depth(upper), rig.depth(lower)];
+        let sigmas = |rig: Rig| [rig.depth_sigma(upper, sigma), rig.depth_sigma(lower, sigma)];
+        Self {
+            x_q5: [top.x.to_bits(), bottom.x.to_bits()],
+            y_q5: [top.y.to_bits(), bottom.y.to_bits()],
+            width_q5: found.width().to_bits(),
+            disparity_q6: [upper.to_bits(), lower.to_bits()],
+            sigma_q6: sigma.to_bits(),
+            confidence_q16: found.confidence().to_bits(),
+            depth_q16: metres_of_ends(rig.map(depths)),
+            depth_sigma_q16: metres_of_ends(rig.map(sigmas)),
         }
     }
 }

@@ -1,11 +1,13 @@
-//! The functions of `linestereo.h`: pointers become references here, each checked for null and alignment, and memory for its size.
+//! The functions of `linestereo.h`: pointers become references here, each checked for null and
+//! alignment, and memory for its size.
 //!
-//! The contract of C remains, which no check can see and linestereo.h states for all functions: what is neither null nor misaligned points to what its
-//! type says, memory belongs to one matcher alone, and one thread uses it at a time.
+//! The contract of C remains, which no check can see and linestereo.h states for all functions:
+//! what is neither null nor misaligned points to what its type says, memory belongs to one matcher
+//! alone, and one thread uses it at a time.
 
 use crate::engine::Engine;
 use crate::status::Status;
-use crate::types::{Area, Config, Depth, FAULT_NAMES, Health, Image, Point, Run, Segment};
+use crate::types::{Area, Bar, Config, Depth, FAULT_NAMES, Health, Image, Point, Run, Segment};
 use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
@@ -23,14 +25,16 @@ pub struct Matcher {
 
 /// Words of the matcher itself, before those that are carved.
 const HEAD: usize = size_of::<Matcher>().div_ceil(size_of::<Word>());
-/// Words of the largest object there can be. A power of two less 1: of a larger memory, which there is not, less is used.
+/// Words of the largest object there can be. A power of two less 1: of a larger memory, which there
+/// is not, less is used.
 const MOST_WORDS: usize = isize::MAX as usize / size_of::<Word>();
 const _: () = assert!(align_of::<Matcher>() <= align_of::<Word>());
 
 /// Called with every point; `context` is what the caller gave.
 pub type PointCallback = Option<unsafe extern "C" fn(context: *mut c_void, point: *const Point)>;
 
-/// Refuses what is null or not aligned to `align`, a power of two. Not inlined: that would be a third of the library's own code.
+/// Refuses what is null or not aligned to `align`, a power of two. Not inlined: that would be a
+/// third of the library's own code.
 #[inline(never)]
 fn check(address: usize, align: usize) -> Result<(), Status> {
     if address == 0 {
@@ -61,14 +65,16 @@ unsafe fn list<'a, T>(pointer: *const T, count: usize) -> Result<&'a [T], Status
     if count > isize::MAX as usize / size_of::<T>() {
         return Err(Status::TooMany);
     }
-    // SAFETY: neither null nor misaligned, and no larger than an object can be; the rest is the caller's.
+    // SAFETY: neither null nor misaligned, and no larger than an object can be; the rest is the
+    // caller's.
     Ok(unsafe { core::slice::from_raw_parts(pointer, count) })
 }
 
 /// Room for a result.
 ///
 /// # Safety
-/// There is room for a `T`, which nobody else uses during `'a`, if the pointer is neither null nor misaligned.
+/// There is room for a `T`, which nobody else uses during `'a`, if the pointer is neither null nor
+/// misaligned.
 unsafe fn room<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUninit<T>, Status> {
     check(pointer.addr(), align_of::<T>())?;
     // SAFETY: checked above; the rest is the caller's.
@@ -88,7 +94,8 @@ unsafe fn enter<'a>(matcher: *mut Matcher) -> Result<&'a Matcher, Status> {
     if matcher.is_null() {
         return Err(Status::Null);
     }
-    // SAFETY: as this function's; the address is looked at alone, since memory that was not initialised is no `Matcher`.
+    // SAFETY: as this function's; the address is looked at alone, since memory that was not
+    // initialised is no `Matcher`.
     let address = *unsafe { read(matcher.wrapping_byte_add(core::mem::offset_of!(Matcher, address)).cast::<usize>())? };
     if address != matcher.addr() || !matcher.is_aligned() {
         return Err(Status::NotInitialised);
@@ -98,7 +105,8 @@ unsafe fn enter<'a>(matcher: *mut Matcher) -> Result<&'a Matcher, Status> {
     if found.is_busy.replace(true) { Err(Status::Busy) } else { Ok(found) }
 }
 
-/// Works with the engine of a matcher, which nobody else does meanwhile: calls of the same matcher from a callback are refused.
+/// Works with the engine of a matcher, which nobody else does meanwhile: calls of the same matcher
+/// from a callback are refused.
 ///
 /// # Safety
 /// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
@@ -152,8 +160,8 @@ pub extern "C" fn linestereo_config(width: u16, height: u16) -> Config {
     Config::new(width, height)
 }
 
-/// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when `linestereo_init` refuses them. For a static:
-/// `LINESTEREO_MEMORY_WORDS`.
+/// Bytes of memory that a matcher with these parameters takes, aligned to 8; 0 when
+/// `linestereo_init` refuses them. For a static: `LINESTEREO_MEMORY_WORDS`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_scratch_size(config: *const Config) -> usize {
     // SAFETY: as this function's.
@@ -161,7 +169,8 @@ pub unsafe extern "C" fn linestereo_scratch_size(config: *const Config) -> usize
     config.and_then(Config::words).map_or(0, |words| (HEAD + words) * size_of::<Word>())
 }
 
-/// Makes a matcher in this memory, which is its own until its last use, and stays where it is. No memory has to be freed.
+/// Makes a matcher in this memory, which is its own until its last use, and stays where it is. No
+/// memory has to be freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_init(
     memory: *mut c_void,
@@ -172,13 +181,15 @@ pub unsafe extern "C" fn linestereo_init(
     let make = || {
         // SAFETY: as this function's.
         let (config, room) = unsafe { (read(config)?, room(matcher)?) };
-        // First: linestereo_scratch_size is 0 of what is refused here, and the memory too small for anything.
+        // First: linestereo_scratch_size is 0 of what is refused here, and the memory too small for
+        // anything.
         let plan = config.plan()?;
         let memory: *mut Word = memory.cast();
         check(memory.addr(), align_of::<Word>())?;
         let words = (size / size_of::<Word>()) & MOST_WORDS;
         let rest = words.checked_sub(HEAD).ok_or(Status::MemoryTooSmall)?;
-        // SAFETY: there are so many words, aligned, behind the matcher; those that it takes are its own from here on.
+        // SAFETY: there are so many words, aligned, behind the matcher; those that it takes are its
+        // own from here on.
         let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), rest) };
         let scratch = ScratchView::carve(rest, &config.capacity())?;
         let engine = UnsafeCell::new(Engine::new(plan, scratch, config.skew_limit_us));
@@ -191,8 +202,9 @@ pub unsafe extern "C" fn linestereo_init(
     status(make())
 }
 
-/// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of capture, us of one clock, or null. A pair that is
-/// not fit to be used is `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
+/// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of
+/// capture, us of one clock, or null. A pair that is not fit to be used is
+/// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_run(
     matcher: *mut Matcher,
@@ -253,15 +265,33 @@ pub unsafe extern "C" fn linestereo_health(matcher: *mut Matcher, health: *mut H
     unsafe { with_room(matcher, health, |engine, room| engine.health().map(|health| _ = room.write(health))) }
 }
 
-/// Segment `index` of the last pair, from 0, most confident first. `LinestereoHealth.segments_matched` says how many there are.
+/// Segment `index` of the last pair, from 0, most confident first.
+/// `LinestereoHealth.segments_matched` says how many there are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_segment(matcher: *mut Matcher, index: usize, segment: *mut Segment) -> Status {
     // SAFETY: as this function's.
     unsafe { with_room(matcher, segment, |engine, room| engine.segment(index).map(|found| _ = room.write(found))) }
 }
 
-/// Calls `each` with every point of the last pair: those of segments, most probable first, then support points; at most one per pixel.
-/// The callback must return, and not call the same matcher.
+/// Bar `index` of the last pair, from 0, by its first row. `LinestereoHealth.bars` says how many
+/// there are.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_bar(
+    matcher: *mut Matcher,
+    index: usize,
+    bar: *mut Bar,
+) -> Status {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<Bar>| {
+        room.write(engine.bar(index)?);
+        Ok(())
+    };
+    // SAFETY: as this function's.
+    unsafe { with_room(matcher, bar, work) }
+}
+
+/// Calls `each` with every point of the last pair: those of bars, of segments, most probable first,
+/// then support points; at most one per pixel. The callback must return, and not call the same
+/// matcher.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCallback, context: *mut c_void) -> Status {
     let Some(each) = each else { return Status::Null };
@@ -271,8 +301,8 @@ pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCal
     unsafe { with(matcher, |engine| engine.points(tell)) }
 }
 
-/// The same points as a list, for languages that have no callbacks: the first `capacity` of them, which `points` has room for. `count` becomes the
-/// number of all: at most one per pixel.
+/// The same points as a list, for languages that have no callbacks: the first `capacity` of them,
+/// which `points` has room for. `count` becomes the number of all: at most one per pixel.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_point_list(
     matcher: *mut Matcher,
@@ -335,8 +365,8 @@ pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Matcher, x: u16, y: u16,
     unsafe { with_room(matcher, depth, |engine, room| engine.pixel((x, y)).map(|found| _ = room.write(found))) }
 }
 
-/// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this disparity (1/64 px): x right, y down, z forward of
-/// the left camera, three numbers of 1/65536 m.
+/// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this
+/// disparity (1/64 px): x right, y down, z forward of the left camera, three numbers of 1/65536 m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_position(
     matcher: *mut Matcher,

@@ -1,7 +1,9 @@
-//! The core for C and C++: a static library without allocation, globals or panics, in memory of the caller.
+//! The core for C and C++: a static library without allocation, globals or panics, in memory of the
+//! caller.
 //!
 //! ```text
-//! exports   the functions of linestereo.h: pointers are checked here, and nowhere else is unsafe code
+//! exports   the functions of linestereo.h: pointers are checked here, and nowhere else is unsafe
+//!           code
 //! engine    what they do, in safe code
 //! types     structures that both sides know
 //! status    codes of errors with their texts
@@ -16,7 +18,8 @@ mod exports;
 mod status;
 mod types;
 
-/// Met by no function of the library: tests look for this name in its machine code. Of its own, because compilers rename the panic handler.
+/// Met by no function of the library: tests look for this name in its machine code. Of its own,
+/// because compilers rename the panic handler.
 #[inline(never)]
 #[allow(unsafe_code, reason = "a name that tests know")]
 #[unsafe(no_mangle)]

@@ -4,7 +4,8 @@ use core::ffi::CStr;
 use linestereo::image::ViewError;
 use linestereo::{NoDepth, ParamError, PixelRejection, RegionError, RigError, RunError};
 
-/// Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object or a pixel has no depth.
+/// Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object
+/// or a pixel has no depth.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
@@ -70,6 +71,8 @@ pub enum Status {
     NoRig = 34,
     /// The depth of this disparity is infinite.
     Infinite = 35,
+    /// There are not so many bars.
+    NoSuchBar = 36,
     /// A region without pixels.
     RegionEmpty = 40,
     /// A region outside of the image.
@@ -102,7 +105,7 @@ pub enum Status {
 
 impl Status {
     /// Every code.
-    pub(crate) const ALL: [Self; 45] = [
+    pub(crate) const ALL: [Self; 46] = [
         Self::Ok,
         Self::Null,
         Self::Misaligned,
@@ -134,6 +137,7 @@ impl Status {
         Self::PrincipalPoint,
         Self::NoRig,
         Self::Infinite,
+        Self::NoSuchBar,
         Self::RegionEmpty,
         Self::RegionOutside,
         Self::RegionRun,
@@ -155,22 +159,28 @@ impl Status {
         match self {
             Self::Ok => c"all is well",
             Self::Null => c"a pointer is null",
-            Self::Misaligned => c"a pointer is not aligned: memory needs 8 bytes, structures what C gives them",
+            Self::Misaligned => {
+                c"a pointer is not aligned: memory needs 8 bytes, structures their C alignment"
+            }
             Self::MemoryTooSmall => c"the memory is smaller than linestereo_scratch_size says",
-            Self::NotInitialised => c"no matcher at this address: not initialised, or copied from elsewhere",
-            Self::Busy => c"a callback called the matcher that calls it",
+            Self::NotInitialised => {
+                c"no matcher at this address: not initialised, or copied from elsewhere"
+            }
+            Self::Busy => c"a callback called the matcher that runs it",
             Self::NoPair => c"no pair has been matched yet",
-            Self::NoSuchSegment => c"there are not so many segments",
+            Self::NoSuchSegment => c"no segment has this index",
             Self::TooMany => c"more elements than memory can hold",
             Self::PairUnfit => c"the pair is not fit to be used: linestereo_health says why",
             Self::ImageSize => c"an image is outside 16x16 to 1280x1280",
             Self::Stride => c"a stride is shorter than a row",
             Self::ImageTooShort => c"an image ends before its last row does",
-            Self::SpanCount => c"the number of spans of valid pixels is not that of rows",
+            Self::SpanCount => c"one span of valid pixels is needed for each row",
             Self::Span => c"the valid pixels of a row are no part of the image",
             Self::Segments => c"segments is outside 1 to 4096",
             Self::MinDisparity => c"min_disparity is outside -32 to 0",
-            Self::MaxDisparity => c"max_disparity is outside 8 to 256 above min_disparity, or not below the width",
+            Self::MaxDisparity => {
+                c"max_disparity is outside 8 to 256 above min_disparity, or not below the width"
+            }
             Self::AnchorGradient => c"anchor_gradient is outside 4 to 1020",
             Self::EdgeGradient => c"edge_gradient is outside 4 to anchor_gradient",
             Self::MinExtent => c"min_extent is outside 6 to 32",
@@ -184,14 +194,21 @@ impl Status {
             Self::PrincipalPoint => c"principal_point_px is outside -2048 to 2048",
             Self::NoRig => c"depths in metres need a rig: focal length and baseline",
             Self::Infinite => c"the depth of this disparity is infinite",
+            Self::NoSuchBar => c"no bar has this index",
             Self::RegionEmpty => c"a region without pixels",
             Self::RegionOutside => c"a region outside of the image",
-            Self::RegionRun => c"a run of the mask is empty, outside of the image, or not behind the run before it",
+            Self::RegionRun => {
+                c"a run of the mask is empty, outside of the image, or not behind the run before it"
+            }
             Self::LittleSupport => c"too few credible hypotheses in the region",
             Self::TwoSurfaces => c"two surfaces explain the region equally well",
-            Self::OnlyOutline => c"hypotheses on the outline only: they may belong to what is beside the region",
+            Self::OnlyOutline => {
+                c"hypotheses on the outline only: they may belong to what is beside the region"
+            }
             Self::UnhealthyPair => c"the pair is not fit to be used",
-            Self::NoParallax => c"the same pixels in both images: too far for a depth, or dirt, or overlaid text",
+            Self::NoParallax => {
+                c"the same pixels in both images: too far for a depth, or dirt, or overlaid text"
+            }
             Self::PixelOutside => c"the pixel lies outside of the valid image",
             Self::NearBorder => c"too close to the border to compare disparities",
             Self::NoTexture => c"nothing to match around the pixel",
@@ -217,7 +234,8 @@ impl From<ViewError> for Status {
 impl From<ParamError> for Status {
     fn from(error: ParamError) -> Self {
         let ParamError::OutOfRange { name, .. } = error else { return Self::NoRig };
-        // By the letters that differ: comparisons of whole names take 112 bytes more on a Cortex-M7.
+        // By the letters that differ: comparisons of whole names take 112 bytes more on a
+        // Cortex-M7.
         match name.as_bytes() {
             [b'm', b'i', b'n', _, b'd', ..] => Self::MinDisparity,
             [b'm', b'i', b'n', _, b'e', ..] => Self::MinExtent,

@@ -1,4 +1,5 @@
-//! Structures that both sides know. Suffixes: `_px` pixels, `_m` metres, `_q6` 1/64, `_q16` 1/65536, and so on.
+//! Structures that both sides know. Suffixes: `_px` pixels, `_m` metres, `_q6` 1/64, `_q16`
+//! 1/65536, and so on.
 
 use linestereo::objects::Run as CoreRun;
 use linestereo::{Area as CoreArea, HealthFlags, Span as CoreSpan};
@@ -15,8 +16,9 @@ pub struct Config {
     pub segments: u16,
     /// First disparity searched, px; -32 to 0. 0.
     pub min_disparity: i16,
-    /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the width. The nearest depth is
-    /// focal length times baseline divided by it. 64, or what a narrower image allows.
+    /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the
+    /// width. The nearest depth is focal length times baseline divided by it. 64, or what a
+    /// narrower image allows.
     pub max_disparity: u16,
     /// Least grey step times four at which an edge is started; 4 to 1020. 48.
     pub anchor_gradient: u16,
@@ -28,7 +30,8 @@ pub struct Config {
     pub cell: u16,
     /// Largest distance from an edge of pixels that get its disparity, px; 1 to 6. 4.
     pub reach: u16,
-    /// Least probability of points and segments, 1/65536; 10 to 99 percent. 0xe666, which is 90 percent.
+    /// Least probability of points and segments, 1/65536; 10 to 99 percent. 0xe666, which is 90
+    /// percent.
     pub min_confidence_q16: u16,
     /// Largest difference between window and census, 1/64 px; 16 to 1024. 64.
     pub margin_q6: i16,
@@ -40,7 +43,8 @@ pub struct Config {
     pub focal_px: f32,
     /// Distance of the cameras, m; 0.0001 to 10. Unused without a focal length.
     pub baseline_m: f32,
-    /// Added to every disparity: column of the principal point on the right minus that on the left, px. 0.
+    /// Added to every disparity: column of the principal point on the right minus that on the left,
+    /// px. 0.
     pub disparity_offset_px: f32,
     /// Column and row of the left principal point, px; -2048 to 2048.
     pub principal_point_px: [f32; 2],
@@ -136,6 +140,28 @@ pub struct Segment {
     pub depth_sigma_q16: [i32; 2],
 }
 
+/// A pole, leg or stand of the left image, in front of what is around it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Bar {
+    /// Columns of both ends of its left edge, top first, 1/32 px; whole numbers are pixel centres.
+    pub x_q5: [u16; 2],
+    /// Rows of both ends, 1/32 px.
+    pub y_q5: [u16; 2],
+    /// Width from the left to the right edge, along a row, 1/32 px.
+    pub width_q5: u16,
+    /// Disparity at both ends, 1/64 px.
+    pub disparity_q6: [i16; 2],
+    /// Standard deviation of the disparity, 1/64 px.
+    pub sigma_q6: i16,
+    /// Probability that the disparity is within 1 px, 1/65536.
+    pub confidence_q16: u16,
+    /// Depth at both ends, 1/65536 m; 0 without a rig, INT32_MAX where it is infinite.
+    pub depth_q16: [i32; 2],
+    /// Standard deviation of these, 1/65536 m; 0 without a rig.
+    pub depth_sigma_q16: [i32; 2],
+}
+
 /// A pixel of the left image with a disparity.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -148,7 +174,8 @@ pub struct Point {
     pub disparity_q6: i16,
     /// Probability that it is within 1 px, 1/65536.
     pub confidence_q16: u16,
-    /// Index of its segment; -1: a side of a segment that is not listed; -2: a support point.
+    /// Index of its segment; -1: a bar, or a side of a segment that is not listed; -2: a support
+    /// point.
     pub segment: i32,
 }
 
@@ -160,7 +187,8 @@ pub struct Depth {
     pub disparity_q6: i16,
     /// Standard deviation of the disparity, 1/64 px.
     pub sigma_q6: i16,
-    /// Probability that the disparity is within 1 px, of an object within 1 px of its range, 1/65536.
+    /// Probability that the disparity is within 1 px, of an object within 1 px of its range,
+    /// 1/65536.
     pub confidence_q16: u16,
     /// Segments and support points behind an object's depth; 0 of a pixel.
     pub support: u16,
@@ -210,8 +238,11 @@ pub struct Health {
     pub segments_found: u16,
     /// Segments with a disparity.
     pub segments_matched: u16,
-    /// 1 when the list of segments was full or the budget of work spent: results are good, but not all that the images have.
+    /// 1 when the list of segments was full or the budget of work spent: results are good, but not
+    /// all that the images have.
     pub is_cut: u16,
+    /// Bars in front of what is around them.
+    pub bars: u16,
 }
 
 /// Faults of a pair, a bit each.

@@ -1,4 +1,5 @@
-/* What no caller may do is refused with a status, and changes nothing: ends with 0, or with the line of the first check that fails. */
+/* What no caller may do is refused with a status, and changes nothing: ends with 0, or with the
+   line of the first check that fails. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,6 +65,8 @@ int main(void) {
     REFUSED(linestereo_init(memory, size, &bad, &matcher), FOCAL);
     bad = config, bad.focal_px = 100, bad.baseline_m = 0.0f / config.focal_px;
     REFUSED(linestereo_init(memory, size, &bad, &matcher), BASELINE);
+    bad = config, bad.focal_px = 100, bad.baseline_m = 60.0f; /* millimetres taken for metres */
+    REFUSED(linestereo_init(memory, size, &bad, &matcher), BASELINE);
     bad = config, bad.min_confidence_q16 = 0;
     REFUSED(linestereo_init(memory, size, &bad, &matcher), MIN_CONFIDENCE);
 
@@ -88,9 +91,11 @@ int main(void) {
 
     /* Images. */
     LinestereoSegment segment;
+    LinestereoBar bar;
     Seen seen = {matcher, LINESTEREO_STATUS_OK, 0};
     REFUSED(linestereo_health(matcher, &health), NO_PAIR);
     REFUSED(linestereo_segment(matcher, 0, &segment), NO_PAIR);
+    REFUSED(linestereo_bar(matcher, 0, &bar), NO_PAIR);
     REFUSED(linestereo_points(matcher, call_again, &seen), NO_PAIR);
     LinestereoImage left = {pixels[0], sizeof pixels[0], WIDTH, 0, 0}, right = left, wrong = left;
     right.pixels = pixels[1];
@@ -126,6 +131,9 @@ int main(void) {
     REFUSED(linestereo_segment(matcher, (size_t)-1, &segment), NO_SUCH_SEGMENT);
     REFUSED(linestereo_segment(matcher, 0, &segment), OK);
     CHECK(segment.depth_q16[0] == 0);
+    REFUSED(linestereo_bar(matcher, 0, 0), NULL);
+    REFUSED(linestereo_bar(matcher, health.bars, &bar), NO_SUCH_BAR);
+    REFUSED(linestereo_bar(matcher, (size_t)-1, &bar), NO_SUCH_BAR);
     REFUSED(linestereo_points(matcher, 0, 0), NULL);
     REFUSED(linestereo_points(matcher, call_again, &seen), OK);
     CHECK(seen.points > 100 && seen.inside == LINESTEREO_STATUS_BUSY);

@@ -16,7 +16,8 @@ static uint32_t sum_of_health(const LinestereoHealth *health) {
         total += of->level + of->detail_q4 + of->black_permille + of->white_permille + of->view_permille;
     }
     total += (uint32_t)health->rows_q8 + health->rows_samples;
-    return total + health->segments_found + health->segments_matched + health->is_cut;
+    total += health->segments_found + health->segments_matched + health->is_cut;
+    return total + health->bars;
 }
 
 static uint32_t sum_of_segment(const LinestereoSegment *segment) {

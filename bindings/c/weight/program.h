@@ -1,5 +1,6 @@
-/* The task of both programs: rectified pairs of at most QVGA, by turns whole and in an area, until the power goes; of each one sum over its health,
-   its segments, its points and the depth of a box. Cameras and the detector write to `Input` between pairs; settings are those of a calibration. */
+/* The task of both programs: rectified pairs of at most QVGA, by turns whole and in an area, until
+   the power goes; of each one sum over its health, its segments, its points and the depth of a box.
+   Cameras and the detector write to `Input` between pairs; settings are those of a calibration. */
 #ifndef PROGRAM_H
 #define PROGRAM_H
 

@@ -1,4 +1,5 @@
-//! Arrays of Python as grey images. Pixels are copied, 10 us for QVGA: another thread may write to the array while the pair is matched.
+//! Arrays of Python as grey images. Pixels are copied, 10 us for QVGA: another thread may write to
+//! the array while the pair is matched.
 
 use linestereo::{Dims, Gray, Span};
 use linestereo_frames::GrayImage;

@@ -1,4 +1,5 @@
-//! The core for Python: what `python/linestereo/__init__.py` calls, with images of any strides and results as bytes of structured arrays.
+//! The core for Python: what `python/linestereo/__init__.py` calls, with images of any strides and
+//! results as bytes of structured arrays.
 
 mod calibration;
 mod image;

@@ -43,7 +43,9 @@ impl Matcher {
         params.max_disparity = max_disparity.unwrap_or(params.max_disparity);
         if let Some(confidence) = min_confidence {
             if !(0.0..1.0).contains(&confidence) {
-                return Err(PyValueError::new_err(format!("min_confidence is {confidence}, allowed are 0.1 to 0.99")));
+                return Err(PyValueError::new_err(format!(
+                    "min_confidence is {confidence} but must be 0.1 to 0.99"
+                )));
             }
             params.min_confidence = linestereo::Confidence::from_num(confidence);
         }
@@ -108,10 +110,14 @@ impl Matcher {
         let start = Instant::now();
         let [left, right] = [view(&images[0], &usable[0])?, view(&images[1], &usable[1])?];
         let mut matched = matcher.run(Pair { left, right, times_us }, None, memory.view(), &mut ()).map_err(refused)?;
-        let (mut points, mut segments) = (Vec::with_capacity(16384), Vec::new());
+        let mut points = Vec::with_capacity(16384);
+        let (mut segments, mut bars) = (Vec::new(), Vec::new());
         matched.points(|point| points.push(point));
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
         matched.segments().iter().for_each(|found| records::push_segment(&mut segments, found));
+        for found in matched.bars() {
+            records::push_bar(&mut bars, found, self.params.rig);
+        }
         let records = records::of_points(&points, &self.params);
         let (summary, plan) = (*matched.summary(), *matcher.plan());
         Ok(Matched {
@@ -122,6 +128,7 @@ impl Matcher {
             memory,
             points: Some(records),
             segments: Some(segments),
+            bars: Some(bars),
             milliseconds,
         })
     }
@@ -137,6 +144,7 @@ pub(crate) struct Matched {
     memory: Memory,
     points: Option<Vec<u8>>,
     segments: Option<Vec<u8>>,
+    bars: Option<Vec<u8>>,
     milliseconds: f64,
 }
 
@@ -152,6 +160,11 @@ impl Matched {
         self.segments.take().unwrap_or_default().into_pyarray(py)
     }
 
+    /// Bytes of the bars, once.
+    fn take_bars<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        self.bars.take().unwrap_or_default().into_pyarray(py)
+    }
+
     /// Time that the core took, ms.
     #[getter]
     fn milliseconds(&self) -> f64 {
@@ -164,7 +177,8 @@ impl Matched {
         (self.plan.dims().width, self.plan.dims().height)
     }
 
-    /// Bits of the faults, whether results may be used, and whether a list was full or a budget of work spent.
+    /// Bits of the faults, whether results may be used, and whether a list was full or a budget of
+    /// work spent.
     #[getter]
     fn health(&self) -> (u32, bool, bool) {
         let flags = self.summary.health().flags;
@@ -240,7 +254,8 @@ impl Matched {
     }
 }
 
-/// Borders go to the nearest border of a pixel; what has an area keeps a pixel: as the PC's program reads a detector's boxes.
+/// Borders go to the nearest border of a pixel; what has an area keeps a pixel: as the PC's program
+/// reads a detector's boxes.
 fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
     if borders.iter().any(|border| !border.is_finite()) {
         return Err("not a finite number");

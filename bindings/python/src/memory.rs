@@ -18,7 +18,8 @@ unsafe impl Sync for Memory {}
 impl Memory {
     pub(crate) fn new(capacity: &Capacity) -> Result<Self, RunError> {
         let words = Box::into_raw(vec![MaybeUninit::uninit(); capacity.words()].into_boxed_slice());
-        // SAFETY: just allocated, and freed when this value is dropped, which the view is not used after.
+        // SAFETY: just allocated, and freed when this value is dropped, which the view is not used
+        // after.
         let view = ScratchView::carve(unsafe { &mut *words }, capacity)?;
         Ok(Self { view: ManuallyDrop::new(view), words })
     }

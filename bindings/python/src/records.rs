@@ -1,8 +1,8 @@
 //! Results as bytes of structured arrays, whose dtypes stand in `python/linestereo/__init__.py`.
 
 use linestereo::{
-    Depth, Disparity, INFINITE_DEPTH, Match, NoDepth, ObjectDepth, Owner, Params, PixelDepth, PixelRejection, Point,
-    Rig, Source,
+    Bar, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner,
+    Params, PixelDepth, PixelRejection, Point, Rig, Source,
 };
 
 /// Metres: infinite where the core says so, not a number without a rig.
@@ -14,7 +14,8 @@ fn pixels(disparity: Disparity) -> [u8; 4] {
     disparity.to_num::<f32>().to_le_bytes()
 }
 
-/// Depths of disparities that were met: a division each is a tenth of the time that the core takes for the pair.
+/// Depths of disparities that were met: a division each is a tenth of the time that the core takes
+/// for the pair.
 struct Depths {
     rig: Rig,
     /// By disparity from 0 on, 1/64 px.
@@ -53,17 +54,42 @@ pub(crate) fn of_points(points: &[Point], params: &Params) -> Vec<u8> {
 
 /// 72 bytes.
 pub(crate) fn push_segment(bytes: &mut Vec<u8>, found: &Match) {
-    for end in found.ends {
-        bytes.extend(end.x.to_num::<f32>().to_le_bytes());
-        bytes.extend(end.y.to_num::<f32>().to_le_bytes());
-    }
+    push_ends(bytes, found.ends);
     for disparity in [found.disparity[0], found.disparity[1], found.sigma] {
         bytes.extend(pixels(disparity));
     }
     bytes.extend(found.confidence.to_num::<f32>().to_le_bytes());
     bytes.extend((found.owner as u32).to_le_bytes());
     bytes.extend([0; 4]);
-    for depths in [found.depth, found.depth_sigma] {
+    push_depths(bytes, found.depth, found.depth_sigma);
+}
+
+/// 72 bytes.
+pub(crate) fn push_bar(bytes: &mut Vec<u8>, found: &Bar, rig: Option<Rig>) {
+    let (disparity, sigma) = (found.disparity(), found.sigma());
+    push_ends(bytes, found.ends());
+    bytes.extend(found.width().to_num::<f32>().to_le_bytes());
+    for disparity in [disparity[0], disparity[1], sigma] {
+        bytes.extend(pixels(disparity));
+    }
+    bytes.extend(found.confidence().to_num::<f32>().to_le_bytes());
+    bytes.extend([0; 4]);
+    let depth = rig.map(|rig| disparity.map(|d| rig.depth(d)));
+    let depth_sigma = rig.map(|rig| disparity.map(|d| rig.depth_sigma(d, sigma)));
+    push_depths(bytes, depth, depth_sigma);
+}
+
+/// Column and row of both ends.
+fn push_ends(bytes: &mut Vec<u8>, ends: [ImagePosition; 2]) {
+    for end in ends {
+        bytes.extend(end.x.to_num::<f32>().to_le_bytes());
+        bytes.extend(end.y.to_num::<f32>().to_le_bytes());
+    }
+}
+
+/// Depth at both ends, and its standard deviation.
+fn push_depths(bytes: &mut Vec<u8>, depth: Option<[Depth; 2]>, depth_sigma: Option<[Depth; 2]>) {
+    for depths in [depth, depth_sigma] {
         for end in 0..2 {
             bytes.extend(metres(depths.map(|ends| ends[end])).to_le_bytes());
         }
@@ -72,7 +98,8 @@ pub(crate) fn push_segment(bytes: &mut Vec<u8>, found: &Match) {
 
 const _: () = assert!(Owner::Left as u32 == 0 && Owner::Right as u32 == 1 && Owner::Both as u32 == 2);
 
-/// Disparity, sigma, depth, its sigma, nearest depth, support, confidence, and the reason where there is no disparity.
+/// Disparity, sigma, depth, its sigma, nearest depth, support, confidence, and the reason where
+/// there is no disparity.
 pub(crate) type Answer = (u16, Option<f64>, f64, f64, f64, f64, u16, f64, Option<(&'static str, String)>);
 
 pub(crate) fn of_object(found: &ObjectDepth) -> Answer {

@@ -31,6 +31,16 @@ def wall(disparity, rows=240, columns=320):
     return (bars + (x * 7 + y * 13) % 9).astype(np.uint8)
 
 
+def pole():
+    """A wall with a grain, at 8 px, and a dark pole of 5 px before it, at 24 px."""
+    grain = np.random.default_rng(1).integers(60, 190, (122, 172))
+    grain = cv2.resize(grain.astype(np.uint8), None, fx=2, fy=2, interpolation=cv2.INTER_LINEAR)
+    images = [np.ascontiguousarray(grain[:240, 8 * eye:320 + 8 * eye]) for eye in (0, 1)]
+    for image, start in zip(images, (150, 126)):
+        image[30:210, start:start + 5] = 30
+    return images
+
+
 @pytest.fixture(scope="module")
 def pair():
     return wall(0), wall(12)
@@ -42,7 +52,8 @@ def result(pair):
 
 
 def same(a, b):
-    return a.points.tobytes() == b.points.tobytes() and a.segments.tobytes() == b.segments.tobytes()
+    lists = ("points", "segments", "bars")
+    return all(getattr(a, name).tobytes() == getattr(b, name).tobytes() for name in lists)
 
 
 def test_a_wall_is_where_it_is(result):
@@ -54,6 +65,16 @@ def test_a_wall_is_where_it_is(result):
     assert (result.points["confidence"] >= 0.9).all() and (result.points["confidence"] < 1).all()
     assert result.points["segment"].max() < len(result.segments)
     assert "points" in repr(result)
+
+
+def test_a_pole_is_a_bar():
+    pair = pole()
+    bars = linestereo.match(*pair, max_disparity=32, rig=linestereo.Rig(200, 0.06)).bars
+    assert len(bars) > 0 and (bars["confidence"] >= 0.9).all()
+    assert np.abs(bars["disparity"] - 24).max() < 1 and np.abs(bars["width"] - 5).max() < 1
+    assert np.abs(bars["ends"][:, :, 0] - 149.5).max() < 1
+    assert np.abs(bars["depth"] - 0.5).max() < 0.02 and (bars["depth_sigma"] > 0).all()
+    assert np.isnan(linestereo.match(*pair, max_disparity=32).bars["depth"]).all()
 
 
 def test_depths_need_a_rig(pair):
@@ -138,11 +159,11 @@ def test_what_is_no_image_is_refused(pair, make, text):
 
 
 @pytest.mark.parametrize("parameters, text", [
-    ({"max_disparity": 500}, "max_disparity is 500, allowed are 8 to 256"),
+    ({"max_disparity": 500}, "max_disparity is 500 but must be 8 to 256"),
     ({"max_disparity": -1}, "max_disparity is -1"),
     ({"max_disparity": 2**40}, "max_disparity is"),
-    ({"min_disparity": -40}, "min_disparity is -40, allowed are -32 to 0"),
-    ({"min_confidence": 0.05}, "min_confidence .percent. is 5, allowed are 10 to 99"),
+    ({"min_disparity": -40}, "min_disparity is -40 but must be -32 to 0"),
+    ({"min_confidence": 0.05}, "min_confidence .percent. is 5 but must be 10 to 99"),
     ({"min_confidence": float("nan")}, "min_confidence"),
     ({"rig": 3}, "neither a Rig nor a Calibration"),
 ])
@@ -159,6 +180,10 @@ def test_health_is_a_set_and_knows_the_pairs_before(pair):
     assert Fault.RIGHT_DEAD in dead.health and not dead.is_fit
     [refused] = dead.objects(boxes=[[60, 30, 120, 90]])
     assert refused.reason == "unhealthy_pair" and refused.disparity_px is None and "not fit" in refused.text
+    twice = linestereo.match(pair[0], pair[0], max_disparity=32)  # one camera delivered twice
+    assert Fault.NO_PARALLAX in twice.health and not twice.is_fit
+    assert len(twice.points) == len(twice.segments) == 0
+    assert twice.pixel(80, 60).reason == "unhealthy_pair"
     matcher = linestereo.Matcher(32)
     assert matcher.match(*pair).health == frozenset()
     assert {Fault.LEFT_FROZEN, Fault.RIGHT_FROZEN} <= matcher.match(*pair).health
@@ -170,7 +195,8 @@ def test_every_fault_has_a_remedy(pair):
     assert all(fault.remedy and fault.remedy.isprintable() for fault in Fault)
     dead = linestereo.match(pair[0], np.full_like(pair[1], 90))
     assert "right_dead: right image has one grey level: check the camera's cable and power" in dead.advice
-    assert len(dead.advice) == len(dead.health) and linestereo.match(*pair).advice == []
+    fit = linestereo.match(*pair)
+    assert fit.is_fit and all(len(result.advice) == len(result.health) for result in (dead, fit))
 
 
 def test_points_have_places_in_space(result):
@@ -322,7 +348,7 @@ def test_a_calibration_rectifies(pair, rig_file):
     assert raw.is_fit and same(raw, linestereo.match(left, right, max_disparity=32, rig=calibration.rig))
     small = linestereo.Calibration.load(str(rig_file), size=(160, 120))
     assert linestereo.rectify(*pair, small)[0].shape == (120, 160)
-    with pytest.raises(ValueError, match="raw images of 320x240, these are 320x200"):
+    with pytest.raises(ValueError, match="these are 320x200; give images of 320x240"):
         linestereo.rectify(pair[0][:200], pair[1][:200], calibration)
 
 
@@ -355,6 +381,33 @@ distortion_model: radial-tangential
 distortion_coefficients: [-0.1, 0, 0, 0]
 """
 
+KALIBR_CAMERA = """%s:
+  camera_model: pinhole
+  intrinsics: [250.0, 250.0, 159.5, 119.5]
+  distortion_model: radtan
+  distortion_coeffs: [-0.1, 0.0, 0.0, 0.0]
+  resolution: [320, 240]
+"""
+
+KALIBR = KALIBR_CAMERA % "cam0" + KALIBR_CAMERA % "cam1" + """\
+  T_cn_cnm1:
+  - [1.0, 0.0, 0.0, -0.06]
+  - [0.0, 1.0, 0.0, 0.0]
+  - [0.0, 0.0, 1.0, 0.0]
+  - [0.0, 0.0, 0.0, 1.0]
+"""
+
+# The fourth number of the right projection is minus focal length times baseline: 250 px * 0.06 m.
+CAMERA_INFO = """image_width: 320
+image_height: 240
+camera_name: %s
+camera_matrix: {rows: 3, cols: 3, data: [250, 0, 159.5, 0, 250, 119.5, 0, 0, 1]}
+distortion_model: plumb_bob
+distortion_coefficients: {rows: 1, cols: 5, data: [-0.1, 0, 0, 0, 0]}
+rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}
+projection_matrix: {rows: 3, cols: 4, data: [250, 0, 159.5, %s, 0, 250, 119.5, 0, 0, 0, 1, 0]}
+"""
+
 
 def test_calibrations_of_other_programs_are_read(pair, rig_file, tmp_path):
     expected = linestereo.Calibration.load(rig_file)
@@ -366,12 +419,20 @@ def test_calibrations_of_other_programs_are_read(pair, rig_file, tmp_path):
     for path, place in zip(sensors, ("0", "0.06")):
         with open(path, "w") as file:
             file.write(SENSOR % place)
-    for calibration in (found, linestereo.Calibration.load(sensors)):
+    infos = [tmp_path / "left_info.yaml", tmp_path / "right_info.yaml"]
+    for path, side, along in zip(infos, ("left", "right"), ("0", "-15")):
+        path.write_text(CAMERA_INFO % (side, along))
+    kalibr = tmp_path / "camchain.yaml"
+    kalibr.write_text(KALIBR)
+    others = [linestereo.Calibration.load(files) for files in (sensors, infos, kalibr)]
+    for calibration in (found, *others):
+        assert calibration.size == calibration.raw_size == (320, 240)
+        assert abs(calibration.rig.baseline_m - 0.06) < 1e-4
         for a, b in zip(linestereo.rectify(*pair, calibration), linestereo.rectify(*pair, expected)):
             assert (a == b).all()
     with pytest.raises(ValueError, match="convert-rig"):
         linestereo.Calibration.load(opencv)
-    with pytest.raises(ValueError, match="of another size"):
+    with pytest.raises(ValueError, match="for another image size"):
         linestereo.Calibration.load(opencv, raw_size=(160, 120))
     with pytest.raises(ValueError, match="metres"):
         linestereo.Calibration.load(opencv, raw_size=(320, 240), translation_unit="m")
@@ -404,13 +465,14 @@ def five_decimals(value):
 
 
 @pytest.mark.skipif(program() is None, reason="no program of the PC: cargo build --release, or LINESTEREO_PROGRAM")
-@pytest.mark.parametrize("kind", ["drawn", "raw", "teddy"])
+@pytest.mark.parametrize("kind", ["drawn", "raw", "teddy", "pole"])
 def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     if kind == "teddy":
         folder = pathlib.Path(os.environ.get("LINESTEREO_FRAMES", TOP.parent / "shared/frames")) / "qvga/teddy"
         if not folder.is_dir():
             pytest.skip("no captured frames; set LINESTEREO_FRAMES")
         pair = [cv2.imread(str(folder / name), cv2.IMREAD_GRAYSCALE) for name in ("left.png", "right.png")]
+    pair = pole() if kind == "pole" else pair
     for name, image in zip(("left.png", "right.png"), pair):
         cv2.imwrite(str(tmp_path / name), image)
     command = [program(), "run", "left.png", "right.png", "--max-disparity", "32", "--quiet", "--json", "-"]
@@ -424,6 +486,9 @@ def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     assert result.segments["disparity"].tolist() == [segment["disparity_px"] for segment in listing["segments"]]
     depths = [[five_decimals(z) for z in depth] for depth in result.segments["depth"].tolist()]
     assert depths == [segment["depth_m"] for segment in listing["segments"]]
+    assert result.bars["ends"].tolist() == [bar["left"] for bar in listing["bars"]]
+    for name in ("width", "disparity", "sigma"):
+        assert result.bars[name].tolist() == [bar[f"{name}_px"] for bar in listing["bars"]]
     assert sorted(fault.value for fault in result.health) == sorted(listing["health"]["flags"])
 
 

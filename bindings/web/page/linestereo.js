@@ -1,4 +1,5 @@
-// The two modules from JavaScript, in a browser and in Node: images to grey pixels, grey pixels to segments, points, depths and health.
+// The two modules from JavaScript, in a browser and in Node: images to grey pixels, grey pixels to
+// segments, points, depths and health.
 //
 // Structures are those of bindings/c/include/linestereo.h as a 32-bit processor lays them out.
 
@@ -183,8 +184,8 @@ export class Images {
     this.call("add_pixels", width, height);
   }
 
-  /// The images added, as a pair: one image is both side by side, which is to be said of those that are not twice as wide as high. `width` reduces
-  /// them, 0 does not.
+  /// The images added, as a pair: one image is both side by side, which is to be said of those that
+  /// are not twice as wide as high. `width` reduces them, 0 does not.
   pair(width, holdsBoth = false) {
     this.call("pair", width, holdsBoth);
     const size = { width: this.code.width(), height: this.code.height() }, bytes = size.width * size.height;

@@ -113,7 +113,8 @@ async function match(anew) {
   show();
 }
 
-/// Runs a module that is new until it is compiled for speed: else the time of compiling would be said.
+/// Runs a module that is new until it is compiled for speed: else the time of compiling would be
+/// said.
 async function warm(parameters) {
   if (modules.areWarm) return;
   const other = await Matcher.make(modules.matcher, parameters);

@@ -73,7 +73,8 @@ fn png(bytes: &[u8]) -> Result<Result<StoredGray, String>, png::DecodingError> {
     Ok(Ok(StoredGray { dims, values }))
 }
 
-/// The grey of pixels of so many channels: one or two are grey, with transparency, three or four colour.
+/// The grey of pixels of so many channels: one or two are grey, with transparency, three or four
+/// colour.
 fn grey<T: Copy>(values: &[T], channels: usize, wide: impl Fn(T) -> u32, narrow: impl Fn(u16) -> T) -> Vec<T> {
     let pixels = values.chunks_exact(channels);
     if channels < 3 {

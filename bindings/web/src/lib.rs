@@ -1,4 +1,5 @@
-//! Image files and pixels of a camera -> the grey images of a pair, for the page: the PC program's own conversion, compiled for browsers.
+//! Image files and pixels of a camera -> the grey images of a pair, for the page: the PC program's
+//! own conversion, compiled for browsers.
 //!
 //! ```text
 //! room         memory for the bytes that come next
@@ -6,7 +7,8 @@
 //! pair         two grey images of one size, reduced to a width
 //! ```
 //!
-//! A function that returns `false` has a reason. The module has its own memory: the page drops it with all images, and after a decoder's panic.
+//! A function that returns `false` has a reason. The module has its own memory: the page drops it
+//! with all images, and after a decoder's panic.
 
 mod file;
 

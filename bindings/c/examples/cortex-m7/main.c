@@ -1,5 +1,6 @@
-/* The same as pc.c on a Cortex-M7 without a C library, emulated by QEMU (mps2-an500), which gives it arguments and files by semihosting. On a board
-   images come from cameras, and `memory` is all that linestereo needs. */
+/* The same as pc.c on a Cortex-M7 without a C library, emulated by QEMU (mps2-an500), which gives
+   it arguments and files by semihosting. On a board images come from cameras, and `memory` is all
+   that linestereo needs. */
 #include "../pair.h"
 
 /* QVGA: both images and their heads, and a matcher for them. */

@@ -1,4 +1,5 @@
-//! The task of `program.h` by the core itself, with memory in a static of a size that the compiler knows: as Rust programs of boards have it.
+//! The task of `program.h` by the core itself, with memory in a static of a size that the compiler
+//! knows: as Rust programs of boards have it.
 #![no_std]
 
 use core::cell::UnsafeCell;
@@ -81,6 +82,7 @@ impl Sum {
         self.add(counts.segments_left);
         self.add(counts.matched);
         self.add(counts.is_cut());
+        self.add(matched.bars().len() as u16);
     }
 
     fn add_segment(&mut self, segment: &Match) {

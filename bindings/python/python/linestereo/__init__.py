@@ -24,7 +24,8 @@ import numpy.typing as npt
 from . import _core
 from ._core import Calibration, Rig, __version__
 
-__all__ = ["Calibration", "Fault", "Matcher", "Object", "POINT", "Result", "Rig", "SEGMENT", "match", "rectify"]
+__all__ = ["BAR", "Calibration", "Fault", "Matcher", "Object", "POINT", "Result", "Rig", "SEGMENT",
+           "match", "rectify"]
 
 def _calibration(image: bytes) -> Calibration:
     return Calibration._decoded(image)
@@ -33,8 +34,9 @@ def _calibration(image: bytes) -> Calibration:
 copyreg.pickle(Calibration, lambda calibration: (_calibration, (calibration._encoded(),)))
 
 POINT = np.dtype([("x", "<u2"), ("y", "<u2"), ("disparity", "<f4"), ("confidence", "<f4"), ("segment", "<i4"), ("depth", "<f8")])
-"""A pixel of the left image: column and row in px, disparity in px, probability that it is within 1 px, index of its segment (-1: of a side that
-is not listed, -2: a support point), depth in m (inf: too far, nan: no rig)."""
+"""A pixel of the left image: column and row in px, disparity in px, probability that it is within
+1 px, index of its segment (-1: of a bar, or of a side that is not listed, -2: a support point),
+depth in m (inf: too far, nan: no rig)."""
 
 SEGMENT = np.dtype([
     ("ends", "<f4", (2, 2)), ("disparity", "<f4", 2), ("sigma", "<f4"), ("confidence", "<f4"), ("owner", "<u4"), ("_", "<u4"),
@@ -43,6 +45,15 @@ SEGMENT = np.dtype([
 """A line segment of the left image: x, y of both ends in px, disparity at both ends and its standard deviation in px, probability that it is
 within 1 px, side that owns the edge (0 left, 1 right, 2 both; left is above where |dx| > 4 |dy|), depth at both ends and its standard deviation
 in m (inf: too far, nan: no rig)."""
+
+BAR = np.dtype([
+    ("ends", "<f4", (2, 2)), ("width", "<f4"), ("disparity", "<f4", 2), ("sigma", "<f4"),
+    ("confidence", "<f4"), ("_", "<u4"), ("depth", "<f8", 2), ("depth_sigma", "<f8", 2),
+])
+"""A pole, leg or stand of the left image, in front of what is around it: x, y of both ends of its
+left edge in px, top first, width from the left to the right edge along a row in px, disparity at
+both ends and its standard deviation in px, probability that it is within 1 px, depth at both ends
+and its standard deviation in m (inf: too far, nan: no rig)."""
 
 
 Valid = Optional[Tuple[Optional[npt.ArrayLike], Optional[npt.ArrayLike]]]
@@ -123,19 +134,24 @@ class Result:
     """A matched pair."""
 
     points: npt.NDArray[np.void]
-    """Structured array of dtype `POINT`, one a pixel at most: those of segments, most probable first, then support points."""
+    """Structured array of dtype `POINT`, one a pixel at most: those of bars, of segments, most
+    probable first, then support points."""
     segments: npt.NDArray[np.void]
     """Structured array of dtype `SEGMENT`, most confident first."""
+    bars: npt.NDArray[np.void]
+    """Structured array of dtype `BAR`, by the first row."""
     health: FrozenSet[Fault]
     """Faults of this pair, or of one shortly before; empty when all is well."""
     is_fit: bool
-    """False when results may be wrong or outdated."""
+    """False when results may be wrong or outdated: then there are no points, no segments and no
+    bars, and no object and no pixel has a depth."""
 
     def __init__(self, matched: _core.Matched) -> None:
         self._matched: Optional[_core.Matched] = matched
         self._rest = (matched.size, matched.milliseconds, matched.segments_found)
         self.points = matched.take_points().view(POINT)
         self.segments = matched.take_segments().view(SEGMENT)
+        self.bars = matched.take_bars().view(BAR)
         bits, self.is_fit, is_cut = matched.health
         faults = [fault for bit, fault in enumerate(_FAULTS) if bits >> bit & 1]
         self.health = frozenset(faults + [Fault.SEGMENTS_DROPPED] * is_cut)
