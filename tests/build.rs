@@ -1,4 +1,5 @@
-//! `cfg(captured)` where captured frames are: tests that need them are ignored elsewhere, and the summary says so.
+//! `cfg(captured)` where captured frames are: tests that need them are ignored elsewhere, and the
+//! summary says so.
 
 use std::path::PathBuf;
 

@@ -93,7 +93,8 @@ class Otg:
         internal, ulpi = get(0x38) >> 16 & 1 and get(0x0C) >> 6 & 1, get(0x0C) >> 4 & 1 and not get(0x0C) >> 6 & 1
         kind = "internal" if internal else "ulpi" if ulpi else None
         self.is_fast = bool(ulpi) and get(0x800) & 3 == 0
-        # Not disconnected by the program, a device by force, a session that is valid by force, and a PHY.
+        # Not disconnected by the program, a device by force, a session that is valid by force, and
+        # a PHY.
         ready = not get(0x804) >> 1 & 1 and get(0x0C) >> 30 & 1 and get(0) >> 6 & 3 == 3 and kind and self.phy() == kind
         if ready and not self.is_connected:
             self.is_connected = True

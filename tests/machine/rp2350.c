@@ -1,9 +1,11 @@
-/* The parts of an RP2350 in which a run spends its time: PIO block 0, the DMA behind it, the wires of two cameras, TIMER0's count and the USB
-   controller's memory. Compiled behind the clock of cortex_m.py; all other registers are rp2350.py's.
+/* The parts of an RP2350 in which a run spends its time: PIO block 0, the DMA behind it, the wires
+   of two cameras, TIMER0's count and the USB controller's memory. Compiled behind the clock of
+   cortex_m.py; all other registers are rp2350.py's.
 
-   What is executed is the PIO's instruction memory as the image has written it, a cycle of 150 MHz after the other, with two cycles of
-   synchronisers before the pins. Not in it: OUT, PULL, side-set, delays, IRQ that waits, clock dividers: each ends the run (`unknown`). A DMA
-   transfer takes no time. RP2350 datasheet: 11.4, 11.5, 11.7 (PIO), 12.6 (DMA). */
+   What is executed is the PIO's instruction memory as the image has written it, a cycle of 150 MHz
+   after the other, with two cycles of synchronisers before the pins. Not in it: OUT, PULL,
+   side-set, delays, IRQ that waits, clock dividers: each ends the run (`unknown`). A DMA transfer
+   takes no time. RP2350 datasheet: 11.4, 11.5, 11.7 (PIO), 12.6 (DMA). */
 enum { PIO0 = 0x50200000, DMA = 0x50000000, TIMER0 = 0x400B0000, DPRAM = 0x50100000, SRAM = 0x20000000, SRAM_BYTES = 0x82000 };
 enum { MACHINES = 4, CHANNELS = 16, WIDTH = 324, HEIGHT = 244 };
 

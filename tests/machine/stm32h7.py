@@ -29,7 +29,8 @@ UNIQUE_ID, LOADER = (0x1FF1E800, bytes.fromhex("2e0031000e51303434363337")), 0x1
 RAM = [(0x1FF00000, 0x20000), (0x20000000, 0x20000), (0x24000000, 0x80000), (0x30000000, 0x48000)]
 FLASH, MHZ = (0x08000000, 0x200000), 400.0
 TIM5, DMA1, DCMI, EXTI, FLASH2, AHB1LPENR = 0x40000C00, 0x40020000, 0x48020000, 0x58000000, 0x52002100, 0x58024500
-# UARTs and USB (address, interrupt), I2C of the sensors, line of VSYNC, pin of the trigger, time of a row; do both cameras' rows come as one?
+# UARTs and USB (address, interrupt), I2C of the sensors, line of VSYNC, pin of the trigger, time of
+# a row; do both cameras' rows come as one?
 Wiring = namedtuple("Wiring", "host autopilot i2c vsync trigger usb row_us joined")
 WIRINGS = {
     "stm32h743": Wiring((0x40004800, 39), (0x40004400, 38), 0x40005400, 7, ("D", 14), (0x40080000, 101), 27.5, False),

@@ -12,7 +12,8 @@ use linestereo_wire::Health;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Value of `made`. Where boards cannot be built it says so and the test is skipped, unless somebody counts on it: then it fails.
+/// Value of `made`. Where boards cannot be built it says so and the test is skipped, unless
+/// somebody counts on it: then it fails.
 ///
 /// # Panics
 /// When it failed, and `CI` or `LINESTEREO_TOOLCHAIN` is set.
@@ -20,7 +21,8 @@ pub fn or_skip<T>(made: anyhow::Result<T>) -> Option<T> {
     match made {
         Ok(made) => Some(made),
         Err(error) => {
-            let counted_on = ["CI", "LINESTEREO_TOOLCHAIN"].iter().any(|name| std::env::var_os(name).is_some());
+            let counted_on =
+                ["CI", "LINESTEREO_TOOLCHAIN"].iter().any(|name| std::env::var_os(name).is_some());
             assert!(!counted_on, "{error:#}");
             // Not by a macro: those are silent in tests that pass.
             let _ = writeln!(std::io::stderr(), "\nSKIPPED, no boards here: {error:#}\n");
@@ -76,7 +78,12 @@ impl Twin {
     }
 
     /// Matches a pair that stands alone.
-    pub fn run(&mut self, params: &Params, left: &GrayImage, right: &GrayImage) -> Result<FrameResult, RunError> {
+    pub fn run(
+        &mut self,
+        params: &Params,
+        left: &GrayImage,
+        right: &GrayImage,
+    ) -> Result<FrameResult, RunError> {
         let mut matcher = params.matcher(left.dims).map_err(|_| RunError::Size(left.dims))?;
         self.run_next(&mut matcher, [left, right], &[]).map(|(result, _)| result)
     }
@@ -118,10 +125,13 @@ fn run(
     let mut result = FrameResult {
         matches: matched.segments().to_vec(),
         points,
+        obstacle_points: matched.obstacle_points().collect(),
+        bars: matched.bars().to_vec(),
         counts: matched.counts().into(),
         health: Health::of(matched.counts()) | health.flags.into(),
         pair: Some(health.into()),
         ground: matched.ground(),
+        exchanged: None,
     };
     result.counts.points = result.points.len() as u32;
     let mut found = Vec::new();

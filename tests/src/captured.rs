@@ -1,4 +1,5 @@
-//! Captured frames with ground truth, which are not part of the project: `LINESTEREO_FRAMES`, or `../shared/frames` beside it.
+//! Captured frames with ground truth, which are not part of the project: `LINESTEREO_FRAMES`, or
+//! `../shared/frames` beside it.
 
 use linestereo::Params;
 use linestereo_frames::{Scene, find_scenes, load_scene};
@@ -10,11 +11,15 @@ use std::sync::OnceLock;
 /// A folder of captured frames; without them the test that asks says so and passes.
 #[must_use]
 pub fn folder(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("LINESTEREO_FRAMES")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"), PathBuf::from);
+    let root = std::env::var_os("LINESTEREO_FRAMES").map_or_else(
+        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"),
+        PathBuf::from,
+    );
     let folder = root.join(name);
     if !folder.is_dir() {
-        eprintln!("SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds {name}/");
+        eprintln!(
+            "SKIPPED: no captured frames; set LINESTEREO_FRAMES to a folder that holds {name}/"
+        );
         return None;
     }
     Some(folder)
@@ -26,7 +31,8 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 /// When one of them cannot be loaded.
 #[must_use]
 pub fn qvga() -> Option<Vec<Scene>> {
-    let load = |folder: &PathBuf| load_scene(folder, None).unwrap_or_else(|error| panic!("{error}"));
+    let load =
+        |folder: &PathBuf| load_scene(folder, None).unwrap_or_else(|error| panic!("{error}"));
     let folders = find_scenes(&folder("qvga")?).unwrap_or_else(|error| panic!("{error}"));
     Some(folders.iter().map(load).collect())
 }
@@ -50,7 +56,9 @@ pub fn models_left_out(scenes: &[Scene]) -> &'static [FittedModels] {
     MODELS.get_or_init(|| {
         let sample = |scene: &Scene| {
             let (mut engine, mut log) = (engine(scene), EvidenceLog::default());
-            engine.run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log).unwrap();
+            engine
+                .run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log)
+                .unwrap();
             scene_samples(&scene.name, &mut engine, &log, scene.truth.as_ref().unwrap())
         };
         let samples: Vec<SceneSamples> = scenes.iter().map(sample).collect();

@@ -13,29 +13,43 @@ const STEP: u8 = 17;
 /// When a row is not as long as the first one or holds anything but hex digits.
 #[must_use]
 pub fn image(rows: &[&str]) -> GrayImage {
-    let digit = |c: char| c.to_digit(16).unwrap_or_else(|| panic!("{c:?} is not a hex digit")) as u8 * STEP;
-    let rows: Vec<Vec<u8>> = rows.iter().map(|row| row.chars().filter(|c| *c != ' ').map(digit).collect()).collect();
+    let digit =
+        |c: char| c.to_digit(16).unwrap_or_else(|| panic!("{c:?} is not a hex digit")) as u8 * STEP;
+    let rows: Vec<Vec<u8>> =
+        rows.iter().map(|row| row.chars().filter(|c| *c != ' ').map(digit).collect()).collect();
     let width = rows.first().map_or(0, Vec::len);
     assert!(rows.iter().all(|row| row.len() == width), "rows of unequal length");
-    GrayImage { dims: Dims { width: width as u16, height: rows.len() as u16 }, pixels: rows.concat() }
+    GrayImage {
+        dims: Dims { width: width as u16, height: rows.len() as u16 },
+        pixels: rows.concat(),
+    }
 }
 
 /// The image whose pixel `x, y` is `grey(x, y)`.
 pub fn painted(width: u16, height: u16, mut grey: impl FnMut(u16, u16) -> u8) -> GrayImage {
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| grey(x, y)).collect();
+    let pixels = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| grey(x, y))
+        .collect();
     GrayImage { dims: Dims { width, height }, pixels }
 }
 
-/// A built-in scene as both cameras see it: the seed is that of places, textures and of noise with this standard deviation.
+/// A built-in scene as both cameras see it: the seed is that of places, textures and of noise with
+/// this standard deviation.
 #[must_use]
 pub fn rendered(kind: Kind, dims: Dims, noise: f64, seed: u64) -> Rendering {
-    scene::render(&scene::build(kind, dims, seed), dims, &Sensor { noise, seed, ..Sensor::default() })
+    scene::render(
+        &scene::build(kind, dims, seed),
+        dims,
+        &Sensor { noise, seed, ..Sensor::default() },
+    )
 }
 
 /// The image as hex digits, to the nearest.
 #[must_use]
 pub fn picture(image: &GrayImage) -> String {
-    let digit = |&grey: &u8| char::from_digit(((u32::from(grey) + 8) / 17).min(15), 16).unwrap_or('?');
+    let digit =
+        |&grey: &u8| char::from_digit(((u32::from(grey) + 8) / 17).min(15), 16).unwrap_or('?');
     let row = |row: &[u8]| row.iter().map(digit).chain(['\n']).collect::<String>();
     image.pixels.chunks(usize::from(image.dims.width).max(1)).map(row).collect()
 }
@@ -49,7 +63,8 @@ pub fn assert_same(found: &GrayImage, expected: &GrayImage) {
     assert!(found == expected, "found:\n{}\nexpected:\n{}", picture(found), picture(expected));
 }
 
-/// The pixels with `padding` bytes after every row, filled with `fill`, and the distance between rows.
+/// The pixels with `padding` bytes after every row, filled with `fill`, and the distance between
+/// rows.
 #[must_use]
 pub fn with_padding(image: &GrayImage, padding: usize, fill: u8) -> (Vec<u8>, usize) {
     let width = usize::from(image.dims.width);
@@ -106,7 +121,10 @@ mod tests {
         let rows = ["09f", "a0 0"];
         assert_eq!(image(&rows).pixels, [0, 153, 255, 170, 0, 0]);
         assert_eq!(picture(&image(&rows)), "09f\na00\n");
-        assert_same(&painted(3, 2, |x, y| if (x, y) == (1, 0) { 255 } else { 0 }), &image(&["0f0", "000"]));
+        assert_same(
+            &painted(3, 2, |x, y| if (x, y) == (1, 0) { 255 } else { 0 }),
+            &image(&["0f0", "000"]),
+        );
         assert_eq!(with_padding(&image(&["f0", "0f"]), 1, 7), (vec![255, 0, 7, 0, 255, 7], 3));
     }
 }

@@ -1,13 +1,16 @@
-//! Every input of others, as a function of bytes that may do nothing but return: `fuzz/fuzz_targets` calls one by coverage, `tests/tests/fuzz.rs` all
-//! of them for some seconds.
+//! Every input of others, as a function of bytes that may do nothing but return:
+//! `fuzz/fuzz_targets` calls one by coverage, `tests/tests/fuzz.rs` all of them for some seconds.
 //!
 //! ```text
-//! wire          a byte for the direction, then a record: framed, decoded, encoded again; settings are planned
-//! rig_image     a rig for a board's flash, its checksum put right: decoded, encoded again, its meshes built
+//! wire          a byte for the direction, then a record: framed, decoded, encoded again; settings
+//!               are planned
+//! rig_image     a rig for a board's flash, its checksum put right: decoded, encoded again, its
+//!               meshes built
 //! rig_files     a byte for the format, then a file: read, written in every format, read again
 //! images        an image file as grey
 //! disparities   PFM, NPY or NPZ
-//! objects       a byte for the kind and one for the reduction, then a file of a detector: regions that the core takes
+//! objects       a byte for the kind and one for the reduction, then a file of a detector: regions
+//!               that the core takes
 //! pair          size, settings, an area and pixels that repeat: matched, twice to the same result
 //! ```
 
@@ -20,7 +23,9 @@ use linestereo_frames::regions::{self, Frame};
 use linestereo_frames::{load_disparities, load_gray};
 use linestereo_rig::RigImage;
 use linestereo_sim::engine::Engine;
-use linestereo_wire::{Command, Decoder, MAX_COMMAND, MAX_PACKET, Message, ParamUpdate, Record, Request, encode};
+use linestereo_wire::{
+    Command, Decoder, MAX_COMMAND, MAX_PACKET, Message, ParamUpdate, Record, Request, encode,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -51,7 +56,9 @@ pub fn wire(bytes: &[u8]) {
         match command.request {
             Request::SetParams(update) => _ = update.plan(Params::default(), DIMS),
             Request::SetRig(bytes) => _ = RigImage::decode(&bytes),
-            Request::SetRegions(asked) => asked.boxes.iter().for_each(|asked| _ = asked.region(DIMS)),
+            Request::SetRegions(asked) => {
+                asked.boxes.iter().for_each(|asked| _ = asked.region(DIMS))
+            }
             _ => {}
         }
     }
@@ -72,7 +79,8 @@ fn record_again<T: Record, const N: usize>(record: &[u8]) -> Option<T> {
     let decoded = packet.iter().find_map(|&byte| decoder.push(byte))?.ok()?;
     let (mut first, mut second) = ([0; MAX_PACKET], [0; MAX_PACKET]);
     let encoded = encode(&decoded, &mut first).expect("a record fits the largest packet");
-    let again = encoded.iter().find_map(|&byte| decoder.push(byte)).expect("a packet").expect("a record");
+    let again =
+        encoded.iter().find_map(|&byte| decoder.push(byte)).expect("a packet").expect("a record");
     assert_eq!(encode(&again, &mut second), Ok(encoded));
     Some(decoded)
 }
@@ -96,13 +104,31 @@ pub fn rig_files(bytes: &[u8]) {
     let path = file(name, text);
     let swap = kind & 4 != 0;
     let files = if kind & 8 == 0 { vec![path] } else { vec![path.clone(), path] };
-    let Ok(read) = interchange::load_rig(&files, &Options { swap, ..Options::default() }) else { return };
-    for format in [Format::RigToml, Format::OpencvYaml, Format::OpencvXml, Format::Kalibr, Format::Ros, Format::Euroc] {
+    let Ok(read) = interchange::load_rig(&files, &Options { swap, ..Options::default() }) else {
+        return;
+    };
+    for format in [
+        Format::RigToml,
+        Format::OpencvYaml,
+        Format::OpencvXml,
+        Format::Kalibr,
+        Format::Ros,
+        Format::Euroc,
+    ] {
         let Ok(written) = interchange::export(&read.rig, format) else { continue };
-        let name = |index| if format == Format::RigToml { "again.toml".to_owned() } else { format!("again{index}") };
-        let files: Vec<PathBuf> =
-            (0..).zip(&written.texts).map(|(i, text): (u8, _)| file(&name(i), text.as_bytes())).collect();
-        let again = interchange::load_rig(&files, &Options { from: Some(format), ..Options::default() });
+        let name = |index| {
+            if format == Format::RigToml {
+                "again.toml".to_owned()
+            } else {
+                format!("again{index}")
+            }
+        };
+        let files: Vec<PathBuf> = (0..)
+            .zip(&written.texts)
+            .map(|(i, text): (u8, _)| file(&name(i), text.as_bytes()))
+            .collect();
+        let again =
+            interchange::load_rig(&files, &Options { from: Some(format), ..Options::default() });
         assert!(again.is_ok(), "{format}: {again:?}");
     }
 }
@@ -122,9 +148,12 @@ pub fn disparities(bytes: &[u8]) {
 /// Files of detectors.
 pub fn objects(bytes: &[u8]) {
     let [kind, reduction, text @ ..] = bytes else { return };
-    let matched = [DIMS, Dims { width: 48, height: 36 }, Dims { width: 31, height: 23 }][usize::from(reduction % 3)];
+    let matched = [DIMS, Dims { width: 48, height: 36 }, Dims { width: 31, height: 23 }]
+        [usize::from(reduction % 3)];
     let path = file(["o.json", "o.txt", "o.csv", "o.pgm"][usize::from(kind % 4)], text);
-    let Ok(objects) = regions::load(&path, None, Frame { given: DIMS, matched, image_name: Some("left.png") }) else {
+    let Ok(objects) =
+        regions::load(&path, None, Frame { given: DIMS, matched, image_name: Some("left.png") })
+    else {
         return;
     };
     assert!(objects.list.len() <= regions::MAX_OBJECTS);
@@ -135,8 +164,21 @@ pub fn objects(bytes: &[u8]) {
 
 /// A pair of images, matched with any settings in any area.
 pub fn pair(bytes: &[u8]) {
-    let &[width, height, range, first, gradient, cell, extent, reach, left, top, right, bottom, ref pixels @ ..] =
-        bytes
+    let &[
+        width,
+        height,
+        range,
+        first,
+        gradient,
+        cell,
+        extent,
+        reach,
+        left,
+        top,
+        right,
+        bottom,
+        ref pixels @ ..,
+    ] = bytes
     else {
         return;
     };
@@ -157,23 +199,31 @@ pub fn pair(bytes: &[u8]) {
     // Refused parameters are left out, so that most inputs are matched.
     let (params, _) = update
         .plan(Params::default(), dims)
-        .or_else(|_| ParamUpdate { max_disparity: Some(8), ..ParamUpdate::default() }.plan(Params::default(), dims))
+        .or_else(|_| {
+            ParamUpdate { max_disparity: Some(8), ..ParamUpdate::default() }
+                .plan(Params::default(), dims)
+        })
         .expect("fits any image");
     let count = usize::from(dims.width) * usize::from(dims.height);
-    let image = |from: usize| pixels.iter().cycle().skip(from).take(count).copied().collect::<Vec<u8>>();
+    let image =
+        |from: usize| pixels.iter().cycle().skip(from).take(count).copied().collect::<Vec<u8>>();
     let images = [image(0), image(usize::from(range) % pixels.len())];
-    let [left_image, right_image] =
-        images.each_ref().map(|image| Gray::new(image, dims, dims.width.into()).expect("of its size"));
-    let area = Area { left: left.into(), top: top.into(), right: right.into(), bottom: bottom.into() };
+    let [left_image, right_image] = images
+        .each_ref()
+        .map(|image| Gray::new(image, dims, dims.width.into()).expect("of its size"));
+    let area =
+        Area { left: left.into(), top: top.into(), right: right.into(), bottom: bottom.into() };
     ENGINES.with_borrow_mut(|engines| {
         if engines.len() > MOST_ENGINES {
             engines.clear();
         }
         let key = format!("{params:?} {dims}");
-        let engine = engines.entry(key).or_insert_with(|| Engine::new(&params, dims).expect("was planned"));
+        let engine =
+            engines.entry(key).or_insert_with(|| Engine::new(&params, dims).expect("was planned"));
         let run = |engine: &mut Engine| {
             // Without health, which refuses most of what is drawn so.
-            let mut matched = engine.run_in_place(left_image, right_image).expect("of the planned size");
+            let mut matched =
+                engine.run_in_place(left_image, right_image).expect("of the planned size");
             let mut points = Vec::new();
             matched.points(|point| points.push(point));
             (matched.segments().to_vec(), points)

@@ -1,4 +1,5 @@
-//! Naive oracles: as short as possible, nothing shared with the core. Outside an image its nearest pixel counts.
+//! Naive oracles: as short as possible, nothing shared with the core. Outside an image its nearest
+//! pixel counts.
 
 use linestereo_frames::GrayImage;
 
@@ -24,10 +25,12 @@ pub fn sobel(image: &GrayImage, x: i32, y: i32) -> (i32, i32) {
     gradient
 }
 
-/// 5x5 census: bit `k` is set when the `k`-th neighbour, row by row and without the centre, is darker than the centre.
+/// 5x5 census: bit `k` is set when the `k`-th neighbour, row by row and without the centre, is
+/// darker than the centre.
 #[must_use]
 pub fn census(image: &GrayImage, x: i32, y: i32) -> u32 {
-    let offsets = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy))).filter(|&offset| offset != (0, 0));
+    let offsets =
+        (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy))).filter(|&offset| offset != (0, 0));
     let darker = offsets.map(|(dx, dy)| at(image, x + dx, y + dy) < at(image, x, y));
     darker.enumerate().map(|(k, darker)| u32::from(darker) << k).sum()
 }
@@ -48,12 +51,14 @@ pub struct Line {
 pub fn fit_line(points: &[[f64; 2]]) -> Line {
     let count = points.len() as f64;
     let centre = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
-    let moment =
-        |a: usize, b: usize| points.iter().map(|p| (p[a] - centre[a]) * (p[b] - centre[b])).sum::<f64>() / count;
+    let moment = |a: usize, b: usize| {
+        points.iter().map(|p| (p[a] - centre[a]) * (p[b] - centre[b])).sum::<f64>() / count
+    };
     let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy); // of the principal axis
     let upward = angle < 0.0;
-    let direction = [angle.cos(), angle.sin()].map(|component| if upward { -component } else { component });
+    let direction =
+        [angle.cos(), angle.sin()].map(|component| if upward { -component } else { component });
     let least = 0.5 * (xx + yy - ((xx - yy).powi(2) + 4.0 * xy * xy).sqrt());
     Line { centre, direction, rms: least.max(0.0).sqrt() }
 }
@@ -66,7 +71,13 @@ pub fn depth(focal_baseline: f64, offset: f64, disparity: f64) -> f64 {
 
 /// Disparities of everything from `nearer` m in front of `depth` to `farther` m behind it (Eq. 13).
 #[must_use]
-pub fn disparity_interval(focal_baseline: f64, offset: f64, depth: f64, nearer: f64, farther: f64) -> (f64, f64) {
+pub fn disparity_interval(
+    focal_baseline: f64,
+    offset: f64,
+    depth: f64,
+    nearer: f64,
+    farther: f64,
+) -> (f64, f64) {
     let near = if depth > nearer { focal_baseline / (depth - nearer) } else { f64::INFINITY };
     (focal_baseline / (depth + farther) - offset, near - offset)
 }
@@ -79,7 +90,10 @@ mod tests {
     #[test]
     fn sobel_of_a_step_and_of_a_ramp() {
         let step = image(&["00ff", "00ff", "00ff"]);
-        assert_eq!([0, 1, 2, 3].map(|x| sobel(&step, x, 1)), [(0, 0), (4 * 255, 0), (4 * 255, 0), (0, 0)]);
+        assert_eq!(
+            [0, 1, 2, 3].map(|x| sobel(&step, x, 1)),
+            [(0, 0), (4 * 255, 0), (4 * 255, 0), (0, 0)]
+        );
         let ramp = image(&["000", "111", "222"]);
         assert_eq!(sobel(&ramp, 1, 1), (0, 8 * 17));
     }
@@ -96,8 +110,9 @@ mod tests {
     fn lines_are_found_in_every_direction() {
         for degrees in 0..180 {
             let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
-            let points: Vec<[f64; 2]> =
-                (-5..=5).map(|t| [3.0 + f64::from(t) * cosine, 4.0 + f64::from(t) * sine]).collect();
+            let points: Vec<[f64; 2]> = (-5..=5)
+                .map(|t| [3.0 + f64::from(t) * cosine, 4.0 + f64::from(t) * sine])
+                .collect();
             let line = fit_line(&points);
             assert!(line.rms < 1e-6 && (line.centre[0] - 3.0).abs() < 1e-9, "{degrees}: {line:?}");
             let cross = line.direction[0] * sine - line.direction[1] * cosine;
@@ -107,7 +122,8 @@ mod tests {
 
     #[test]
     fn equation_13_by_hand() {
-        // 40 px m at 4 m: 10 px; 1 m nearer: 40/3 px, 1 m farther: 8 px. The width agrees with the chapter's formula.
+        // 40 px m at 4 m: 10 px; 1 m nearer: 40/3 px, 1 m farther: 8 px. The width agrees with the
+        // chapter's formula.
         let (low, high) = disparity_interval(40.0, 0.0, depth(40.0, 0.0, 10.0), 1.0, 1.0);
         assert_eq!(low, 8.0);
         assert!((high - low - 40.0 * 2.0 / (3.0 * 5.0)).abs() < 1e-12);

@@ -21,7 +21,10 @@ fn square_before_a_wall(width: u16, height: u16, seed: u64) -> [GrayImage; 2] {
     let (left, mut right) = (noise(width, height, seed), noise(width, height, seed + 1));
     // Nearer surfaces cover farther ones, so they come last.
     for shift in [4, 11] {
-        for (x, y) in (shift..width).flat_map(|x| (0..height).map(move |y| (x, y))).filter(|&at| true_at(at) == shift) {
+        for (x, y) in (shift..width)
+            .flat_map(|x| (0..height).map(move |y| (x, y)))
+            .filter(|&at| true_at(at) == shift)
+        {
             let at = |x: u16| usize::from(y) * usize::from(width) + usize::from(x);
             right.pixels[at(x - shift)] = left.pixels[at(x)];
         }
@@ -59,7 +62,9 @@ fn refined(costs: &[i32]) -> (f32, f32) {
 fn census_costs([left, right]: &[GrayImage; 2], half: i32, x: i32, y: i32) -> Vec<i32> {
     let cost = |d: i32| {
         let window = (-half..=half).flat_map(|dy| (-half..=half).map(move |dx| (x + dx, y + dy)));
-        window.map(|(x, y)| (census(left, x, y) ^ census(right, x - d, y)).count_ones() as i32).sum()
+        window
+            .map(|(x, y)| (census(left, x, y) ^ census(right, x - d, y)).count_ones() as i32)
+            .sum()
     };
     (0..COUNT as i32).map(cost).collect()
 }
@@ -81,15 +86,18 @@ fn census_blocks_are_what_their_head_says() {
     let map = Method::Census.run(&pair[0], &pair[1], COUNT as u16);
     check(&map, 100, |x, y| {
         let inside = (15 + 7..60 - 7).contains(&x) && (7..24 - 7).contains(&y);
-        inside.then(|| refined(&census_costs(&pair, 7, x, y))).filter(|&(_, confidence)| confidence >= 15.0 / 115.0)
+        inside
+            .then(|| refined(&census_costs(&pair, 7, x, y)))
+            .filter(|&(_, confidence)| confidence >= 15.0 / 115.0)
     });
 }
 
 /// The values of the path that comes in direction `step` from the border of the searched pixels.
 fn path(curves: Curves<'_>, dims: Dims, (x, y): (i32, i32), step: (i32, i32)) -> Vec<i32> {
     let before = |k: i32| (x - k * step.0, y - k * step.1);
-    let searched =
-        |(x, y): (i32, i32)| (COUNT as i32 - 1..dims.width.into()).contains(&x) && (0..dims.height.into()).contains(&y);
+    let searched = |(x, y): (i32, i32)| {
+        (COUNT as i32 - 1..dims.width.into()).contains(&x) && (0..dims.height.into()).contains(&y)
+    };
     let length = (0..).take_while(|&k| searched(before(k))).count() as i32;
     (0..length).rev().fold(vec![0; COUNT], |values, k| {
         let (x, y) = before(k);
@@ -115,7 +123,10 @@ fn semi_global_matching_is_what_its_head_says() {
     let steps: Vec<(i32, i32)> = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))).collect();
     let sum = |at: (i32, i32)| {
         steps.iter().filter(|&&step| step != (0, 0)).fold(vec![0; COUNT], |sums, &step| {
-            sums.into_iter().zip(path(curves, dims, at, step)).map(|(sum, value)| sum + value).collect()
+            sums.into_iter()
+                .zip(path(curves, dims, at, step))
+                .map(|(sum, value)| sum + value)
+                .collect()
         })
     };
     let sums: Vec<Vec<i32>> = searched().map(sum).collect();
@@ -124,12 +135,15 @@ fn semi_global_matching_is_what_its_head_says() {
         let seen = (0..COUNT as i32).filter(|d| (first..width).contains(&(right + d)));
         seen.min_by_key(|&d| (sums[index(right + d, y)][d as usize], -d)).unwrap()
     };
-    for (method, least, least_confidence) in [(Method::Sgm8, 400, 0.0), (Method::Sgm8Strict, 100, 0.8)] {
+    for (method, least, least_confidence) in
+        [(Method::Sgm8, 400, 0.0), (Method::Sgm8Strict, 100, 0.8)]
+    {
         check(&method.run(&pair[0], &pair[1], COUNT as u16), least, |x, y| {
             let sums = (x >= first).then(|| &sums[index(x, y)])?;
             let d = best(sums) as i32;
             let is_agreed = right_best(x - d, y).abs_diff(d) <= 1;
-            Some(refined(sums)).filter(|&(_, confidence)| is_agreed && confidence >= least_confidence)
+            Some(refined(sums))
+                .filter(|&(_, confidence)| is_agreed && confidence >= least_confidence)
         });
     }
 }
@@ -148,19 +162,28 @@ fn stereo_bm_is_what_its_head_says() {
         let step = |dy: i32| at(image, x + 1, row(dy)) - at(image, x - 1, row(dy));
         (step(-1) + 2 * step(0) + step(1)).clamp(-31, 31)
     };
-    let around = |x: i32, y: i32| (-7..=7).flat_map(move |dy| (-7..=7).map(move |dx| (x + dx, y + dy)));
-    let map = StereoBm { texture_threshold: 1000, uniqueness_ratio: 20 }.run(&pair.left, &pair.right, search);
+    let around =
+        |x: i32, y: i32| (-7..=7).flat_map(move |dy| (-7..=7).map(move |dx| (x + dx, y + dy)));
+    let map = StereoBm { texture_threshold: 1000, uniqueness_ratio: 20 }.run(
+        &pair.left,
+        &pair.right,
+        search,
+    );
     check(&map, 300, |x, y| {
         let inside = (15 + 7..96 - 7).contains(&x) && (7..49 - 7).contains(&y);
         if !inside || around(x, y).map(|(x, y)| value(&pair.left, x, y).abs()).sum::<i32>() < 1000 {
             return None;
         }
         let cost = |d: i32| {
-            around(x, y).map(|(x, y)| (value(&pair.left, x, y) - value(&pair.right, x - d, y)).abs()).sum::<i32>()
+            around(x, y)
+                .map(|(x, y)| (value(&pair.left, x, y) - value(&pair.right, x - d, y)).abs())
+                .sum::<i32>()
         };
         let costs: Vec<i32> = (0..COUNT as i32).map(cost).collect();
         let d = best(&costs);
-        let is_unique = |(other, &cost): (usize, &i32)| other.abs_diff(d) <= 1 || cost > costs[d] + costs[d] * 20 / 100;
+        let is_unique = |(other, &cost): (usize, &i32)| {
+            other.abs_diff(d) <= 1 || cost > costs[d] + costs[d] * 20 / 100
+        };
         let mut value = d as i32 * 256 + 15;
         if (1..COUNT - 1).contains(&d) {
             let [before, after] = [costs[d - 1], costs[d + 1]];
@@ -188,7 +211,11 @@ fn every_method_sees_a_square_before_a_wall() {
             Method::Census => (0.8, 2500),
             Method::Sgm8 | Method::Sgm8Strict => (0.93, 3500),
         };
-        assert!(share >= least_share && map.count() >= least_count, "{method:?}: {share:.3} of {}", map.count());
+        assert!(
+            share >= least_share && map.count() >= least_count,
+            "{method:?}: {share:.3} of {}",
+            map.count()
+        );
     }
 }
 
@@ -200,7 +227,10 @@ fn uniqueness_refuses_repetition() {
     for method in [Method::Bm, Method::Census] {
         let map = method.run(&stripes, &stripes, COUNT as u16);
         // A window that touches the image's border sees it, and the border is unique.
-        let found = (8..32).flat_map(|y| (0..84).map(move |x| (x, y))).filter(|&(x, y)| map.at(x, y).is_some()).count();
+        let found = (8..32)
+            .flat_map(|y| (0..84).map(move |x| (x, y)))
+            .filter(|&(x, y)| map.at(x, y).is_some())
+            .count();
         assert_eq!(found, 0, "{method:?}");
     }
 }

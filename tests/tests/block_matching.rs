@@ -2,7 +2,9 @@
 
 use linestereo::Dims;
 use linestereo_baselines::{DisparityMap, Search, StereoBm};
-use linestereo_block_matching::{DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups};
+use linestereo_block_matching::{
+    DenseMemory, GridMemory, Misfit, NO_DISPARITY, Settings, dense_groups, grid_groups,
+};
 use linestereo_frames::GrayImage;
 use linestereo_lab::evaluate::FrameScore;
 use linestereo_lab::rivals::{MethodScore, comparison_table, summarise};
@@ -20,10 +22,15 @@ fn boxes(width: u16, height: u16, seed: u64) -> (GrayImage, GrayImage) {
 }
 
 /// Runs a matcher and puts its rows into an image.
-fn image(dims: Dims, run: impl FnOnce(&mut dyn FnMut(usize, &[i16])) -> Result<(), Misfit>) -> Vec<i16> {
+fn image(
+    dims: Dims,
+    run: impl FnOnce(&mut dyn FnMut(usize, &[i16])) -> Result<(), Misfit>,
+) -> Vec<i16> {
     let width = usize::from(dims.width);
     let mut out = vec![NO_DISPARITY; width * usize::from(dims.height)];
-    let mut row = |y: usize, disparities: &[i16]| out[y * width..(y + 1) * width].copy_from_slice(disparities);
+    let mut row = |y: usize, disparities: &[i16]| {
+        out[y * width..(y + 1) * width].copy_from_slice(disparities)
+    };
     run(&mut row).unwrap();
     out
 }
@@ -38,7 +45,11 @@ fn dense((left, right): &(GrayImage, GrayImage), settings: &Settings) -> Vec<i16
 
 #[test]
 fn the_dense_matcher_is_stereo_bm_number_for_number() {
-    let captured = captured::qvga().unwrap_or_default().into_iter().take(2).map(|scene| (scene.left, scene.right));
+    let captured = captured::qvga()
+        .unwrap_or_default()
+        .into_iter()
+        .take(2)
+        .map(|scene| (scene.left, scene.right));
     let drawn = [(320, 240), (200, 99), (131, 46), (79, 16)].into_iter().zip(1..);
     let drawn = drawn.map(|((width, height), seed)| boxes(width, height, seed));
     for pair in drawn.chain(captured) {
@@ -53,8 +64,12 @@ fn the_dense_matcher_is_stereo_bm_number_for_number() {
                 let settings = Settings { disparities, left_right: None, ..settings };
                 let map = reference.run(&pair.0, &pair.1, Search { dims, count: disparities });
                 let ours = dense(&pair, &settings);
-                let theirs = map.values().iter().map(|d| if d.is_nan() { NO_DISPARITY } else { (16.0 * d) as i16 });
-                let different = ours.iter().zip(theirs).filter(|(ours, theirs)| *ours != theirs).count();
+                let theirs = map
+                    .values()
+                    .iter()
+                    .map(|d| if d.is_nan() { NO_DISPARITY } else { (16.0 * d) as i16 });
+                let different =
+                    ours.iter().zip(theirs).filter(|(ours, theirs)| *ours != theirs).count();
                 assert_eq!(different, 0, "{dims}, {settings:?}");
             }
         }
@@ -92,7 +107,12 @@ fn values(image: &GrayImage) -> Vec<i32> {
 }
 
 /// One disparity of the grid, by its definition.
-fn of_window(values: [&[i32]; 2], width: usize, (x, y): (usize, usize), settings: &Settings) -> i16 {
+fn of_window(
+    values: [&[i32]; 2],
+    width: usize,
+    (x, y): (usize, usize),
+    settings: &Settings,
+) -> i16 {
     let pixels = || (y - 8..y + 8).flat_map(move |y| (x - 8..x + 8).map(move |x| y * width + x));
     let [left, right] = values;
     let texture: i32 = pixels().map(|i| (left[i] - 31).abs()).sum();
@@ -123,7 +143,9 @@ fn the_grid_gives_what_naive_windows_give() {
         let pair = boxes(width, height, seed);
         let (left, right) = (values(&pair.0), values(&pair.1));
         let width = usize::from(width);
-        for (disparities, settings) in [(16, Settings::USUAL), (48, Settings::USUAL), (64, Settings::STRICT)] {
+        for (disparities, settings) in
+            [(16, Settings::USUAL), (48, Settings::USUAL), (64, Settings::STRICT)]
+        {
             let settings = Settings { disparities, left_right: None, ..settings };
             let found = grid(&pair, &settings);
             let mut expected = vec![NO_DISPARITY; found.len()];
@@ -134,7 +156,10 @@ fn the_grid_gives_what_naive_windows_give() {
             }
             assert_eq!(found, expected, "{width} x {height}, {disparities} disparities");
             let count = found.iter().filter(|&&d| d != NO_DISPARITY).count();
-            assert!(disparities != 16 || count > 50, "{width} x {height}: {count} disparities say little");
+            assert!(
+                disparities != 16 || count > 50,
+                "{width} x {height}: {count} disparities say little"
+            );
         }
     }
 }
@@ -156,7 +181,7 @@ fn sizes_that_do_not_fit_are_refused() {
     assert_eq!(run((200, 40), 0), Err(Misfit::Disparities(0)));
 }
 
-/// `--nocapture` prints the table of docs/rivals.md.
+/// `--nocapture` prints the table of docs/experiments.md.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_are_matched_as_well_as_the_settings_promise() {
@@ -180,8 +205,9 @@ fn captured_frames_are_matched_as_well_as_the_settings_promise() {
         let of = |&(name, run, settings): &(&str, Run, Settings)| {
             let values = run(&pair, &settings);
             let known = |d: i16| if d == NO_DISPARITY { f32::NAN } else { f32::from(d) / 16.0 };
-            let result =
-                FrameResult::of_points(DisparityMap::of_values(pair.0.dims, values.into_iter().map(known)).points());
+            let result = FrameResult::of_points(
+                DisparityMap::of_values(pair.0.dims, values.into_iter().map(known)).points(),
+            );
             let score = FrameScore::new(&scene.name, &truth, &result);
             MethodScore { method: name.to_owned(), score, objects: Vec::new(), result: None }
         };
@@ -193,7 +219,11 @@ fn captured_frames_are_matched_as_well_as_the_settings_promise() {
     for [unchecked, checked] in summaries.as_chunks::<2>().0 {
         let errors = [unchecked, checked].map(|of| of.summary.all.errors.all_gt_bad2.unwrap());
         // On the grid hardly two left pixels meet the same right one.
-        let is_better = if checked.method.starts_with("grid") { errors[1] <= errors[0] } else { errors[1] < errors[0] };
+        let is_better = if checked.method.starts_with("grid") {
+            errors[1] <= errors[0]
+        } else {
+            errors[1] < errors[0]
+        };
         assert!(is_better, "the left-right check of {} drops the right ones", checked.method);
     }
 }

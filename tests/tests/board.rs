@@ -36,7 +36,11 @@ fn json(dims: Dims, result: &FrameResult) -> String {
 }
 
 /// The only pair's result.
-fn run_one(machine: &Machine, update: &ParamUpdate, (left, right): &(GrayImage, GrayImage)) -> BoardResult {
+fn run_one(
+    machine: &Machine,
+    update: &ParamUpdate,
+    (left, right): &(GrayImage, GrayImage),
+) -> BoardResult {
     let mut replayed = machine.run_pairs(update, &[(left, right)]).unwrap();
     assert_eq!((replayed.pairs.len(), replayed.bad_packets), (1, 0));
     replayed.pairs.remove(0).unwrap()
@@ -46,19 +50,35 @@ fn run_one(machine: &Machine, update: &ParamUpdate, (left, right): &(GrayImage, 
 fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
     on_every_board(|board| {
         let Some(elf) = image(&board, "selftest") else { return };
-        let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else { return };
+        let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else {
+            return;
+        };
         let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
         let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
-        assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
+        assert_eq!(
+            ended.exit,
+            Some(Exit::Success),
+            "{}: {different:?}; {}",
+            board.name,
+            ended.errors
+        );
         // A size as the core's own `defmt::Format` says it.
         let expected = Case::all(&board).map(|Case { scene, dims, worst_case }| {
-            format!("{} {dims}{}: equal", scene.name(), if worst_case { ", worst case" } else { "" })
+            format!(
+                "{} {dims}{}: equal",
+                scene.name(),
+                if worst_case { ", worst case" } else { "" }
+            )
         });
-        assert_eq!(log.iter().map(|line| line.text.clone()).collect::<Vec<_>>(), expected.collect::<Vec<_>>());
+        assert_eq!(
+            log.iter().map(|line| line.text.clone()).collect::<Vec<_>>(),
+            expected.collect::<Vec<_>>()
+        );
     });
 }
 
-/// The most instructions of one pixel, and of the mean of a pair's: what `Matched::pixel` promises for 64 disparities.
+/// The most instructions of one pixel, and of the mean of a pair's: what `Matched::pixel` promises
+/// for 64 disparities.
 const WORST_PIXEL: u64 = 70_000;
 const MEAN_PIXEL: u64 = 56_000;
 
@@ -67,7 +87,9 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
     let board = mps2_an500::BOARD;
     let Some(elf) = image(&board, "pixels") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let Some(ended) = or_skip(qemu::run(&board, &elf, &["table"], folder.path(), LIMIT)) else { return };
+    let Some(ended) = or_skip(qemu::run(&board, &elf, &["table"], folder.path(), LIMIT)) else {
+        return;
+    };
     ended.success("pixels", &board).unwrap();
     let table = std::fs::read_to_string(folder.path().join("table")).unwrap();
     let mut memory = Box::new(mps2_an500::Workspace::new());
@@ -75,7 +97,9 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
     for (line, case) in table.lines().zip(Case::all(&board)) {
         let expected = pixels::measure(&mut *memory, &NoClock, &case).unwrap();
         let fields: Vec<&str> = line.split('\t').collect();
-        let [_, name, queried, answered, mean, worst_case, digest] = fields[..] else { panic!("{line}") };
+        let [_, name, queried, answered, mean, worst_case, digest] = fields[..] else {
+            panic!("{line}")
+        };
         let found = (name.to_owned(), queried.parse(), answered.parse(), digest.to_owned());
         let digest = format!("{:08x}", expected.digest);
         assert_eq!(found, (case.to_string(), Ok(expected.queried), Ok(expected.answered), digest));
@@ -89,25 +113,38 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
 fn every_kernel_equals_the_portable_one_between_fences() {
     on_every_board(|board| {
         let Some(elf) = image(&board, "kernels") else { return };
-        let run = |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
+        let run =
+            |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
         let Some(ended) = run(&[]) else { return };
         let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
         let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
-        assert_eq!(ended.exit, Some(Exit::Success), "{}: {different:?}; {}", board.name, ended.errors);
+        assert_eq!(
+            ended.exit,
+            Some(Exit::Success),
+            "{}: {different:?}; {}",
+            board.name,
+            ended.errors
+        );
         assert_eq!(log.len(), Kernels::COUNT + MEMORY_FUNCTIONS, "{log:?}");
 
-        // Controls: kernels that give other bits are all found, by a comparison that is the same on every board and so tried on one; one that
-        // reads a byte too far is stopped.
+        // Controls: kernels that give other bits are all found, by a comparison that is the same on
+        // every board and so tried on one; one that reads a byte too far is stopped.
         if board == Board::MEASURED[0] {
             let Some(ended) = run(&["wrong"]) else { return };
             assert_eq!(ended.exit, Some(Exit::Difference), "{}: {}", board.name, ended.errors);
             let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
-            let found = log.iter().filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
+            let found = log
+                .iter()
+                .filter(|line| line.level == "ERROR" && line.text.contains(" differs: length "));
             assert_eq!(found.count(), Kernels::COUNT, "{log:?}");
         }
         let Some(ended) = run(&["beyond"]) else { return };
         assert_eq!(ended.exit, Some(Exit::Fault), "{}: {}", board.name, ended.errors);
-        assert!(ended.errors.contains("fault: pc ") && ended.errors.contains(" address "), "{}", ended.errors);
+        assert!(
+            ended.errors.contains("fault: pc ") && ended.errors.contains(" address "),
+            "{}",
+            ended.errors
+        );
     });
 }
 
@@ -119,20 +156,28 @@ fn a_rendered_scene_gives_the_json_of_the_pc() {
             let pair = boxes(width, height);
             let dims = pair.0.dims;
             if !board.fits(dims) {
-                let refused = machine.run_pairs(&ParamUpdate::default(), &[(&pair.0, &pair.1)]).unwrap();
+                let refused =
+                    machine.run_pairs(&ParamUpdate::default(), &[(&pair.0, &pair.1)]).unwrap();
                 assert!(refused.pairs[0].is_err());
                 continue;
             }
             let rig = RigUpdate { focal_px: 300.5, baseline_m: 0.07, offset_px: 1.25 };
-            let params = Params { max_disparity: 48, rig: Some(rig.rig().unwrap()), ..Params::default() };
+            let params =
+                Params { max_disparity: 48, rig: Some(rig.rig().unwrap()), ..Params::default() };
             let found = run_one(&machine, &board::update(&params, Some(rig)), &pair);
             let twin = Twin::of(&board).run(&params, &pair.0, &pair.1).unwrap();
             assert_eq!(json(dims, &found.result), json(dims, &twin), "{} {dims}", board.name);
             assert_eq!(found.result.points, twin.points);
             assert!(found.result.matches.len() > 5 && found.costs.iter().sum::<u64>() > 100_000);
 
-            // Where no list is full, the capacities do not matter: the PC's own command gives the same.
-            let sparse = Params { cell: 32, reach: 1, min_confidence: Confidence::from_num(0.985), ..params };
+            // Where no list is full, the capacities do not matter: the PC's own command gives the
+            // same.
+            let sparse = Params {
+                cell: 32,
+                reach: 1,
+                min_confidence: Confidence::from_num(0.985),
+                ..params
+            };
             let found = run_one(&machine, &board::update(&sparse, Some(rig)), &pair).result;
             let mut engine = Engine::new(&sparse, dims).unwrap();
             let pc = engine.run(pair.0.view().unwrap(), pair.1.view().unwrap()).unwrap();
@@ -152,14 +197,18 @@ fn worst_cases_are_the_same_to_the_last_byte() {
         let Some(machine) = machine(board) else { return };
         let mut twin = Twin::of(&board);
         for worst_case in [false, true] {
-            let cases: Vec<Case> = Case::all(&board).filter(|case| case.worst_case == worst_case).collect();
+            let cases: Vec<Case> =
+                Case::all(&board).filter(|case| case.worst_case == worst_case).collect();
             let params = cases[0].params();
             let painted: Vec<(GrayImage, GrayImage)> = cases.iter().map(paint).collect();
             let pairs: Vec<_> = painted.iter().map(|(left, right)| (left, right)).collect();
             let replayed = machine.run_pairs(&board::update(&params, None), &pairs).unwrap();
+            // Faults of a pair are held over the next ones.
+            let mut matcher = params.matcher(cases[0].dims).unwrap();
             for ((case, found), (left, right)) in cases.iter().zip(&replayed.pairs).zip(&painted) {
                 let found = &found.as_ref().unwrap().result;
-                let expected = twin.run(&params, left, right).unwrap();
+                matcher.set_plan(params.plan(case.dims).unwrap());
+                let (expected, _) = twin.run_next(&mut matcher, [left, right], &[]).unwrap();
                 assert_eq!(found.matches, expected.matches, "{case}");
                 assert_eq!(found.points, expected.points, "{case}");
                 assert_eq!(found.counts, expected.counts, "{case}");
@@ -189,19 +238,36 @@ fn faults_end_in_exit_codes() {
             ("undefined", Exit::Fault, "fault: pc "),
             ("nonsense", Exit::Usage, ""),
             // Where the program was is not where the handler failed.
-            ("handler", if board.target.starts_with("thumb") { Exit::Fault } else { Exit::Usage }, ""),
+            (
+                "handler",
+                if board.target.starts_with("thumb") { Exit::Fault } else { Exit::Usage },
+                "",
+            ),
             // Armv7-M; later processors have limits of their stacks instead.
-            ("between", if board.target.starts_with("thumbv7") { Exit::Fault } else { Exit::Usage }, ""),
+            (
+                "between",
+                if board.target.starts_with("thumbv7") { Exit::Fault } else { Exit::Usage },
+                "",
+            ),
         ] {
-            let Some(ended) = or_skip(qemu::run(&board, &elf, &[fault], Path::new("."), LIMIT)) else { return };
+            let Some(ended) = or_skip(qemu::run(&board, &elf, &[fault], Path::new("."), LIMIT))
+            else {
+                return;
+            };
             assert_eq!(ended.exit, Some(exit), "{fault} on {}: {}", board.name, ended.errors);
             assert!(ended.errors.contains(report), "{fault} on {}: {}", board.name, ended.errors);
-            assert!(fault != "handler" || !ended.errors.contains(" pc "), "{}: {}", board.name, ended.errors);
+            assert!(
+                fault != "handler" || !ended.errors.contains(" pc "),
+                "{}: {}",
+                board.name,
+                ended.errors
+            );
         }
     });
 }
 
-/// A rig with mustache distortion on the left, barrel on the right, and the right camera turned by a degree.
+/// A rig with mustache distortion on the left, barrel on the right, and the right camera turned by
+/// a degree.
 fn raw_rig(raw: Dims, rectified: Dims) -> RigImage {
     raw_rig_with(raw, rectified, View::default())
 }
@@ -210,29 +276,47 @@ fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
     let scale = f64::from(raw.width);
     let lens = |k: [f64; 3]| Lens::BrownConrady { k, p: [1e-3, -5e-4] };
     let centre = [0.5 * scale - 1.25, 0.5 * f64::from(raw.height) + 0.5];
-    let left = Camera::new(raw, [0.85 * scale, 0.851 * scale], centre, 0.0, lens([-0.25, 0.12, -0.01])).unwrap();
-    let right = Camera::new(raw, [0.849 * scale, 0.85 * scale], centre, 0.1, lens([-0.2, 0.02, 0.0])).unwrap();
-    let calibration = Calibration::new(left, right, [0.99996, 0.002, 0.004, 0.0087], [-0.07, 0.0004, 0.0]).unwrap();
+    let left =
+        Camera::new(raw, [0.85 * scale, 0.851 * scale], centre, 0.0, lens([-0.05, 0.01, 0.0]))
+            .unwrap();
+    let right =
+        Camera::new(raw, [0.849 * scale, 0.85 * scale], centre, 0.1, lens([-0.05, 0.01, 0.0]))
+            .unwrap();
+    let calibration =
+        Calibration::new(left, right, [0.999_997, 0.001, 0.002, 0.001], [-0.07, 0.0004, 0.0])
+            .unwrap();
     RigImage::new(calibration, rectified, view, (0, 48)).unwrap()
 }
 
 #[test]
 fn raw_pairs_give_the_json_of_the_pc() {
-    for (board, raws) in Board::MEASURED.into_iter().zip([[(320, 240), (480, 360)], [(160, 120), (400, 300)]]) {
+    for (board, raws) in
+        Board::MEASURED.into_iter().zip([[(320, 240), (480, 360)], [(160, 120), (400, 300)]])
+    {
         let Some(machine) = machine(board) else { return };
         for (width, height) in raws {
             let (left, right) = boxes(width, height);
             let rig = raw_rig(left.dims, board.largest);
             let params = rig.params(Params::default()).unwrap();
-            let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
+            let mut replayed = machine
+                .run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)])
+                .unwrap();
             assert_eq!((replayed.pairs.len(), replayed.bad_packets), (1, 0));
             let found = replayed.pairs.remove(0).unwrap();
-            let (left, right) = PairRectifier::new(rig.remap()).unwrap().pair(&left, &right).unwrap();
+            let (left, right) =
+                PairRectifier::new(rig.remap()).unwrap().pair(&left, &right).unwrap();
             let twin = Twin::of(&board).run(&params, &left, &right).unwrap();
             let dims = board.largest;
-            assert_eq!(json(dims, &found.result), json(dims, &twin), "{} {width}x{height}", board.name);
+            assert_eq!(
+                json(dims, &found.result),
+                json(dims, &twin),
+                "{} {width}x{height}",
+                board.name
+            );
             assert_eq!(found.result.points, twin.points);
-            assert!(twin.matches.len() > 5 && twin.matches.iter().all(|found| found.depth.is_some()));
+            assert!(
+                twin.matches.len() > 5 && twin.matches.iter().all(|found| found.depth.is_some())
+            );
             assert!(found.rectification > 100_000, "{}", found.rectification);
             assert!(replayed.stack < 16 * 1024, "{} bytes of stack", replayed.stack);
         }
@@ -246,14 +330,17 @@ fn pixels_without_source_are_not_used_on_a_board() {
     let (left, right) = boxes(160, 120);
     let rig = raw_rig_with(left.dims, board.largest, View::Alpha(1.0));
     let params = rig.params(Params::default()).unwrap();
-    let mut replayed = machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
+    let mut replayed =
+        machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
     let found = replayed.pairs.remove(0).unwrap().result;
     assert_eq!((found.counts.segments_left_dropped, found.counts.segments_right_dropped), (0, 0));
 
     let mut rectifier = PairRectifier::new(rig.remap()).unwrap();
     let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
     let (left, right) = rectifier.pair(&left, &right).unwrap();
-    let view = |image: &'static GrayImage, spans: &'static [Span]| image.view().unwrap().with_valid(spans).unwrap();
+    let view = |image: &'static GrayImage, spans: &'static [Span]| {
+        image.view().unwrap().with_valid(spans).unwrap()
+    };
     let [left_spans, right_spans] = usable.map(|spans| &*Box::leak(spans.into_boxed_slice()));
     let [left, right] = [left, right].map(|image| &*Box::leak(Box::new(image)));
     let mut engine = Engine::new(&params, board.largest).unwrap();
@@ -275,7 +362,12 @@ fn a_live_board_answers_on_its_port() {
     let board = Board::MEASURED[1];
     let Some(elf) = image(&board, "live") else { return };
     let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
-    let child = qemu.args(["-serial", "stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    let child = qemu
+        .args(["-serial", "stdio"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
     let mut running = Running::new(child);
     assert!(matches!(running.message(), Message::Hello(hello) if hello.board == board.name));
     running.command(1, Request::Describe);
@@ -288,15 +380,18 @@ fn a_live_board_answers_on_its_port() {
     running.command(3, Request::Start);
     assert_eq!(running.answer(3), Outcome::Accepted);
     let mut twin = Twin::of(&board);
+    let mut matcher = Params::default().matcher(board.largest).unwrap();
     for (sequence, case) in (0..3).zip(Case::all(&board)) {
         let (left, right) = paint(&case);
-        let mut expected = twin.run(&Params::default(), &left, &right).unwrap();
+        let (mut expected, _) = twin.run_next(&mut matcher, [&left, &right], &[]).unwrap();
         expected.counts.points = 0; // a live board sends segments alone
         let Message::Frame(head) = running.message() else { panic!("a frame was expected") };
         assert_eq!((head.sequence, head.counts), (sequence, expected.counts));
         let mut matches = Vec::new();
         while matches.len() < usize::from(head.segments) {
-            let Message::Segments(segments) = running.message() else { panic!("segments were expected") };
+            let Message::Segments(segments) = running.message() else {
+                panic!("segments were expected")
+            };
             matches.extend(segments.list);
         }
         assert_eq!(matches, expected.matches);
@@ -305,7 +400,8 @@ fn a_live_board_answers_on_its_port() {
     assert_eq!(running.answer(4), Outcome::Accepted);
 }
 
-/// A program in QEMU whose UART is QEMU's stdin and stdout. It is ended with the test, or when the test waits too long.
+/// A program in QEMU whose UART is QEMU's stdin and stdout. It is ended with the test, or when the
+/// test waits too long.
 struct Running {
     child: Arc<Mutex<Child>>,
     stdin: ChildStdin,
@@ -364,12 +460,15 @@ impl Drop for Running {
     }
 }
 
-/// Not the core alone, which `no_panic` has: whole programs, as they are shipped. Their panic handler is gone, because nothing calls it.
+/// Not the core alone, which `no_panic` has: whole programs, as they are shipped. Their panic
+/// handler is gone, because nothing calls it.
 #[test]
 fn programs_without_logs_hold_no_panic_handler() {
     for board in Board::MEASURED {
         // The last one does panic, on purpose: what is searched for is there to be found.
-        for (program, panics) in [("live", false), ("replay", false), ("bench", false), ("faults", true)] {
+        for (program, panics) in
+            [("live", false), ("replay", false), ("bench", false), ("faults", true)]
+        {
             let Some(elf) = image(&board, program) else { return };
             let elf = std::fs::read(elf).unwrap();
             let file = object::File::parse(&*elf).unwrap();

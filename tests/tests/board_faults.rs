@@ -1,6 +1,8 @@
-//! Damaged pairs on a board under QEMU: the PC's bits of flags, health figures, segments, points, and depths of objects or why there is none.
+//! Damaged pairs on a board under QEMU: the PC's bits of flags, health figures, segments, points,
+//! and depths of objects or why there is none.
 //!
-//! The worst damages of the fault bench on drawn pairs, and on captured ones (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
+//! The worst damages of the fault bench on drawn pairs, and on captured ones (`LINESTEREO_FRAMES`,
+//! or `../shared/frames` beside the project).
 
 use linestereo::{Area, Dims, HealthFlags, NoDepth, Params};
 use linestereo_firmware::boards::mps2_an500;
@@ -19,7 +21,8 @@ use std::path::PathBuf;
 const RIG: RigUpdate = RigUpdate { focal_px: 300.0, baseline_m: 0.1, offset_px: 0.0 };
 const DIMS: Dims = mps2_an500::BOARD.largest;
 
-/// The flag that each of them raises on the drawn pairs; none for what is on the objects alone. Flags stay for some pairs: those without come first.
+/// The flag that each of them raises on the drawn pairs; none for what is on the objects alone.
+/// Flags stay for some pairs: those without come first.
 const DAMAGES: [(Damage, Option<HealthFlags>); 8] = [
     (Damage::None, None),
     (Damage::Bars(8.0), None),
@@ -55,25 +58,34 @@ fn boxes() -> Vec<RegionBox> {
     (0..12).map(of).collect()
 }
 
-/// Sends every damage to the board, of both scenes in turn and as pairs of one rig; gives its flags, and why objects have no depth.
+/// Sends every damage to the board, of both scenes in turn and as pairs of one rig; gives its
+/// flags, and why objects have no depth.
 fn compare(scenes: [&Scene; 2]) -> Option<Vec<(HealthFlags, BTreeSet<String>)>> {
     let machine = machine(mps2_an500::BOARD)?;
     let (boxes, dims) = (boxes(), scenes[0].left.dims);
     let regions: Vec<_> = boxes.iter().filter_map(|of| of.region(dims).ok()).collect();
     let is_object = |(x, y): (i32, i32)| regions.iter().any(|region| region.contains(x, y));
-    let pixels = (0..i32::from(dims.height)).flat_map(|y| (0..i32::from(dims.width)).map(move |x| (x, y)));
+    let pixels =
+        (0..i32::from(dims.height)).flat_map(|y| (0..i32::from(dims.width)).map(move |x| (x, y)));
     let objects = Mask::new(dims, pixels.map(is_object).collect());
     let pairs: Vec<_> = DAMAGES
         .iter()
         .zip([scenes, [scenes[1], scenes[0]]].into_iter().cycle())
         .map(|((damage, _), [scene, other])| {
-            damage.apply(&Source { scene, other: [&other.left, &other.right], objects: &objects, seed: 1 })
+            damage.apply(&Source {
+                scene,
+                other: [&other.left, &other.right],
+                objects: &objects,
+                seed: 1,
+            })
         })
         .collect();
     let wanted = || Regions { boxes: boxes.iter().copied().collect(), only: false };
     let sent: Vec<_> = pairs.iter().map(|[left, right]| (left, right, wanted())).collect();
-    let params = Params { max_disparity: scenes[0].max_disparity, rig: RIG.rig().ok(), ..Params::default() };
-    let replayed = machine.run_pairs_with_objects(&board::update(&params, Some(RIG)), &sent).unwrap();
+    let params =
+        Params { max_disparity: scenes[0].max_disparity, rig: RIG.rig().ok(), ..Params::default() };
+    let replayed =
+        machine.run_pairs_with_objects(&board::update(&params, Some(RIG)), &sent).unwrap();
     assert_eq!((replayed.pairs.len(), replayed.bad_packets), (pairs.len(), 0));
 
     let (mut twin, mut matcher) = (Twin::of(&mps2_an500::BOARD), params.matcher(dims).unwrap());
@@ -81,13 +93,20 @@ fn compare(scenes: [&Scene; 2]) -> Option<Vec<(HealthFlags, BTreeSet<String>)>> 
     for ((pair, found), (damage, _)) in pairs.iter().zip(replayed.pairs).zip(DAMAGES) {
         let (expected, objects) = twin.run_next(&mut matcher, pair.each_ref(), &regions).unwrap();
         let (found, name) = (found.unwrap(), format!("{}: {damage}", scenes[0].name));
-        assert_eq!((found.result.health, found.result.pair), (expected.health, expected.pair), "{name}");
+        assert_eq!(
+            (found.result.health, found.result.pair),
+            (expected.health, expected.pair),
+            "{name}"
+        );
         assert_eq!(found.result.counts, expected.counts, "{name}");
         assert_eq!(found.result.matches, expected.matches, "{name}");
         assert_eq!(found.result.points, expected.points, "{name}");
         assert_eq!(found.objects, objects, "{name}");
         let refusals = found.objects.iter().filter_map(|object| object.disparity.err());
-        seen.push((found.result.health.of_pair(), refusals.map(|why| format!("{why:?}")).collect()));
+        seen.push((
+            found.result.health.of_pair(),
+            refusals.map(|why| format!("{why:?}")).collect(),
+        ));
     }
     Some(seen)
 }

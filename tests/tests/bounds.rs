@@ -1,8 +1,11 @@
-//! Bounds of the work of a run: no picture costs much more than a scene, and nothing is left out of a scene.
+//! Bounds of the work of a run: no picture costs much more than a scene, and nothing is left out of
+//! a scene.
 //!
-//! Work is counted on the PC: what a run did, each step with its instructions on a Cortex-M7. The weights are least squares of relative errors, held near
-//! those by stage that they were first, over 26 drawn and captured pairs, whole and in both parts, that `cargo xtask bench --board mps2-an500 --frames
-//! FOLDER` has counted under QEMU. Of whole pairs they say 0.94 to 1.06 of what they cost, of three boxes 0.96 to 1.04, of one 0.94 to 1.07.
+//! Work is counted on the PC: what a run did, each step with its instructions on a Cortex-M7. The
+//! weights are least squares of relative errors, held near those by stage that they were first,
+//! over 26 drawn and captured pairs, whole and in both parts, that `cargo xtask bench --board
+//! mps2-an500 --frames FOLDER` has counted under QEMU. Of whole pairs they say 0.94 to 1.06 of what
+//! they cost, of three boxes 0.96 to 1.04, of one 0.94 to 1.07.
 
 use core::f64::consts::TAU;
 use core::time::Duration;
@@ -38,10 +41,17 @@ impl Part {
     const ALL: [Self; 3] = [Self::Whole, Self::ThreeBoxes, Self::OneBox];
 
     fn areas(self) -> Option<Vec<Area>> {
-        let boxed = |left, top, width, height| Area { left, top, right: left + width, bottom: top + height };
+        let boxed = |left, top, width, height| Area {
+            left,
+            top,
+            right: left + width,
+            bottom: top + height,
+        };
         match self {
             Self::Whole => None,
-            Self::ThreeBoxes => Some([(40, 40), (200, 80), (100, 160)].map(|(x, y)| boxed(x, y, 51, 50)).into()),
+            Self::ThreeBoxes => {
+                Some([(40, 40), (200, 80), (100, 160)].map(|(x, y)| boxed(x, y, 51, 50)).into())
+            }
             Self::OneBox => Some(vec![boxed(109, 82, 101, 75)]),
         }
     }
@@ -73,15 +83,21 @@ struct Steps {
 impl Observer for Steps {
     fn on_event(&mut self, step: StageEvent<'_>) {
         match step {
-            StageEvent::LinesLeft(list) | StageEvent::LinesRight(list) => self.segments += list.len(),
+            StageEvent::LinesLeft(list) | StageEvent::LinesRight(list) => {
+                self.segments += list.len()
+            }
             StageEvent::Segment(Ok(_)) => self.candidates += 1,
-            StageEvent::Segment(Err(Rejection::WindowNotUnique | Rejection::NearBorder)) => self.rejected[0] += 1,
+            StageEvent::Segment(Err(Rejection::WindowNotUnique | Rejection::NearBorder)) => {
+                self.rejected[0] += 1
+            }
             StageEvent::Segment(Err(_)) => self.rejected[1] += 1,
             StageEvent::Report(list) => {
                 self.flat = list.iter().filter(|found| is_flat(found)).count();
                 self.matches = list.len();
             }
-            StageEvent::Support(list) => self.points = list.iter().filter(|point| point.is_matched()).count(),
+            StageEvent::Support(list) => {
+                self.points = list.iter().filter(|point| point.is_matched()).count()
+            }
             _ => {}
         }
     }
@@ -90,7 +106,10 @@ impl Observer for Steps {
 /// True where the health of rows looks at it.
 fn is_flat(found: &Match) -> bool {
     let [a, b] = found.ends;
-    let (dx, dy) = (i32::from(a.x.to_bits().abs_diff(b.x.to_bits())), i32::from(a.y.to_bits().abs_diff(b.y.to_bits())));
+    let (dx, dy) = (
+        i32::from(a.x.to_bits().abs_diff(b.x.to_bits())),
+        i32::from(a.y.to_bits().abs_diff(b.y.to_bits())),
+    );
     dx >= 2 * dy && dx >= 5 << 5
 }
 
@@ -124,7 +143,8 @@ fn run(memory: &mut Memory, [left, right]: [&GrayImage; 2], part: Part) -> (f64,
     let mut steps = Steps::default();
     let (images, areas) = ([left.view().unwrap(), right.view().unwrap()], part.areas());
     // Areas are matched with the row offset of a whole pair.
-    let focus = Focus { areas: areas.as_deref(), row_offset_q5: areas.as_ref().map(|_| 0), ..Focus::WHOLE };
+    let focus =
+        Focus { areas: areas.as_deref(), row_offset_q5: areas.as_ref().map(|_| 0), ..Focus::WHOLE };
     let matched = plan.run_on(images, &focus, memory.view(), &mut steps).unwrap();
     (steps.cost(part, matched.counts()), *matched.counts())
 }
@@ -169,25 +189,37 @@ impl Texture {
                 let square = |side: f64| ((x / side) as u64, (y / side) as u64);
                 let random = |(x, y): (u64, u64)| Random(x << 32 | y).uniform(-1.0, 1.0);
                 let (column, row) = square(self.checker[0]);
-                let checker = if (column + row) % 2 == 0 { self.checker[1] } else { -self.checker[1] };
-                let bricks = if self.bricks[1] == 0.0 { 0.0 } else { self.bricks[1] * random(square(self.bricks[0])) };
-                let noise = if self.noise == 0.0 { 0.0 } else { self.noise * random((x as u64, y as u64)) };
-                (128.0 + self.waves.map(wave).iter().sum::<f64>() + checker + bricks + noise).round() as u8
+                let checker =
+                    if (column + row) % 2 == 0 { self.checker[1] } else { -self.checker[1] };
+                let bricks = if self.bricks[1] == 0.0 {
+                    0.0
+                } else {
+                    self.bricks[1] * random(square(self.bricks[0]))
+                };
+                let noise =
+                    if self.noise == 0.0 { 0.0 } else { self.noise * random((x as u64, y as u64)) };
+                (128.0 + self.waves.map(wave).iter().sum::<f64>() + checker + bricks + noise)
+                    .round() as u8
             })
         })
     }
 
     /// The texture with some of its numbers changed.
     fn changed(mut self, random: &mut Random) -> Self {
-        let Self { waves: [[a, b, c], [d, e, f]], checker: [g, h], bricks: [i, k], noise, shift } = &mut self;
+        let Self { waves: [[a, b, c], [d, e, f]], checker: [g, h], bricks: [i, k], noise, shift } =
+            &mut self;
         let wave = [(2.0, 40.0), (-1.6, 1.6), (0.0, 127.0)];
         let side = [(2.0, 16.0), (0.0, 100.0)];
         let limits = [&wave[..], &wave, &side, &side, &[(0.0, 100.0), (0.0, 60.0)]].concat();
-        for (number, (low, high)) in [a, b, c, d, e, f, g, h, i, k, noise, shift].into_iter().zip(limits) {
+        for (number, (low, high)) in
+            [a, b, c, d, e, f, g, h, i, k, noise, shift].into_iter().zip(limits)
+        {
             match random.below(12) {
                 0 => *number = random.uniform(low, high),
                 1 => *number = low,
-                2..=4 => *number = (*number + 0.03 * (high - low) * random.normal()).clamp(low, high),
+                2..=4 => {
+                    *number = (*number + 0.03 * (high - low) * random.normal()).clamp(low, high)
+                }
                 _ => {}
             }
         }
@@ -195,7 +227,8 @@ impl Texture {
     }
 }
 
-/// The pictures that cost most of those that were found, painted or climbed to; the first one cost 2.5 times the median before edges had a budget.
+/// The pictures that cost most of those that were found, painted or climbed to; the first one cost
+/// 2.5 times the median before edges had a budget.
 fn worst() -> Vec<Texture> {
     let wave = Texture::wave;
     vec![
@@ -209,7 +242,12 @@ fn worst() -> Vec<Texture> {
         Texture { waves: [[4.0, 0.2, 60.0], [4.0, 1.77, 60.0]], shift: 4.0, ..PLAIN },
         Texture { waves: [[7.0, 0.2, 60.0], [7.0, 1.77, 60.0]], shift: 5.0, ..PLAIN },
         Texture { waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]], checker: [2.0, 127.0], ..PLAIN },
-        Texture { waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]], bricks: [7.0, 127.0], shift: 8.0, ..PLAIN },
+        Texture {
+            waves: [[2.2, -0.82, 0.0], PLAIN.waves[1]],
+            bricks: [7.0, 127.0],
+            shift: 8.0,
+            ..PLAIN
+        },
         // Where climbs ended, the second one around one box after two hours.
         Texture { waves: [[4.0, 0.136, 60.2], [3.78, 1.593, 58.1]], shift: 4.0, ..PLAIN },
         Texture {
@@ -224,7 +262,8 @@ fn worst() -> Vec<Texture> {
 
 /// Largest cost of a picture over the median of captured pairs.
 const LIMIT: f64 = 1.35;
-/// The most that the weights say of what is counted, where a climb ends: a climb goes where they say too much.
+/// The most that the weights say of what is counted, where a climb ends: a climb goes where they
+/// say too much.
 const SAID_TOO_MUCH: f64 = 1.02;
 
 #[test]
@@ -235,7 +274,10 @@ fn gratings_cost_no_more_than_scenes() {
         for part in Part::ALL {
             let (cost, counts) = run(&mut memory, [&left, &right], part);
             let ratio = cost / part.median();
-            assert!(ratio <= LIMIT, "{part:?} costs {ratio:.2} of the median: {texture:?}, {counts:?}");
+            assert!(
+                ratio <= LIMIT,
+                "{part:?} costs {ratio:.2} of the median: {texture:?}, {counts:?}"
+            );
         }
     }
 }
@@ -273,16 +315,23 @@ fn no_texture_that_is_climbed_to_costs_more() {
                 *costliest = here;
             }
         }
-        println!("{part:?}: {:.3} of the median after {climbs} climbs: {:?}", costliest.0, costliest.1);
+        println!(
+            "{part:?}: {:.3} of the median after {climbs} climbs: {:?}",
+            costliest.0, costliest.1
+        );
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("costliest");
-    let climbed = costliest.iter().enumerate().map(|(i, &(_, texture))| (format!("climbed{i}"), texture));
-    let known = worst().into_iter().enumerate().map(|(i, texture)| (format!("worst{i:02}"), texture));
+    let climbed =
+        costliest.iter().enumerate().map(|(i, &(_, texture))| (format!("climbed{i}"), texture));
+    let known =
+        worst().into_iter().enumerate().map(|(i, texture)| (format!("worst{i:02}"), texture));
     for (name, texture) in climbed.chain(known) {
         write(&folder.join(&name), &texture);
         let [left, right] = texture.pair();
         let costs = Part::ALL.map(|part| run(&mut memory, [&left, &right], part).0.round());
-        println!("{name}: {costs:?} thousands of instructions, whole, around three boxes, around one");
+        println!(
+            "{name}: {costs:?} thousands of instructions, whole, around three boxes, around one"
+        );
     }
     println!("{}: a folder for bench --frames, which counts them", folder.display());
     assert!(costliest.iter().all(|&(ratio, _)| ratio <= LIMIT * SAID_TOO_MUCH), "{costliest:?}");
@@ -331,7 +380,8 @@ fn a_grating_is_cut_in_every_part_alike() {
     let mut parts = [0; 16];
     for segment in &seen.0 {
         let [a, b] = segment.ends;
-        let [x, y] = [(a.x, b.x), (a.y, b.y)].map(|(a, b)| usize::from(a.to_bits() / 2 + b.to_bits() / 2) >> 5);
+        let [x, y] = [(a.x, b.x), (a.y, b.y)]
+            .map(|(a, b)| usize::from(a.to_bits() / 2 + b.to_bits() / 2) >> 5);
         parts[y / 60 * 4 + x / 80] += 1;
     }
     assert!(parts.iter().all(|&segments| segments > 2), "{parts:?}");
@@ -341,7 +391,8 @@ fn a_grating_is_cut_in_every_part_alike() {
 fn the_budget_grows_with_the_image() {
     let units = |width, height| {
         let image = painted(width, height, |x, y| {
-            (128.0 + 42.0 * (TAU * (f64::from(x) * 0.682 - f64::from(y) * 0.731) / 2.2).sin()).round() as u8
+            (128.0 + 42.0 * (TAU * (f64::from(x) * 0.682 - f64::from(y) * 0.731) / 2.2).sin())
+                .round() as u8
         });
         let mut memory = Box::new(Large::new());
         let params = Params::default().plan(image.dims).unwrap();
@@ -375,16 +426,23 @@ fn nothing_is_left_out_of_a_scene() {
     for Scene { name, left, right, .. } in &scenes {
         let mut matcher = Params::default().matcher(left.dims).unwrap();
         let parts = Part::ALL.into_iter().map(Part::areas);
-        let parts: Vec<_> = parts.chain((0..12).map(|_| Some(vec![boxes(left.dims, &mut random)]))).collect();
+        let parts: Vec<_> =
+            parts.chain((0..12).map(|_| Some(vec![boxes(left.dims, &mut random)]))).collect();
         for areas in parts {
-            let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
-            let counts = *matcher.run(pair, areas.as_deref(), memory.view(), &mut ()).unwrap().counts();
+            let pair =
+                Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
+            let counts =
+                *matcher.run(pair, areas.as_deref(), memory.view(), &mut ()).unwrap().counts();
             assert_eq!((counts.edges_cut, counts.comparisons_cut), (0, 0), "{name}, {areas:?}");
         }
         // The work of a scene is what it is said to be.
         let (cost, _) = run(&mut memory, [left, right], Part::Whole);
         let ratio = cost / Part::Whole.median();
-        assert!((0.75..=1.4).contains(&ratio), "{name} of {} costs {ratio:.2} of the median", left.dims);
+        assert!(
+            (0.75..=1.4).contains(&ratio),
+            "{name} of {} costs {ratio:.2} of the median",
+            left.dims
+        );
     }
 }
 
@@ -405,7 +463,9 @@ fn nothing_is_left_out_of_scenes_of_other_sizes() {
         for folder in find_scenes(&folder).unwrap() {
             let scene = load_scene(&folder, None).unwrap();
             let plan = Params::default().plan(scene.left.dims).unwrap();
-            let matched = plan.run([scene.left.view().unwrap(), scene.right.view().unwrap()], memory.view()).unwrap();
+            let matched = plan
+                .run([scene.left.view().unwrap(), scene.right.view().unwrap()], memory.view())
+                .unwrap();
             let counts = matched.counts();
             assert_eq!((counts.edges_cut, counts.comparisons_cut), (0, 0), "{set}, {}", scene.name);
             pairs += 1;

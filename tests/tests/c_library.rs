@@ -1,22 +1,30 @@
-//! The library for C: its header, its refusals, and its examples against the PC's program, on a PC and on an emulated Cortex-M7.
+//! The library for C: its header, its refusals, and its examples against the PC's program, on a PC
+//! and on an emulated Cortex-M7.
 
 use core::fmt::Write as _;
-use linestereo::{Area, Dims, Disparity, HealthFlags, NoDepth, Params, PixelRejection, Region, Rig};
+use linestereo::{
+    Area, Dims, Disparity, HealthFlags, NoDepth, Params, PixelRejection, Region, Rig,
+};
 use linestereo_boards::Board;
 use linestereo_frames::GrayImage;
 use linestereo_sim::board::{qemu, toolchain::Toolchain};
-use linestereo_sim::engine::Engine;
-use linestereo_sim::results::listing;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::or_skip;
 use linestereo_tests::{captured, drawn};
 use object::SectionKind;
+use serde_json::Value;
 use std::ffi::OsStr;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-#[expect(dead_code, unreachable_pub, reason = "the library's own file: its texts are compared, codes are C's")]
+#[expect(
+    dead_code,
+    unreachable_pub,
+    reason = "the library's own file: its texts are compared, codes are C's"
+)]
 #[path = "../../bindings/c/src/status.rs"]
 mod status;
 
@@ -34,7 +42,8 @@ fn library() -> PathBuf {
 
 /// Says so where a tool is missing; the test ends there.
 pub(crate) fn has(tool: &str) -> bool {
-    let there = Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
+    let there =
+        Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
     if !there {
         // Not by a macro: those are silent in tests that pass.
         let _ = writeln!(std::io::stderr(), "\nSKIPPED: {tool} is not installed\n");
@@ -46,7 +55,12 @@ pub(crate) fn has(tool: &str) -> bool {
 fn run(command: &mut Command) -> Vec<u8> {
     let output = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
     let said = [&output.stderr[..], &output.stdout[..output.stdout.len().min(2000)]].concat();
-    assert!(output.status.success(), "{command:?}: {} {}", output.status, String::from_utf8_lossy(&said));
+    assert!(
+        output.status.success(),
+        "{command:?}: {} {}",
+        output.status,
+        String::from_utf8_lossy(&said)
+    );
     output.stdout
 }
 
@@ -54,19 +68,34 @@ fn run(command: &mut Command) -> Vec<u8> {
 fn compiled(compiler: &str, flags: &[&str], source: &Path, into: &Path) -> PathBuf {
     let program = into.join("program");
     let mut command = Command::new(compiler);
-    command.args(["-Wall", "-Wextra", "-Werror", "-O1"]).args(flags).arg("-I").arg(folder().join("include"));
+    command
+        .args(["-Wall", "-Wextra", "-Werror", "-O1"])
+        .args(flags)
+        .arg("-I")
+        .arg(folder().join("include"));
     run(command.arg(source).args(["-x", "none"]).arg(library()).arg("-o").arg(&program));
     program
 }
 
-/// Ten captured pairs cut to QVGA, and drawn ones.
+/// Name of the pair with a pole.
+const POLE: &str = "pole";
+/// Line of names before the bars.
+const BAR_NAMES: &str = "x0,y0,x1,y1,width_px,disparity0_px,disparity1_px,sigma_px,confidence,\
+                         depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
+
+/// Ten captured pairs cut to QVGA, and drawn ones, the first with a pole.
 pub(crate) fn pairs() -> Vec<(String, [GrayImage; 2])> {
-    let drawn = [(Kind::Demo, QVGA), (Kind::Demo, Dims { width: 160, height: 120 })].map(|(kind, dims)| {
-        let rendering = drawn::rendered(kind, dims, 2.0, 3);
-        (format!("drawn-{dims}"), [rendering.left, rendering.right])
-    });
+    let drawn =
+        [(Kind::Demo, QVGA), (Kind::Demo, Dims { width: 160, height: 120 })].map(|(kind, dims)| {
+            let rendering = drawn::rendered(kind, dims, 2.0, 3);
+            (format!("drawn-{dims}"), [rendering.left, rendering.right])
+        });
     let captured = captured::qvga().unwrap_or_default().into_iter().take(10);
-    captured.map(|scene| (scene.name, [cut(&scene.left), cut(&scene.right)])).chain(drawn).collect()
+    captured
+        .map(|scene| (scene.name, [cut(&scene.left), cut(&scene.right)]))
+        .chain([(POLE.to_owned(), super::bars::pair(&[(150, 5, 24)], 2))])
+        .chain(drawn)
+        .collect()
 }
 
 fn cut(image: &GrayImage) -> GrayImage {
@@ -82,32 +111,75 @@ fn write_pair(folder: &Path, images: &[GrayImage; 2]) {
     }
 }
 
-/// Output of the examples, by the PC's program: its CSV, its points, an object, its health.
-pub(crate) fn expected([left, right]: &[GrayImage; 2]) -> String {
+/// Output of the examples before the bars, by the PC's program: its CSV, its points, an object, its
+/// health.
+pub(crate) fn expected(images: &[GrayImage; 2]) -> String {
+    results(images).0
+}
+
+/// Output of the examples, by the PC's program: [`expected`], then the bars of its JSON.
+fn printed(images: &[GrayImage; 2]) -> String {
+    let (text, result) = results(images);
+    text + &bars(images[0].dims, &result)
+}
+
+/// The bars of the program's JSON as the examples print them, with their depths.
+fn bars(dims: Dims, result: &FrameResult) -> String {
+    let json = listing::json(dims, result, &Answers::default()).unwrap();
+    let listing: Value = serde_json::from_str(&json).unwrap();
+    let mut text = BAR_NAMES.to_owned();
+    for bar in listing["bars"].as_array().unwrap() {
+        let number = |value: &Value| value.as_f64().unwrap();
+        let both = |values: &Value| [&values[0], &values[1]].map(number);
+        let ([from, to], sigma) = (both(&bar["disparity_px"]), number(&bar["sigma_px"]));
+        let [width, confidence] = ["width_px", "confidence"].map(|name| number(&bar[name]));
+        let [[x0, y0], [x1, y1]] = [&bar["left"][0], &bar["left"][1]].map(both);
+        write!(text, "{x0},{y0},{x1},{y1},{width},{from},{to},{sigma},{confidence}").unwrap();
+        let (rig, [from, to, sigma]) = (rig(), [from, to, sigma].map(Disparity::from_num));
+        let sigmas = [rig.depth_sigma(from, sigma), rig.depth_sigma(to, sigma)];
+        for metres in [rig.depth(from), rig.depth(to)].into_iter().chain(sigmas) {
+            let finite = listing::finite_metres(metres);
+            write!(text, ",{}", finite.map_or(String::new(), |z| z.to_string())).unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The rig of [`RIG`].
+fn rig() -> Rig {
     let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
-    let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };
+    Rig::new(focal, baseline, 0.0).unwrap()
+}
+
+/// [`expected`], and the result that it is made from.
+fn results([left, right]: &[GrayImage; 2]) -> (String, FrameResult) {
+    let params = Params { rig: Some(rig()), ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
     let mut text = listing::csv(&result) + "x,y,disparity_px,confidence\n";
     let decimals = |value: f64| (value * 1e5).round() / 1e5;
     for point in &result.points {
-        let (disparity, confidence) = (point.disparity.to_num::<f64>(), decimals(point.confidence.to_num()));
+        let (disparity, confidence) =
+            (point.disparity.to_num::<f64>(), decimals(point.confidence.to_num()));
         writeln!(text, "{},{},{disparity},{confidence}", point.x, point.y).unwrap();
     }
     let [width, height] = [left.dims.width / 4, left.dims.height / 4];
     let middle = Area { left: width, top: height, right: 3 * width, bottom: 3 * height };
     let flags: HealthFlags = engine.matched().health().flags;
-    let object = engine.objects(&[Region::boxed(0, middle, left.dims).unwrap()], flags.is_fit()).remove(0);
+    let object = engine.objects(&[Region::boxed(0, middle, left.dims).unwrap()]).remove(0);
     match object.disparity {
         Err(reason) => writeln!(text, "middle: {reason}").unwrap(),
         Ok(disparity) => {
             let pixels = [disparity, object.sigma].map(Disparity::to_num::<f64>);
-            let metres = [object.depth, object.nearest].map(|depth| listing::finite_metres(depth.unwrap()).unwrap());
-            writeln!(text, "middle: {} +- {} px,{},{}", pixels[0], pixels[1], metres[0], metres[1]).unwrap();
+            let metres = [object.depth, object.nearest]
+                .map(|depth| listing::finite_metres(depth.unwrap()).unwrap());
+            writeln!(text, "middle: {} +- {} px,{},{}", pixels[0], pixels[1], metres[0], metres[1])
+                .unwrap();
         }
     }
     writeln!(text, "health: {flags}, {}", if flags.is_fit() { "fit" } else { "not fit" }).unwrap();
-    text
+    (text, result)
 }
 
 #[track_caller]
@@ -121,11 +193,17 @@ fn assert_equal(name: &str, found: &[u8], expected: &str) {
 fn the_header_is_what_cbindgen_makes_of_the_source() {
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["run", "--quiet", "--locked", "-p", "linestereo-c-header", "--target-dir"]).arg(target);
-    let made = run(cargo.current_dir(folder()).env_remove("RUSTFLAGS").env_remove("CARGO_BUILD_TARGET"));
+    cargo
+        .args(["run", "--quiet", "--locked", "-p", "linestereo-c-header", "--target-dir"])
+        .arg(target);
+    let made =
+        run(cargo.current_dir(folder()).env_remove("RUSTFLAGS").env_remove("CARGO_BUILD_TARGET"));
     let kept = std::fs::read_to_string(folder().join("include/linestereo.h")).unwrap();
     let how = "cd bindings/c && cargo run -p linestereo-c-header -- include/linestereo.h";
-    assert!(String::from_utf8(made).unwrap() == kept, "include/linestereo.h is not up to date: {how}");
+    assert!(
+        String::from_utf8(made).unwrap() == kept,
+        "include/linestereo.h is not up to date: {how}"
+    );
     let version = format!("#define LINESTEREO_VERSION \"{}\"\n", env!("CARGO_PKG_VERSION"));
     assert!(kept.contains(&version), "the library has another version than the core: {version}");
 }
@@ -137,7 +215,8 @@ fn reasons_have_the_texts_of_the_core() {
     for reason in NoDepth::ALL {
         assert_eq!(text(reason.into()), reason.to_string());
     }
-    let of_pixels = PixelRejection::ALL.into_iter().filter(|&reason| Status::from(reason) as i32 >= 100);
+    let of_pixels =
+        PixelRejection::ALL.into_iter().filter(|&reason| Status::from(reason) as i32 >= 100);
     assert_eq!(of_pixels.clone().count(), 7);
     for reason in of_pixels {
         assert_eq!(text(reason.into()), reason.to_string());
@@ -161,12 +240,17 @@ fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
         return;
     }
     let into = tempfile::tempdir().unwrap();
-    let program = compiled("cc", &["-std=c99", "-pedantic"], &folder().join("examples/pc.c"), into.path());
-    let run_on = |arguments: &[&str]| Command::new(&program).current_dir(into.path()).args(arguments).output().unwrap();
+    let program =
+        compiled("cc", &["-std=c99", "-pedantic"], &folder().join("examples/pc.c"), into.path());
+    let run_on = |arguments: &[&str]| {
+        Command::new(&program).current_dir(into.path()).args(arguments).output().unwrap()
+    };
     for (name, images) in pairs() {
         write_pair(into.path(), &images);
         let found = run_on(&["left.pgm", "right.pgm", "64", RIG[0], RIG[1]]);
-        assert_equal(&name, &found.stdout, &expected(&images));
+        let expected = printed(&images);
+        assert!(name != POLE || !expected.ends_with(BAR_NAMES), "no bar on the pole");
+        assert_equal(&name, &found.stdout, &expected);
     }
     let refused = run_on(&["left.pgm", "right.pgm", "5000"]);
     assert_eq!(refused.status.code(), Some(2));
@@ -181,7 +265,9 @@ const M7: &str = "thumbv7em-none-eabihf";
 fn for_m7(toolchain: &Toolchain, package: &str) -> PathBuf {
     let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c-library");
     let mut cargo = toolchain.cargo();
-    cargo.args(["build", "--release", "--locked", "--target", M7, "-p", package, "--target-dir"]).arg(&built_in);
+    cargo
+        .args(["build", "--release", "--locked", "--target", M7, "-p", package, "--target-dir"])
+        .arg(&built_in);
     run(cargo.current_dir(folder()));
     built_in.join(M7).join(format!("release/lib{}.a", package.replace('-', "_")))
 }
@@ -189,10 +275,23 @@ fn for_m7(toolchain: &Toolchain, package: &str) -> PathBuf {
 /// Links a program for a Cortex-M7 without a C library: sources of C and a static library.
 fn linked_for_m7(sources: &[PathBuf], library: &Path, elf: &Path) {
     let mut gcc = Command::new("arm-none-eabi-gcc");
-    gcc.args(["-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-sp-d16", "-mfloat-abi=hard", "-std=c99", "-Wall", "-Wextra"]);
+    gcc.args([
+        "-mcpu=cortex-m7",
+        "-mthumb",
+        "-mfpu=fpv5-sp-d16",
+        "-mfloat-abi=hard",
+        "-std=c99",
+        "-Wall",
+        "-Wextra",
+    ]);
     gcc.args(["-Werror", "-Os", "-ffreestanding", "-nostdlib", "-ffunction-sections"]);
     gcc.args(["-Wl,--gc-sections,-z,noexecstack", "-I"]).arg(folder().join("include"));
-    gcc.arg("-T").arg(folder().join("examples/cortex-m7/link.ld")).args(sources).arg(library).arg("-o").arg(elf);
+    gcc.arg("-T")
+        .arg(folder().join("examples/cortex-m7/link.ld"))
+        .args(sources)
+        .arg(library)
+        .arg("-o")
+        .arg(elf);
     run(&mut gcc);
 }
 
@@ -201,15 +300,17 @@ fn flash(elf: &Path) -> u64 {
     let bytes = std::fs::read(elf).unwrap();
     let file = object::File::parse(&*bytes).unwrap();
     let size = |section: object::Section<'_, '_>| match object::ObjectSection::kind(&section) {
-        SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString | SectionKind::Data => {
-            object::ObjectSection::size(&section)
-        }
+        SectionKind::Text
+        | SectionKind::ReadOnlyData
+        | SectionKind::ReadOnlyString
+        | SectionKind::Data => object::ObjectSection::size(&section),
         _ => 0,
     };
     object::Object::sections(&file).map(size).sum()
 }
 
-/// Two programs with the same task and the same start, both linked without what they do not call: see `bindings/c/weight/program.h`.
+/// Two programs with the same task and the same start, both linked without what they do not call:
+/// see `bindings/c/weight/program.h`.
 #[test]
 fn the_library_weighs_what_the_core_does_in_rust() {
     if !has("arm-none-eabi-gcc") {
@@ -226,9 +327,15 @@ fn the_library_weighs_what_the_core_does_in_rust() {
     };
     let in_c = weigh("linestereo-c", &["start.c", "program.c"]);
     let in_rust = weigh("linestereo-c-weight", &["start.c"]);
-    println!("{in_c} bytes of flash in C, {in_rust} in Rust: {:+.2} %", (in_c as f64 / in_rust as f64 - 1.0) * 100.0);
+    println!(
+        "{in_c} bytes of flash in C, {in_rust} in Rust: {:+.2} %",
+        (in_c as f64 / in_rust as f64 - 1.0) * 100.0
+    );
     assert!(in_rust > 60_000, "{in_rust} bytes: the program in Rust does not do its task");
-    assert!(in_c * 100 <= in_rust * 103, "the library takes more than 3 % above the core: {in_c} of {in_rust} bytes");
+    assert!(
+        in_c * 100 <= in_rust * 103,
+        "the library takes more than 3 % above the core: {in_c} of {in_rust} bytes"
+    );
 }
 
 /// By `arm-none-eabi-gcc` and QEMU; what is linked has no way to a panic.
@@ -240,24 +347,36 @@ fn the_example_for_a_cortex_m7_prints_the_bytes_of_the_program() {
     let Some(toolchain) = or_skip(Toolchain::for_target(M7)) else { return };
     let into = tempfile::tempdir().unwrap();
     let elf = into.path().join("pair.elf");
-    linked_for_m7(&[folder().join("examples/cortex-m7/main.c")], &for_m7(&toolchain, "linestereo-c"), &elf);
+    linked_for_m7(
+        &[folder().join("examples/cortex-m7/main.c")],
+        &for_m7(&toolchain, "linestereo-c"),
+        &elf,
+    );
 
     let bytes = std::fs::read(&elf).unwrap();
     let file = object::File::parse(&*bytes).unwrap();
-    let names: Vec<&str> = object::Object::symbols(&file).filter_map(|s| object::ObjectSymbol::name(&s).ok()).collect();
-    assert!(names.contains(&"linestereo_run") && !names.contains(&"linestereo_panic"), "a panic is linked");
+    let names: Vec<&str> = object::Object::symbols(&file)
+        .filter_map(|s| object::ObjectSymbol::name(&s).ok())
+        .collect();
+    assert!(
+        names.contains(&"linestereo_run") && !names.contains(&"linestereo_panic"),
+        "a panic is linked"
+    );
 
     for (name, images) in pairs() {
         write_pair(into.path(), &images);
         let arguments = ["left.pgm", "right.pgm", "64", RIG[0], RIG[1]];
-        let Some(mut machine) = or_skip(qemu::command(&Board::MPS2_AN500, &elf, &arguments, into.path())) else {
+        let Some(mut machine) =
+            or_skip(qemu::command(&Board::MPS2_AN500, &elf, &arguments, into.path()))
+        else {
             return;
         };
-        assert_equal(&name, &run(machine.args(["-serial", "none"])), &expected(&images));
+        assert_equal(&name, &run(machine.args(["-serial", "none"])), &printed(&images));
     }
 }
 
-/// A project that knows nothing but the folder: once with a library that cargo builds, once with one that is there.
+/// A project that knows nothing but the folder: once with a library that cargo builds, once with
+/// one that is there.
 #[test]
 fn a_fresh_cmake_project_links_it() {
     if !has("cmake") || !has("cc") {
@@ -275,7 +394,10 @@ fn a_fresh_cmake_project_links_it() {
     write_pair(into.path(), &images);
     let given = format!("-DLINESTEREO_LIBRARY={}", library().display());
     for (folder, settings) in [("given", &[given.as_str()][..]), ("built", &[])] {
-        run(Command::new("cmake").current_dir(into.path()).args(["-S", ".", "-B", folder]).args(settings));
+        run(Command::new("cmake")
+            .current_dir(into.path())
+            .args(["-S", ".", "-B", folder])
+            .args(settings));
         let mut build = Command::new("cmake");
         build.current_dir(into.path()).args(["--build", folder]);
         // Libraries that cargo has built are there again.
@@ -287,8 +409,11 @@ fn a_fresh_cmake_project_links_it() {
         }
         run(&mut build);
         let mut robot = Command::new(into.path().join(folder).join("robot"));
-        let found = run(robot.current_dir(into.path()).args(["left.pgm", "right.pgm", "64"]).args(RIG.map(OsStr::new)));
-        assert_equal(folder, &found, &expected(&images));
+        let found = run(robot
+            .current_dir(into.path())
+            .args(["left.pgm", "right.pgm", "64"])
+            .args(RIG.map(OsStr::new)));
+        assert_equal(folder, &found, &printed(&images));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Single edges of every direction, slant, sub-pixel shift and owner through the whole core.
 //!
-//! The disparity of a match on its owning side is compared with that surface: a segment may rightly belong to the wall
-//! behind the edge, as long as it says so.
+//! The disparity of a match on its owning side is compared with that surface: a segment may rightly
+//! belong to the wall behind the edge, as long as it says so.
 
 use linestereo::{Dims, Match, Owner, Params};
 use linestereo_sim::board;
@@ -15,7 +15,8 @@ const ON_EDGE: f64 = 1.0;
 /// How far from the edge the owning side is looked up, in px.
 const BESIDE: f64 = 3.0;
 
-/// Errors of the matches on the edges of a group of cases, in px, and how many of the cases have a match.
+/// Errors of the matches on the edges of a group of cases, in px, and how many of the cases have a
+/// match.
 #[derive(Default)]
 struct Tally {
     cases: usize,
@@ -37,7 +38,8 @@ impl Tally {
 
     /// Bounds on the share of cases with a match, on the median and on the largest error.
     ///
-    /// Every match but one in a hundred (one, where there are fewer) has to lie within `largest`: what is claimed is claimed with 90 %.
+    /// Every match but one in a hundred (one, where there are fewer) has to lie within `largest`:
+    /// what is claimed is claimed with 90 %.
     #[track_caller]
     fn check(&self, name: &str, least_found: f64, median: f64, largest: f64) {
         let found = self.found as f64 / self.cases as f64;
@@ -60,7 +62,8 @@ impl Tally {
     }
 }
 
-/// Errors of a match at its middle against the surfaces it claims, `None` when it is not on the edge.
+/// Errors of a match at its middle against the surfaces it claims, `None` when it is not on the
+/// edge.
 fn errors(case: &EdgeCase, found: &Match) -> Option<Vec<f64>> {
     let [start, end] = found.ends.map(|end| [end.x.to_num::<f64>(), end.y.to_num::<f64>()]);
     if [start, end].iter().any(|[x, y]| case.side(*x, *y).abs() > ON_EDGE) {
@@ -99,26 +102,31 @@ fn tallies(owner: Owner) -> [[Tally; 2]; 2] {
     for case in cases.filter(is_chosen) {
         let sensor = Sensor { noise: 1.0, seed: case.seed, ..Sensor::default() };
         let rendering = scene::render(&case.scene(DIMS), DIMS, &sensor);
-        let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+        let result =
+            engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
         let slanted = usize::from(case.plane.slope != [0.0; 2]);
         let flat = usize::from(case.direction[0].abs() > case.direction[1].abs());
-        let of_case: Vec<f64> = result.matches.iter().filter_map(|found| errors(&case, found)).flatten().collect();
+        let of_case: Vec<f64> =
+            result.matches.iter().filter_map(|found| errors(&case, found)).flatten().collect();
         tallies[slanted][flat].add(&of_case);
     }
     tallies
 }
 
-/// `least_found` is for steep and for flat edges on slanted planes; on level ones `0.8` holds for all.
+/// `least_found` is for steep and for flat edges on slanted planes; on level ones `0.8` holds for
+/// all.
 ///
-/// Medians: a window looks at three rows of each half, a compromise with its cost (docs/design.md), and half of what it sees of an edge
-/// with one owner is the other surface: 0.15 px. Inside a surface all of it counts: 0.1 px.
+/// Medians: a window looks at three rows of each half, a compromise with its cost (docs/design.md),
+/// and half of what it sees of an edge with one owner is the other surface: 0.15 px. Inside a
+/// surface all of it counts: 0.1 px.
 fn check(owner: Owner, least_found: [f64; 2]) {
     let [[steep, flat], [steep_slanted, flat_slanted]] = tallies(owner);
     let median = if owner == Owner::Both { 0.1 } else { 0.15 };
     steep.check("steep", 0.8, median, 0.5);
     flat.check("flat", 0.8, 0.1, 0.5);
     steep_slanted.check("steep, slanted plane", least_found[0], median, 0.5);
-    // Rows beside a flat edge are matched, some 4 px off: on a plane that changes by 0.05 px a row they are that much nearer.
+    // Rows beside a flat edge are matched, some 4 px off: on a plane that changes by 0.05 px a row
+    // they are that much nearer.
     flat_slanted.check("flat, slanted plane", least_found[1], 0.2, 0.5);
 }
 

@@ -23,16 +23,26 @@ fn core_objects(toolchain: &Toolchain, target: &str, features: &[&str]) -> Vec<u
     // Of all targets in one folder: what runs on this machine is built once.
     let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("firmware-example");
     let mut cargo = toolchain.cargo();
-    cargo.args(["build", "--release", "--locked", "--message-format=json", "--target", target, "--features"]);
+    cargo.args([
+        "build",
+        "--release",
+        "--locked",
+        "--message-format=json",
+        "--target",
+        target,
+        "--features",
+    ]);
     cargo.arg(features.join(",")).arg("--target-dir").arg(&built_in);
     let built = cargo.current_dir(folder.path()).output().unwrap();
     assert!(built.status.success(), "{target}: {}", String::from_utf8_lossy(&built.stderr));
     let messages = built.stdout.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
     let artifacts = messages.map(|line| serde_json::from_slice::<Value>(line).unwrap());
-    let library = artifacts.filter(|artifact| artifact["target"]["name"] == "linestereo").find_map(|artifact| {
-        let files = artifact["filenames"].as_array()?.iter().filter_map(Value::as_str);
-        files.filter(|file| file.ends_with(".rlib")).map(str::to_owned).next()
-    });
+    let library = artifacts.filter(|artifact| artifact["target"]["name"] == "linestereo").find_map(
+        |artifact| {
+            let files = artifact["filenames"].as_array()?.iter().filter_map(Value::as_str);
+            files.filter(|file| file.ends_with(".rlib")).map(str::to_owned).next()
+        },
+    );
     std::fs::read(library.unwrap()).unwrap()
 }
 
@@ -44,7 +54,8 @@ fn differences(library: &[u8]) -> usize {
     let of_file = |file: object::File<'_>| -> usize {
         let code = file.sections().filter(|section| section.kind() == object::SectionKind::Text);
         let count = |data: &[u8]| {
-            let halves: Vec<u16> = data.chunks_exact(2).map(|half| u16::from_le_bytes([half[0], half[1]])).collect();
+            let halves: Vec<u16> =
+                data.chunks_exact(2).map(|half| u16::from_le_bytes([half[0], half[1]])).collect();
             halves
                 .windows(2)
                 .filter(|two| two[0] & 0xfff0 == 0xfb70 && two[1] & 0xf0 == 0 && two[1] >> 12 != 15)
@@ -60,10 +71,14 @@ fn the_readme_shows_firmware_that_builds() {
     let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let source = std::fs::read_to_string(top.join("docs/firmware-example/src/lib.rs")).unwrap();
     let readme = std::fs::read_to_string(top.join("README.md")).unwrap();
-    assert!(readme.contains(&format!("```rust\n{source}```\n")), "docs/firmware-example/src/lib.rs is shown as it is");
+    assert!(
+        readme.contains(&format!("```rust\n{source}```\n")),
+        "docs/firmware-example/src/lib.rs is shown as it is"
+    );
 }
 
-/// A dependent of the core gets its DSP kernels: on thumbv7em always, on thumbv8m.main by a feature.
+/// A dependent of the core gets its DSP kernels: on thumbv7em always, on thumbv8m.main by a
+/// feature.
 #[test]
 fn firmware_elsewhere_gets_the_kernels() {
     let cases: [(&str, &[&str], bool); 3] = [

@@ -1,22 +1,29 @@
-//! Sizes, contents, capacities and parameters at their limits. The test profile checks every integer overflow.
+//! Sizes, contents, capacities and parameters at their limits. The test profile checks every
+//! integer overflow.
 
 use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError, Scratch,
+    Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError,
+    Scratch,
 };
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::results::health::is_fit;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, painted, rendered};
 use std::collections::HashSet;
 
-/// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in range and credible enough.
+/// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in
+/// range and credible enough.
 fn check(name: &str, params: &Params, dims: Dims, result: &FrameResult) {
     let counts = result.counts;
-    let rejected: u32 = Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
+    let rejected: u32 =
+        Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
     let accounted = u32::from(counts.matched) + rejected;
     assert_eq!(u32::from(counts.segments_left), accounted, "{name}: {counts:?}");
-    assert_eq!(usize::from(counts.matched), result.matches.len(), "{name}");
+    // A pair that is not fit to be used answers nothing.
+    let answered = if is_fit(result.health) { usize::from(counts.matched) } else { 0 };
+    assert_eq!(answered, result.matches.len(), "{name}");
     assert_eq!(counts.points as usize, result.points.len(), "{name}");
     let mut seen = HashSet::new();
     for point in &result.points {
@@ -28,7 +35,10 @@ fn check(name: &str, params: &Params, dims: Dims, result: &FrameResult) {
         assert!(found.confidence >= params.min_confidence, "{name}: {found:?}");
         for d in found.disparity {
             // The line through two halves reaches at most the allowed slant beyond the range.
-            assert!(d >= params.min_disparity - 6 && d < i32::from(params.max_disparity) + 6, "{name}: {found:?}");
+            assert!(
+                d >= params.min_disparity - 6 && d < i32::from(params.max_disparity) + 6,
+                "{name}: {found:?}"
+            );
         }
     }
     assert!(result.matches.is_sorted_by(|a, b| a.confidence >= b.confidence), "{name}");
@@ -38,7 +48,10 @@ fn contents(width: u16, height: u16) -> Vec<(&'static str, GrayImage)> {
     let mut random = Random(6);
     vec![
         ("noise", painted(width, height, |_, _| random.grey())),
-        ("checkerboard", painted(width, height, |x, y| if (x / 4 + y / 4) % 2 == 0 { 0 } else { 255 })),
+        (
+            "checkerboard",
+            painted(width, height, |x, y| if (x / 4 + y / 4) % 2 == 0 { 0 } else { 255 }),
+        ),
         ("columns", painted(width, height, |x, _| if (x / 3) % 2 == 0 { 0 } else { 255 })),
         ("rows", painted(width, height, |_, y| if (y / 5) % 2 == 0 { 0 } else { 255 })),
         ("diagonals", painted(width, height, |x, y| ((x + y) * 9 % 256) as u8)),
@@ -48,10 +61,14 @@ fn contents(width: u16, height: u16) -> Vec<(&'static str, GrayImage)> {
 
 #[test]
 fn any_size_and_any_content() {
-    for (width, height) in [(16, 16), (17, 16), (31, 47), (1280, 16), (16, 1280), (321, 243), (1280, 1280)] {
+    for (width, height) in
+        [(16, 16), (17, 16), (31, 47), (1280, 16), (16, 1280), (321, 243), (1280, 1280)]
+    {
         let dims = Dims { width, height };
         let largest = 256.min(width - 1);
-        for (min_disparity, max_disparity) in [(0, 8), (0, largest), (-32, 8.min(largest)), (-32, largest.min(224))] {
+        for (min_disparity, max_disparity) in
+            [(0, 8), (0, largest), (-32, 8.min(largest)), (-32, largest.min(224))]
+        {
             let params = Params {
                 min_disparity,
                 max_disparity,
@@ -66,7 +83,9 @@ fn any_size_and_any_content() {
             let mut engine = Engine::new(&params, dims).unwrap();
             for (left_name, left) in contents(width, height) {
                 for (right_name, right) in contents(width, height).into_iter().take(2) {
-                    let name = format!("{dims}, {min_disparity}..{max_disparity}, {left_name} against {right_name}");
+                    let name = format!(
+                        "{dims}, {min_disparity}..{max_disparity}, {left_name} against {right_name}"
+                    );
                     let same = engine.run(left.view().unwrap(), left.view().unwrap()).unwrap();
                     check(&name, &params, dims, &same);
                     let other = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
@@ -98,15 +117,22 @@ fn with_few_places_segments_come_from_larger_squares_and_all_are_counted() {
         Box::new(Scratch::<ROW, MARKS, 512, 512, SUPPORT>::new()),
         Box::new(Scratch::<ROW, MARKS, 512, 9, SUPPORT>::new()),
     );
-    let (all, some) = (plan.run(images, many.view()).unwrap(), plan.run(images, few.view()).unwrap());
-    assert!(all.segments().len() > 10 && !some.segments().is_empty() && some.candidates().len() <= 9);
+    let (all, some) =
+        (plan.run(images, many.view()).unwrap(), plan.run(images, few.view()).unwrap());
+    assert!(
+        all.segments().len() > 10 && !some.segments().is_empty() && some.candidates().len() <= 9
+    );
     // Every segment is listed or rejected, and each for the reason that was counted.
     for matched in [&all, &some] {
         let counts = matched.counts();
         let rejected: u16 = Rejection::ALL.iter().map(|&reason| counts.rejected(reason)).sum();
         assert_eq!(counts.segments_left, counts.matched + rejected, "{counts:?}");
         assert_eq!(usize::from(counts.matched), matched.segments().len());
-        let unclear = matched.candidates().iter().filter(|one| one.rejection() == Some(Rejection::EdgeUnclear)).count();
+        let unclear = matched
+            .candidates()
+            .iter()
+            .filter(|one| one.rejection() == Some(Rejection::EdgeUnclear))
+            .count();
         assert_eq!(unclear, usize::from(counts.rejected(Rejection::EdgeUnclear)));
     }
 }
@@ -137,13 +163,19 @@ fn every_parameter_out_of_range_is_named() {
         match params.plan(DIMS) {
             Err(ParamError::OutOfRange { name, value, low, high }) => {
                 assert!(name.starts_with(field), "{name} is not {field}");
-                assert!(!(low..=high).contains(&value), "{field}: {value} is inside {low} to {high}");
+                assert!(
+                    !(low..=high).contains(&value),
+                    "{field}: {value} is inside {low} to {high}"
+                );
             }
             other => panic!("{field}: {other:?}"),
         }
     }
     let metres = Margin::Metres { nearer: Depth::from_num(0.1), farther: Depth::from_num(0.1) };
-    assert_eq!(Params { margin: metres, ..base }.plan(DIMS).err(), Some(ParamError::MarginNeedsRig));
+    assert_eq!(
+        Params { margin: metres, ..base }.plan(DIMS).err(),
+        Some(ParamError::MarginNeedsRig)
+    );
     let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());
     assert!(Params { margin: metres, rig, ..base }.plan(DIMS).is_ok());
 }
@@ -157,7 +189,8 @@ fn a_narrow_margin_in_metres_rejects_what_a_wide_one_accepts() {
         let margin = Margin::Metres { nearer: metres, farther: metres };
         let params = Params { max_disparity: 48, rig, margin, ..Params::default() };
         let mut engine = Engine::new(&params, DIMS).unwrap();
-        let result = engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+        let result =
+            engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
         check(&format!("{metres} m"), &params, DIMS, &result);
         result.counts.rejected(Rejection::TechniquesDisagree)
     };
@@ -170,10 +203,13 @@ fn wrong_sizes_and_too_little_memory_are_refused() {
     let rendering = boxes();
     let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let plan = Params::default().plan(DIMS).unwrap();
-    let mut memory =
-        Box::new(
-            Scratch::<{ row_bytes(DIMS.width) }, { mark_words(DIMS) }, 64, 64, { most_support_points(DIMS) }>::new(),
-        );
+    let mut memory = Box::new(Scratch::<
+        { row_bytes(DIMS.width) },
+        { mark_words(DIMS) },
+        64,
+        64,
+        { most_support_points(DIMS) },
+    >::new());
     let other = Dims { width: 160, height: 119 };
     let small = Gray::new(&rendering.left.pixels, other, 160).unwrap();
     let refused = Err(RunError::SizeMismatch { planned: DIMS, given: other });

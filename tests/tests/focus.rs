@@ -1,6 +1,7 @@
 //! A pair matched in parts: around an area the candidates are those of the whole frame.
 //!
-//! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the project).
+//! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the
+//! project).
 
 use linestereo::diagnostics::{Candidate, Segment};
 use linestereo::{Area, Dims, Focus, Matched, Params, Plan};
@@ -12,14 +13,21 @@ const LARGEST: Dims = Dims { width: 320, height: 320 };
 type Scratch = linestereo::scratch!(LARGEST, 4096);
 
 fn plan(scene: &Scene) -> Plan {
-    Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }.plan(scene.left.dims).unwrap()
+    Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }
+        .plan(scene.left.dims)
+        .unwrap()
 }
 
 fn memory() -> Box<Scratch> {
     Box::new(Scratch::new())
 }
 
-fn run<'a>(plan: &Plan, scene: &'a Scene, focus: &Focus<'_>, memory: &'a mut Scratch) -> Matched<'a> {
+fn run<'a>(
+    plan: &Plan,
+    scene: &'a Scene,
+    focus: &Focus<'_>,
+    memory: &'a mut Scratch,
+) -> Matched<'a> {
     let images = [scene.left.view().unwrap(), scene.right.view().unwrap()];
     plan.run_on(images, focus, memory.view(), &mut ()).unwrap()
 }
@@ -30,17 +38,24 @@ fn row_offset_q5(matched: &Matched<'_>) -> Option<i16> {
 
 fn is_near(segment: &Segment, area: Area) -> bool {
     let [a, b] = segment.ends.map(|end| (i32::from(end.x.to_bits()), i32::from(end.y.to_bits())));
-    area.contains((a.0 + b.0) >> 6, (a.1 + b.1) >> 6) && area.contains((3 * a.0 + b.0) >> 7, (3 * a.1 + b.1) >> 7)
+    area.contains((a.0 + b.0) >> 6, (a.1 + b.1) >> 6)
+        && area.contains((3 * a.0 + b.0) >> 7, (3 * a.1 + b.1) >> 7)
 }
 
 /// Results of matching for the candidates in an area, without those of their neighbours.
 fn near(ran: &Matched<'_>, area: Area) -> Vec<String> {
     let facts = |candidate: &Candidate| {
         let Candidate { segment, sides, window_q6, census_q6, feature_q6, .. } = candidate;
-        let sides = sides.each_ref().map(|side| side.as_ref().map(|side| (side.disparity_q6, side.across_q10)));
+        let sides = sides
+            .each_ref()
+            .map(|side| side.as_ref().map(|side| (side.disparity_q6, side.across_q10)));
         format!("{segment:?} {sides:?} {window_q6} {census_q6} {feature_q6:?}")
     };
-    ran.candidates().iter().filter(|candidate| is_near(&candidate.segment, area)).map(facts).collect()
+    ran.candidates()
+        .iter()
+        .filter(|candidate| is_near(&candidate.segment, area))
+        .map(facts)
+        .collect()
 }
 
 /// Numbers below a bound, the same on every run.
@@ -62,9 +77,14 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
         let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
         for _ in 0..40 {
             let [width, height] = [0; 2].map(|_| 20 + random(&mut seed, 90));
-            let (left, top) = (random(&mut seed, dims.width - width), random(&mut seed, dims.height - height));
+            let (left, top) =
+                (random(&mut seed, dims.width - width), random(&mut seed, dims.height - height));
             let area = Area { left, top, right: left + width, bottom: top + height };
-            let focus = Focus { areas: Some(&[area]), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE };
+            let focus = Focus {
+                areas: Some(&[area]),
+                row_offset_q5: row_offset_q5(&whole),
+                ..Focus::WHOLE
+            };
             let part = run(&plan, scene, &focus, &mut parts_of_it);
             let (a, b) = (near(&whole, area), near(&part, area));
             let common = a.iter().filter(|facts| b.contains(facts)).count();
@@ -74,9 +94,13 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
         }
     }
     println!("{same} of {all} candidates in 560 boxes, {others} others");
-    // An edge that comes from far away may be drawn from another anchor and end elsewhere: 98.4 % are the same when edges start within 28 px
-    // of the area, 99.1 % within 44 px for a quarter more instructions. What is promised are the objects: see below.
-    assert!(all > 3500 && same * 100 > all * 97 && others * 50 < all, "{same} of {all}, {others} others");
+    // An edge that comes from far away may be drawn from another anchor and end elsewhere: 98.4 %
+    // are the same when edges start within 28 px of the area, 99.1 % within 44 px for a quarter
+    // more instructions. What is promised are the objects: see below.
+    assert!(
+        all > 3500 && same * 100 > all * 97 && others * 50 < all,
+        "{same} of {all}, {others} others"
+    );
 }
 
 #[test]
@@ -89,7 +113,12 @@ fn all_of_the_image_is_the_whole_frame() {
         let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
         let all = [Area::of(dims)];
         for row_offset_q5 in [None, row_offset_q5(&whole)] {
-            let part = run(&plan, scene, &Focus { areas: Some(&all), row_offset_q5, ..Focus::WHOLE }, &mut parts_of_it);
+            let part = run(
+                &plan,
+                scene,
+                &Focus { areas: Some(&all), row_offset_q5, ..Focus::WHOLE },
+                &mut parts_of_it,
+            );
             assert_eq!(part.segments(), whole.segments(), "{}", scene.name);
             assert_eq!(part.summary().row_offset_q5(), whole.summary().row_offset_q5());
         }
@@ -103,7 +132,8 @@ fn nothing_is_matched_where_nothing_is_asked_for() {
     let mut parts_of_it = memory();
     let scene = &scenes[0];
     let dims = scene.left.dims;
-    let (zero, outside) = (Area::default(), Area { left: dims.width, top: 0, right: u16::MAX, bottom: u16::MAX });
+    let (zero, outside) =
+        (Area::default(), Area { left: dims.width, top: 0, right: u16::MAX, bottom: u16::MAX });
     for areas in [&[][..], &[zero][..], &[outside, zero][..]] {
         let none = run(
             &plan(scene),
@@ -155,8 +185,16 @@ fn every_segment_is_counted_once() {
             &mut parts_of_it,
         );
         let counts = part.counts();
-        let rejected: u32 = linestereo::Rejection::ALL.iter().map(|&reason| u32::from(counts.rejected(reason))).sum();
-        assert_eq!(u32::from(counts.segments_left), rejected + u32::from(counts.matched), "{}", scene.name);
+        let rejected: u32 = linestereo::Rejection::ALL
+            .iter()
+            .map(|&reason| u32::from(counts.rejected(reason)))
+            .sum();
+        assert_eq!(
+            u32::from(counts.segments_left),
+            rejected + u32::from(counts.matched),
+            "{}",
+            scene.name
+        );
     }
 }
 
@@ -172,7 +210,8 @@ fn objects_have_the_depths_of_the_whole_frame() {
         for case in object_cases(scene).unwrap() {
             let Some(region) = case.region() else { continue };
             let areas = [region.area()];
-            let focus = Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE };
+            let focus =
+                Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE };
             let mut part = run(&plan, scene, &focus, &mut parts_of_it);
             let depth = |ran: &mut Matched<'_>| {
                 let mut found = None;
@@ -196,7 +235,8 @@ fn objects_have_the_depths_of_the_whole_frame() {
     println!(
         "{same} of {all} objects to the bit, {near} within 1/4 px, {refusals} answered in one case only, at most {worst} px apart"
     );
-    // Paths of support points begin at the border of what is looked at: their beliefs differ there, and with them weights.
+    // Paths of support points begin at the border of what is looked at: their beliefs differ there,
+    // and with them weights.
     assert!(
         100 * (all - near) <= 5 * all && 100 * refusals <= 3 * all,
         "{near} of {all} within 1/4 px, {refusals} refusals"

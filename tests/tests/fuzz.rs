@@ -1,4 +1,5 @@
-//! The functions of `fuzz/`, on mutations of its corpora by a seeded generator: what a coverage-guided run would find first.
+//! The functions of `fuzz/`, on mutations of its corpora by a seeded generator: what a
+//! coverage-guided run would find first.
 
 use core::time::Duration;
 use linestereo_tests::drawn::Random;
@@ -35,7 +36,9 @@ fn mutated(inputs: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
             5 => {
                 let other = pick(random);
                 let end = random.below(other.len() as u64 + 1) as usize;
-                bytes.splice(part, other[end.saturating_sub(16)..end].iter().copied()).for_each(drop);
+                bytes
+                    .splice(part, other[end.saturating_sub(16)..end].iter().copied())
+                    .for_each(drop);
             }
             _ => bytes.truncate(from),
         }
@@ -45,11 +48,13 @@ fn mutated(inputs: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
 
 #[test]
 fn mutated_inputs_are_answered_or_refused() {
-    let each =
-        std::env::var("LINESTEREO_FUZZ_S").ok().map_or(EACH, |s| Duration::from_secs(s.parse().expect("seconds")));
+    let each = std::env::var("LINESTEREO_FUZZ_S")
+        .ok()
+        .map_or(EACH, |s| Duration::from_secs(s.parse().expect("seconds")));
     for (name, target) in TARGETS {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(name);
-        let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let mut files: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();
         let inputs: Vec<Vec<u8>> = files.iter().map(|path| fs::read(path).unwrap()).collect();
         inputs.iter().for_each(|bytes| target(bytes));
@@ -61,7 +66,11 @@ fn mutated_inputs_are_answered_or_refused() {
             // A panic says for which bytes.
             let outcome = std::panic::catch_unwind(|| target(&bytes));
             slowest = slowest.max(start.elapsed());
-            assert!(outcome.is_ok(), "{name}, input {count}: {:?}", String::from_utf8_lossy(&bytes));
+            assert!(
+                outcome.is_ok(),
+                "{name}, input {count}: {:?}",
+                String::from_utf8_lossy(&bytes)
+            );
             count += 1;
             length += bytes.len();
         }

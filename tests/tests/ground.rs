@@ -17,9 +17,9 @@ const CELL: u16 = 16;
 /// A floor whose disparity changes by `down` px per row and `across` px per column; 0 in the middle
 /// of row 80.
 #[derive(Clone, Copy)]
-struct Floor {
-    down: f64,
-    across: f64,
+pub(crate) struct Floor {
+    pub(crate) down: f64,
+    pub(crate) across: f64,
 }
 
 impl Floor {
@@ -27,7 +27,7 @@ impl Floor {
         self.down * (y.max(FOOT) - 80.0) + self.across * (x - 160.0)
     }
 
-    fn draw(&self, texture: &Texture) -> [GrayImage; 2] {
+    pub(crate) fn draw(&self, texture: &Texture) -> [GrayImage; 2] {
         let paint = |column: &dyn Fn(f64, f64) -> f64| {
             linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |x, y| {
                 let (x, y) = (f64::from(x), f64::from(y));
@@ -56,31 +56,48 @@ impl Floor {
                     continue;
                 }
                 cells += 1;
-                let inside = result.points.iter().filter(|p| p.x / CELL == left / CELL && p.y / CELL == top / CELL);
+                let inside = result
+                    .points
+                    .iter()
+                    .filter(|p| p.x / CELL == left / CELL && p.y / CELL == top / CELL);
                 if let Some(best) = inside.max_by_key(|point| point.confidence) {
                     seen += 1;
-                    let error = best.disparity.to_num::<f64>() - self.disparity(best.x.into(), best.y.into());
+                    let error = best.disparity.to_num::<f64>()
+                        - self.disparity(best.x.into(), best.y.into());
                     wrong += u32::from(error.abs() > 1.0);
                 }
             }
         }
-        [100.0 * f64::from(seen) / f64::from(cells), 100.0 * f64::from(wrong) / f64::from(seen.max(1))]
+        [
+            100.0 * f64::from(seen) / f64::from(cells),
+            100.0 * f64::from(wrong) / f64::from(seen.max(1)),
+        ]
     }
 }
 
 /// Largest difference of a plane from a floor at four pixels of it, px.
 fn apart(plane: GroundPlane, floor: Floor) -> f64 {
-    let at = |x: i32, y: i32| (f64::from(plane.at_q6(x, y)) / 64.0 - floor.disparity(x.into(), y.into())).abs();
-    [(20, 100), (300, 100), (20, 230), (300, 230)].into_iter().map(|(x, y)| at(x, y)).fold(0.0, f64::max)
+    let at = |x: i32, y: i32| {
+        (f64::from(plane.at_q6(x, y)) / 64.0 - floor.disparity(x.into(), y.into())).abs()
+    };
+    [(20, 100), (300, 100), (20, 230), (300, 230)]
+        .into_iter()
+        .map(|(x, y)| at(x, y))
+        .fold(0.0, f64::max)
 }
 
 #[test]
 fn floors_are_found_and_seen_at_every_slope() {
     let mut table = String::new();
     let mut all = true;
-    for (down, across, seed) in
-        [(0.2, 0.0, 3), (0.3, 0.01, 4), (0.4, 0.0, 5), (0.6, -0.015, 6), (0.8, 0.01, 7), (0.9, 0.0, 8)]
-    {
+    for (down, across, seed) in [
+        (0.2, 0.0, 3),
+        (0.3, 0.01, 4),
+        (0.4, 0.0, 5),
+        (0.6, -0.015, 6),
+        (0.8, 0.01, 7),
+        (0.9, 0.0, 8),
+    ] {
         let floor = Floor { down, across };
         let result = floor.run(true, seed);
         let [seen, wrong] = floor.seen(&result);

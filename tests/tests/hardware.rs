@@ -1,5 +1,5 @@
-//! Programs for boards that no PC runs: what can be proved of them without silicon. `live` of every one is built, and its ELF file held
-//! against the board's map of flash and RAM.
+//! Programs for boards that no PC runs: what can be proved of them without silicon. `live` of every
+//! one is built, and its ELF file held against the board's map of flash and RAM.
 
 use core::ops::Range;
 use linestereo_boards::Board;
@@ -7,7 +7,9 @@ use linestereo_sim::board::{tested, top};
 use linestereo_tests::board::image;
 use object::elf::{FileHeader32, PT_LOAD};
 use object::read::elf::{FileHeader as _, ProgramHeader as _};
-use object::{Endianness, Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind};
+use object::{
+    Endianness, Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SectionKind,
+};
 use std::collections::BTreeMap;
 
 /// A named part of the memory map.
@@ -21,7 +23,9 @@ fn number(text: &str) -> u64 {
             Some(digits) => (digits, 1 << 10),
             None => text.strip_suffix('M').map_or((text, 1), |digits| (digits, 1 << 20)),
         };
-        let parsed = digits.strip_prefix("0x").map_or_else(|| digits.parse(), |hex| u64::from_str_radix(hex, 16));
+        let parsed = digits
+            .strip_prefix("0x")
+            .map_or_else(|| digits.parse(), |hex| u64::from_str_radix(hex, 16));
         unit * parsed.unwrap_or_else(|_| panic!("{text} is no number of a map"))
     };
     if let Some((first, second)) = text.split_once('+') {
@@ -32,9 +36,15 @@ fn number(text: &str) -> u64 {
 
 /// The regions of a board's map.
 fn regions(board: &Board) -> Regions {
-    let path = top().unwrap().join(format!("firmware/src/boards/{}.x", board.name.replace('-', "_")));
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let block = text.split("MEMORY").nth(1).and_then(|rest| rest.split('{').nth(1)?.split('}').next()).unwrap();
+    let path =
+        top().unwrap().join(format!("firmware/src/boards/{}.x", board.name.replace('-', "_")));
+    let text = std::fs::read_to_string(&path)
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let block = text
+        .split("MEMORY")
+        .nth(1)
+        .and_then(|rest| rest.split('{').nth(1)?.split('}').next())
+        .unwrap();
     let line = |line: &str| {
         let (name, rest) = line.split_once(':')?;
         let (origin, length) = rest.split_once(',')?;
@@ -57,14 +67,18 @@ fn what_is_flashed_and_what_lies_in_ram_is_where_the_map_says() {
         let regions = regions(&board);
         let [flash, ram, stack] = ["FLASH", "RAM", "STACK"].map(|region| regions[region].clone());
         let file = object::File::parse(&*elf).unwrap();
-        let contains = |range: &Range<u64>, inner: &Range<u64>| range.start <= inner.start && inner.end <= range.end;
+        let contains = |range: &Range<u64>, inner: &Range<u64>| {
+            range.start <= inner.start && inner.end <= range.end
+        };
 
-        // Nothing is written to flash outside of the program's part: the rig's sectors are not in it.
+        // Nothing is written to flash outside of the program's part: the rig's sectors are not in
+        // it.
         let header = FileHeader32::<Endianness>::parse(&*elf).unwrap();
         let endian = header.endian().unwrap();
         let mut flashed = 0;
         for segment in header.program_headers(endian, &*elf).unwrap() {
-            let (start, bytes) = (u64::from(segment.p_paddr(endian)), u64::from(segment.p_filesz(endian)));
+            let (start, bytes) =
+                (u64::from(segment.p_paddr(endian)), u64::from(segment.p_filesz(endian)));
             if segment.p_type(endian) == PT_LOAD && bytes > 0 {
                 assert!(
                     contains(&flash, &(start..start + bytes)),
@@ -75,9 +89,12 @@ fn what_is_flashed_and_what_lies_in_ram_is_where_the_map_says() {
         }
         assert!(flashed > 100_000, "{name}: {flashed} bytes are no program");
 
-        // Every section that takes memory lies in one region, and what only takes room takes no flash.
+        // Every section that takes memory lies in one region, and what only takes room takes no
+        // flash.
         for section in file.sections().filter(|section| section.size() > 0) {
-            let SectionFlags::Elf { sh_flags, .. } = section.flags() else { panic!("{name} is no ELF file") };
+            let SectionFlags::Elf { sh_flags, .. } = section.flags() else {
+                panic!("{name} is no ELF file")
+            };
             if !sh_flags.contains(object::elf::SHF_ALLOC) {
                 continue;
             }
@@ -86,22 +103,43 @@ fn what_is_flashed_and_what_lies_in_ram_is_where_the_map_says() {
             assert!(home.is_some(), "{name}: {:?} {range:x?} lies in no region", section.name());
         }
         let symbol = |wanted: &str| {
-            let found = file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains(wanted)));
-            found.map(|symbol| (symbol.address()..symbol.address() + symbol.size(), symbol.section_index()))
+            let found =
+                file.symbols().find(|symbol| symbol.name().is_ok_and(|name| name.contains(wanted)));
+            found.map(|symbol| {
+                (symbol.address()..symbol.address() + symbol.size(), symbol.section_index())
+            })
         };
-        let (workspace, section) = symbol("6boards6MEMORY").unwrap_or_else(|| panic!("{name} has no workspace"));
-        assert!(contains(&ram, &workspace) && workspace.end - workspace.start > 250_000, "{name}: {workspace:x?}");
+        let (workspace, section) =
+            symbol("6boards6MEMORY").unwrap_or_else(|| panic!("{name} has no workspace"));
+        assert!(
+            contains(&ram, &workspace) && workspace.end - workspace.start > 250_000,
+            "{name}: {workspace:x?}"
+        );
         let kind = file.section_by_index(section.unwrap()).unwrap().kind();
         assert_eq!(kind, SectionKind::UninitializedData, "{name}: the workspace takes flash");
 
         // The processor starts with the stack of the map and with code of the flash.
         let vectors = file.section_by_name(".vector_table").unwrap();
-        let word =
-            |place: usize| u64::from(u32::from_le_bytes(vectors.data().unwrap()[4 * place..][..4].try_into().unwrap()));
+        let word = |place: usize| {
+            u64::from(u32::from_le_bytes(
+                vectors.data().unwrap()[4 * place..][..4].try_into().unwrap(),
+            ))
+        };
         assert_eq!(word(0), stack.end, "{name}: the first stack");
-        assert!(flash.contains(&(word(1) & !1)) && word(1) & 1 == 1, "{name}: reset goes to {:#x}", word(1));
-        assert!(vectors.address() >= flash.start && vectors.address().is_multiple_of(1 << 9), "{name}: vectors");
-        assert_eq!(symbol("_program_stack_start").unwrap().0.start % 8, 0, "{name}: AAPCS, 6.2.1.2");
+        assert!(
+            flash.contains(&(word(1) & !1)) && word(1) & 1 == 1,
+            "{name}: reset goes to {:#x}",
+            word(1)
+        );
+        assert!(
+            vectors.address() >= flash.start && vectors.address().is_multiple_of(1 << 9),
+            "{name}: vectors"
+        );
+        assert_eq!(
+            symbol("_program_stack_start").unwrap().0.start % 8,
+            0,
+            "{name}: AAPCS, 6.2.1.2"
+        );
     }
 }
 
@@ -137,10 +175,15 @@ fn maps_are_read_as_the_linker_reads_them() {
     for board in Board::ALL {
         let regions = regions(&board);
         let mut last: Option<(&str, &Range<u64>)> = None;
-        let mut by_address: Vec<_> = regions.iter().map(|(name, range)| (name.as_str(), range)).collect();
+        let mut by_address: Vec<_> =
+            regions.iter().map(|(name, range)| (name.as_str(), range)).collect();
         by_address.sort_by_key(|(_, range)| range.start);
         for (name, range) in by_address {
-            assert!(last.is_none_or(|(_, before)| before.end <= range.start), "{}: {name} and {last:?}", board.name);
+            assert!(
+                last.is_none_or(|(_, before)| before.end <= range.start),
+                "{}: {name} and {last:?}",
+                board.name
+            );
             last = Some((name, range));
         }
         let [stack, ram] = ["STACK", "RAM"].map(|region| &regions[region]);

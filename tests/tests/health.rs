@@ -1,13 +1,16 @@
 //! The health of pairs: known rows, injected faults, and no flag where there is no fault.
 //!
-//! Exact scenes are rendered here; captured frames are not part of the project (`LINESTEREO_FRAMES`, or `../shared/frames` beside it):
-//! without them the tests that need them say so and pass.
+//! Exact scenes are rendered here; captured frames are not part of the project
+//! (`LINESTEREO_FRAMES`, or `../shared/frames` beside it): without them the tests that need them
+//! say so and pass.
 
 use linestereo::health::{Findings, HealthMonitor};
 use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
 use linestereo_calibration::interchange::{Options, load_rig};
 use linestereo_frames::GrayImage;
-use linestereo_frames::{Perturbation, Scene, Truth, find_scenes, load_gray, load_scene};
+use linestereo_frames::{
+    Perturbation, Scene, Truth, area_average, find_scenes, load_gray, load_scene,
+};
 use linestereo_lab::evaluate::{object_cases, score_objects};
 use linestereo_lab::faults::{Damage, Source};
 use linestereo_rig::{CameraSide, Rectification, View};
@@ -35,7 +38,12 @@ impl Rig {
         Self { engine, monitor: HealthMonitor::new(), limits: HealthLimits::DEFAULT }
     }
 
-    fn see(&mut self, left: &GrayImage, right: &GrayImage, times_us: Option<[u64; 2]>) -> PairHealth {
+    fn see(
+        &mut self,
+        left: &GrayImage,
+        right: &GrayImage,
+        times_us: Option<[u64; 2]>,
+    ) -> PairHealth {
         self.watch(left.view().unwrap(), right.view().unwrap(), times_us)
     }
 
@@ -43,7 +51,12 @@ impl Rig {
         let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
         if !health.is_refused() {
             let matched = self.engine.run_in_place(left, right).unwrap();
-            self.monitor.check_matches(&self.limits, [left, right], &matched.findings(), &mut health);
+            self.monitor.check_matches(
+                &self.limits,
+                [left, right],
+                &matched.findings(),
+                &mut health,
+            );
         }
         health
     }
@@ -70,8 +83,13 @@ enum Interpolation {
 impl Interpolation {
     fn weight(self, t: f64) -> f64 {
         let a = t.abs();
-        let sinc =
-            |x: f64| if x == 0.0 { 1.0 } else { (core::f64::consts::PI * x).sin() / (core::f64::consts::PI * x) };
+        let sinc = |x: f64| {
+            if x == 0.0 {
+                1.0
+            } else {
+                (core::f64::consts::PI * x).sin() / (core::f64::consts::PI * x)
+            }
+        };
         match self {
             Self::Linear => (1.0 - a).max(0.0),
             Self::Cubic if a <= 1.0 => 1.5 * a * a * a - 2.5 * a * a + 1.0,
@@ -88,11 +106,14 @@ impl Interpolation {
         for y in 0..height {
             let source = f64::from(y) - offset;
             let taps: Vec<(usize, f64)> = (source.floor() as i32 - 4..=source.floor() as i32 + 5)
-                .map(|row| (row.clamp(0, height - 1) as usize, self.weight(source - f64::from(row))))
+                .map(|row| {
+                    (row.clamp(0, height - 1) as usize, self.weight(source - f64::from(row)))
+                })
                 .collect();
             let total: f64 = taps.iter().map(|(_, weight)| weight).sum();
             pixels.extend((0..width).map(|x| {
-                let sum: f64 = taps.iter().map(|&(row, w)| w * f64::from(image.pixels[row * width + x])).sum();
+                let sum: f64 =
+                    taps.iter().map(|&(row, w)| w * f64::from(image.pixels[row * width + x])).sum();
                 (sum / total).round() as u8
             }));
         }
@@ -102,8 +123,9 @@ impl Interpolation {
 
 const OFFSETS: [f64; 6] = [0.3, 0.7, -1.5, 1.5, -0.3, -0.7];
 
-/// The promise: a known offset is told within 0.1 px. The frames' own is what they show unmoved: up to 0.08 px (monopoly), which
-/// [`the_frames_own_rows_by_their_ground_truth`] confirms without the estimator.
+/// The promise: a known offset is told within 0.1 px. The frames' own is what they show unmoved: up
+/// to 0.08 px (monopoly), which [`the_frames_own_rows_by_their_ground_truth`] confirms without the
+/// estimator.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
@@ -119,9 +141,12 @@ fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
             for offset in if is_nearest { &OFFSETS[..] } else { &OFFSETS[1..3] }.iter().copied() {
                 let right = interpolation.move_down(&scene.right, offset);
                 let health = alone(&scene.left, &right, scene.max_disparity);
-                let rows = health.rows.unwrap_or_else(|| panic!("{} by {offset}: nothing known", scene.name));
+                let rows = health
+                    .rows
+                    .unwrap_or_else(|| panic!("{} by {offset}: nothing known", scene.name));
                 let found = pixels(rows.offset_q8);
-                let what = format!("{} by {offset} ({interpolation:?}): {rows:?}, own {own}", scene.name);
+                let what =
+                    format!("{} by {offset} ({interpolation:?}): {rows:?}, own {own}", scene.name);
                 assert!((found - own - offset).abs() <= 0.1, "{what}");
                 largest = largest.max((found - own - offset).abs());
                 if interpolation == Interpolation::Sinc {
@@ -129,35 +154,49 @@ fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
                     assert!((found - offset).abs() <= 0.12, "{what}");
                     plain = plain.max((found - offset).abs());
                     let of_rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR;
-                    assert!(health.flags == HealthFlags::ROWS_OFF || health.flags == of_rows, "{what}");
+                    assert!(
+                        health.flags == HealthFlags::ROWS_OFF || health.flags == of_rows,
+                        "{what}"
+                    );
                     assert_eq!(health.flags.is_fit(), found.abs() <= 1.5, "{what}");
                 }
             }
         }
     }
-    eprintln!("largest error: {largest:.3} px against the frames' own rows, {plain:.3} px against none (sinc)");
+    eprintln!(
+        "largest error: {largest:.3} px against the frames' own rows, {plain:.3} px against none \
+         (sinc)"
+    );
 }
 
-/// Rows of the unmoved frames by their ground truth alone, no match and no segment: over all pixels with truth that are visible, the
-/// offset at which the right image at `x - d` is most like the left one in the gradient down the rows.
+/// Rows of the unmoved frames by their ground truth alone, no match and no segment: over all pixels
+/// with truth that are visible, the offset at which the right image at `x - d` is most like the
+/// left one in the gradient down the rows.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn the_frames_own_rows_by_their_ground_truth() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
         // One step of least squares does not reach its goal: how far it gets, a known shift tells.
-        let moved = Scene { right: Interpolation::Sinc.move_down(&scene.right, -0.25), ..scene.clone() };
-        let (Some(here), Some(there)) = (rows_by_truth(scene), rows_by_truth(&moved)) else { continue };
+        let moved =
+            Scene { right: Interpolation::Sinc.move_down(&scene.right, -0.25), ..scene.clone() };
+        let (Some(here), Some(there)) = (rows_by_truth(scene), rows_by_truth(&moved)) else {
+            continue;
+        };
         let by_truth = 0.25 * here / (here - there);
         let clean = alone(&scene.left, &scene.right, scene.max_disparity);
         let found = pixels(clean.rows.unwrap().offset_q8);
         eprintln!("{:11} by truth {by_truth:+.3}, by matches {found:+.3}", scene.name);
-        assert!((by_truth - found).abs() <= 0.1, "{}: {by_truth} by truth, {found} by matches", scene.name);
+        assert!(
+            (by_truth - found).abs() <= 0.1,
+            "{}: {by_truth} by truth, {found} by matches",
+            scene.name
+        );
     }
 }
 
-/// Least squares over all pixels with truth whose gradient is more vertical than horizontal (Lucas and Kanade, one step; the gradient is
-/// the mean of both images).
+/// Least squares over all pixels with truth whose gradient is more vertical than horizontal (Lucas
+/// and Kanade, one step; the gradient is the mean of both images).
 fn rows_by_truth(scene: &Scene) -> Option<f64> {
     let truth = scene.truth.as_ref()?;
     let (width, height) = (i32::from(scene.left.dims.width), i32::from(scene.left.dims.height));
@@ -166,17 +205,21 @@ fn rows_by_truth(scene: &Scene) -> Option<f64> {
         let (whole, part) = (x.floor() as i32, x - x.floor());
         at(&scene.right, whole, y) * (1.0 - part) + at(&scene.right, whole + 1, y) * part
     };
-    let visible = (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))).filter_map(|(x, y)| {
-        let u = f64::from(x) - f64::from(truth.disparity(x, y)?);
-        (truth.is_visible(x, y) && u >= 1.0 && u < f64::from(width - 2)).then_some((x, y, u))
-    });
+    let visible =
+        (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))).filter_map(|(x, y)| {
+            let u = f64::from(x) - f64::from(truth.disparity(x, y)?);
+            (truth.is_visible(x, y) && u >= 1.0 && u < f64::from(width - 2)).then_some((x, y, u))
+        });
     let visible: Vec<(i32, i32, f64)> = visible.collect();
-    let level = |of: &dyn Fn(&(i32, i32, f64)) -> f64| visible.iter().map(of).sum::<f64>() / visible.len() as f64;
+    let level = |of: &dyn Fn(&(i32, i32, f64)) -> f64| {
+        visible.iter().map(of).sum::<f64>() / visible.len() as f64
+    };
     let gain = level(&|&(x, y, _)| at(&scene.left, x, y)) / level(&|&(_, y, u)| right(u, y));
     let (mut product, mut square) = (0.0, 0.0);
     for &(x, y, u) in &visible {
-        let down =
-            (at(&scene.left, x, y + 1) - at(&scene.left, x, y - 1) + gain * (right(u, y + 1) - right(u, y - 1))) / 4.0;
+        let down = (at(&scene.left, x, y + 1) - at(&scene.left, x, y - 1)
+            + gain * (right(u, y + 1) - right(u, y - 1)))
+            / 4.0;
         let across = (at(&scene.left, x + 1, y) - at(&scene.left, x - 1, y)) / 2.0;
         let difference = at(&scene.left, x, y) - gain * right(u, y);
         if down.abs() > 2.0 * across.abs() && down.abs() > 4.0 && difference.abs() < 20.0 {
@@ -196,18 +239,27 @@ fn rendered_rows_are_told_to_a_few_hundredths() {
         let health = alone(&pair.left, &pair.right, 64);
         let rows = health.rows.unwrap();
         assert!((pixels(rows.offset_q8) - offset).abs() <= 0.05, "{offset}: {rows:?}");
-        assert_eq!(health.flags.contains(HealthFlags::ROWS_OFF), offset != 0.0, "{offset}: {}", health.flags);
+        assert_eq!(
+            health.flags.contains(HealthFlags::ROWS_OFF),
+            offset != 0.0,
+            "{offset}: {}",
+            health.flags
+        );
     }
 }
 
 /// Damages of a rendered pair that the pair itself shows, and the flag of each.
 #[test]
 fn what_is_the_same_in_both_images_or_torn_is_named() {
-    let pair =
-        scene::render(&scene::build(Kind::Demo, DIMS, 5), DIMS, &Sensor { noise: 1.5, seed: 5, ..Sensor::default() });
+    let pair = scene::render(
+        &scene::build(Kind::Demo, DIMS, 5),
+        DIMS,
+        &Sensor { noise: 1.5, seed: 5, ..Sensor::default() },
+    );
     let scene = as_scene(&pair);
     let objects = Mask::new(DIMS, vec![false; pair.left.pixels.len()]);
-    let source = Source { scene: &scene, other: [&scene.left, &scene.right], objects: &objects, seed: 1 };
+    let source =
+        Source { scene: &scene, other: [&scene.left, &scene.right], objects: &objects, seed: 1 };
     for (damage, flag) in [
         (Damage::None, None),
         (Damage::OneCameraTwice, Some(HealthFlags::NO_PARALLAX)),
@@ -255,25 +307,33 @@ fn what_cannot_tell_its_rows_says_nothing() {
     for (name, left, right) in [("blank", &blank, &blank), ("columns", &upright, &upright)] {
         assert_eq!(alone(left, right, 64).rows, None, "{name}");
     }
-    // Stripes one below the other, the right image moved: without texture along them, and with enough for matches.
+    // Stripes one below the other, the right image moved: without texture along them, and with
+    // enough for matches.
     for period in [4_u16, 6, 8, 10] {
         for moved in [0, 1, 2, 3, 4] {
             for texture in [0, 60] {
                 let stripes = |shift: u16, down: u16| {
                     image(&|x, y| {
-                        let stripe = if ((y + 2 * period - down) / (period / 2)).is_multiple_of(2) { 40 } else { 150 };
+                        let stripe = if ((y + 2 * period - down) / (period / 2)).is_multiple_of(2) {
+                            40
+                        } else {
+                            150
+                        };
                         let column = (x + shift) / 5;
                         stripe
                             + noise(x, y)
-                            + (u32::from(column).wrapping_mul(2_654_435_761) >> 24) as u8 % (texture + 1)
+                            + (u32::from(column).wrapping_mul(2_654_435_761) >> 24) as u8
+                                % (texture + 1)
                     })
                 };
                 let health = alone(&stripes(0, 0), &stripes(17, moved), 64);
-                // Told only where the alternative, a period away, lies out of reach; then it is the right one.
+                // Told only where the alternative, a period away, lies out of reach; then it is the
+                // right one.
                 let is_told = health.rows.map(|rows| pixels(rows.offset_q8));
                 let is_right = is_told.is_none_or(|rows| (rows - f64::from(moved)).abs() <= 0.1);
                 let is_open = (i32::from(moved) - i32::from(period)).abs() > 5;
-                let what = format!("period {period} moved by {moved}, texture {texture}: {health:?}");
+                let what =
+                    format!("period {period} moved by {moved}, texture {texture}: {health:?}");
                 assert!(is_right && (is_told.is_none() || is_open), "{what}");
             }
         }
@@ -285,8 +345,13 @@ fn noisy(pair: (&GrayImage, &GrayImage), seed: u64) -> (GrayImage, GrayImage) {
     Perturbation { noise: 1.0, seed, ..Perturbation::default() }.apply(pair.0, pair.1)
 }
 
-/// Clean pairs, five pairs with a fault, clean ones again: the flag comes with the first and goes with the third after the last.
-fn comes_and_goes(what: &str, expected: HealthFlags, fault: impl Fn(&mut GrayImage, &mut GrayImage, usize)) {
+/// Clean pairs, five pairs with a fault, clean ones again: the flag comes with the first and goes
+/// with the third after the last.
+fn comes_and_goes(
+    what: &str,
+    expected: HealthFlags,
+    fault: impl Fn(&mut GrayImage, &mut GrayImage, usize),
+) {
     let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor::default());
     let mut rig = Rig::new(DIMS, 64);
     let (mut first, mut last) = (None, None);
@@ -308,7 +373,8 @@ fn comes_and_goes(what: &str, expected: HealthFlags, fault: impl Fn(&mut GrayIma
         }
         let held = health.flags.difference(expected);
         // Of a pair that is washed out few matches are left to tell of rows.
-        let tolerated = HealthFlags::FEW_MATCHES | HealthFlags::EXPOSURES_DIFFER | HealthFlags::ROWS_UNEVEN;
+        let tolerated =
+            HealthFlags::FEW_MATCHES | HealthFlags::EXPOSURES_DIFFER | HealthFlags::ROWS_UNEVEN;
         assert!(tolerated.contains(held), "{what}, pair {n}: {held}");
     }
     assert_eq!((first, last), (Some(4), Some(10)), "{what}");
@@ -316,23 +382,36 @@ fn comes_and_goes(what: &str, expected: HealthFlags, fault: impl Fn(&mut GrayIma
 
 #[test]
 fn each_fault_raises_its_flag_and_clears() {
-    let darken = |image: &mut GrayImage, by: f64| image.pixels.iter_mut().for_each(|v| *v = (f64::from(*v) * by) as u8);
-    let grain =
-        |n: usize, i: usize| ((i as u32).wrapping_mul(2_654_435_761).wrapping_add(n as u32 * 0x3779_77b9) >> 30) as u8;
+    let darken = |image: &mut GrayImage, by: f64| {
+        image.pixels.iter_mut().for_each(|v| *v = (f64::from(*v) * by) as u8)
+    };
+    let grain = |n: usize, i: usize| {
+        ((i as u32).wrapping_mul(2_654_435_761).wrapping_add(n as u32 * 0x3779_77b9) >> 30) as u8
+    };
     comes_and_goes("left dead", HealthFlags::LEFT_DEAD, |left, _, _| left.pixels.fill(99));
     comes_and_goes("right dead", HealthFlags::RIGHT_DEAD, |_, right, _| right.pixels.fill(144));
     // A cap: black but for noise. A finger: a soft glow with noise.
-    let cap = HealthFlags::RIGHT_COVERED | HealthFlags::RIGHT_EXPOSURE | HealthFlags::RIGHT_SATURATED;
+    let cap =
+        HealthFlags::RIGHT_COVERED | HealthFlags::RIGHT_EXPOSURE | HealthFlags::RIGHT_SATURATED;
     comes_and_goes("right capped", cap, |_, right, n| {
         right.pixels.iter_mut().enumerate().for_each(|(i, v)| *v = grain(n, i));
     });
     comes_and_goes("left behind a finger", HealthFlags::LEFT_COVERED, |left, _, n| {
-        left.pixels.iter_mut().enumerate().for_each(|(i, v)| *v = 70 + (i % 320 / 8) as u8 + grain(n, i));
+        left.pixels
+            .iter_mut()
+            .enumerate()
+            .for_each(|(i, v)| *v = 70 + (i % 320 / 8) as u8 + grain(n, i));
     });
-    comes_and_goes("left too dark", HealthFlags::LEFT_EXPOSURE | HealthFlags::EXPOSURES_DIFFER, |left, _, _| {
-        darken(left, 0.16);
+    comes_and_goes(
+        "left too dark",
+        HealthFlags::LEFT_EXPOSURE | HealthFlags::EXPOSURES_DIFFER,
+        |left, _, _| {
+            darken(left, 0.16);
+        },
+    );
+    comes_and_goes("right exposed twice as long", HealthFlags::EXPOSURES_DIFFER, |left, _, _| {
+        darken(left, 0.5)
     });
-    comes_and_goes("right exposed twice as long", HealthFlags::EXPOSURES_DIFFER, |left, _, _| darken(left, 0.5));
     let washed_out = HealthFlags::RIGHT_SATURATED | HealthFlags::EXPOSURES_DIFFER;
     comes_and_goes("right washed out", washed_out, |_, right, _| darken(right, 2.8));
 }
@@ -368,7 +447,12 @@ fn a_frozen_camera_is_seen_with_its_first_repetition() {
             let fresh = noisy((&pair.left, &pair.right), n);
             for (image, fresh) in [(&mut changed.0, fresh.0), (&mut changed.1, fresh.1)] {
                 let sampled = |i: usize| i % 320 % 7 == 3 && i / 320 % 8 == 4;
-                let pixels = image.pixels.iter_mut().zip(fresh.pixels).enumerate().filter(|(i, _)| !sampled(*i));
+                let pixels = image
+                    .pixels
+                    .iter_mut()
+                    .zip(fresh.pixels)
+                    .enumerate()
+                    .filter(|(i, _)| !sampled(*i));
                 pixels.for_each(|(_, (pixel, fresh))| *pixel = fresh);
             }
             other.see(&changed.0, &changed.1, None).flags
@@ -395,20 +479,30 @@ fn a_pair_of_two_moments_is_refused() {
     let refused = see(2, 80_000 - 1001);
     assert!(refused.is_refused() && refused.skew_us == Some(1001) && refused.rows.is_none());
     let next = see(3, 120_000);
-    assert_eq!((next.is_refused(), next.flags, next.now), (false, HealthFlags::SKEW, HealthFlags::GOOD));
+    assert_eq!(
+        (next.is_refused(), next.flags, next.now),
+        (false, HealthFlags::SKEW, HealthFlags::GOOD)
+    );
     assert_eq!(see(4, 160_000).flags, HealthFlags::SKEW);
     assert_eq!(see(5, 200_000).flags, HealthFlags::GOOD);
     // A clock that was never set does not overflow anything.
     assert_eq!(see(7, u64::MAX).skew_us, Some(u32::MAX));
 }
 
-/// Of rectified images only the usable pixels count: black beside them is no exposure, no saturation and no edge.
+/// Of rectified images only the usable pixels count: black beside them is no exposure, no
+/// saturation and no edge.
 #[test]
 fn a_small_view_is_named_and_its_border_is_not_looked_at() {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor { noise: 1.0, ..Sensor::default() });
+    let pair = scene::render(
+        &scene::build(Kind::Boxes, DIMS, 9),
+        DIMS,
+        &Sensor { noise: 1.0, ..Sensor::default() },
+    );
     let whole = alone(&pair.left, &pair.right, 64);
     assert_eq!(whole.cameras.map(|camera| camera.view_permille), [1000; 2]);
-    for (margin, expected) in [(40_u16, HealthFlags::GOOD), (90, HealthFlags::LEFT_VIEW | HealthFlags::RIGHT_VIEW)] {
+    for (margin, expected) in
+        [(40_u16, HealthFlags::GOOD), (90, HealthFlags::LEFT_VIEW | HealthFlags::RIGHT_VIEW)]
+    {
         let cut = |image: &GrayImage| {
             let mut image = image.clone();
             for (i, value) in image.pixels.iter_mut().enumerate() {
@@ -428,7 +522,8 @@ fn a_small_view_is_named_and_its_border_is_not_looked_at() {
     }
 }
 
-/// A mount that gives way, from one side of the rows to the other: never beyond the limit, and another rig all the same.
+/// A mount that gives way, from one side of the rows to the other: never beyond the limit, and
+/// another rig all the same.
 #[test]
 fn rows_that_wander_are_a_drift_before_they_are_off() {
     let dims = Dims { width: 160, height: 120 };
@@ -460,13 +555,20 @@ fn rows_that_wander_are_a_drift_before_they_are_off() {
 
 #[test]
 fn rolled_and_far_off_rows_are_named() {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor { noise: 1.0, ..Sensor::default() });
+    let pair = scene::render(
+        &scene::build(Kind::Boxes, DIMS, 9),
+        DIMS,
+        &Sensor { noise: 1.0, ..Sensor::default() },
+    );
     // A degree of roll: rows move by up to 2.8 px one way left and the other way right.
     let roll = |image: &GrayImage, degrees: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let (width, height) = (i32::from(image.dims.width), i32::from(image.dims.height));
-        let at =
-            |x: i32, y: i32| f64::from(image.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]);
+        let at = |x: i32, y: i32| {
+            f64::from(
+                image.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize],
+            )
+        };
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
             let (cx, cy) = (f64::from(x) - 159.5, f64::from(y) - 119.5);
             let (u, v) = (cos * cx + sin * cy + 159.5, cos * cy - sin * cx + 119.5);
@@ -480,7 +582,8 @@ fn rolled_and_far_off_rows_are_named() {
     assert!(health.flags.contains(HealthFlags::ROWS_UNEVEN), "{health:?}");
     assert_eq!(health.row_offset_q8, None, "an uneven difference is no offset");
     for far in [6.0, 12.0] {
-        let (left, right) = Perturbation { row_offset: far, ..Perturbation::default() }.apply(&pair.left, &pair.right);
+        let (left, right) = Perturbation { row_offset: far, ..Perturbation::default() }
+            .apply(&pair.left, &pair.right);
         let health = alone(&left, &right, 64);
         assert!(health.flags.contains(HealthFlags::FEW_MATCHES), "{far}: {health:?}");
         assert_eq!(health.row_offset_q8, None, "{far}");
@@ -489,11 +592,20 @@ fn rolled_and_far_off_rows_are_named() {
 
 #[test]
 fn points_beyond_infinity_are_hinted_at() {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor { noise: 1.0, ..Sensor::default() });
+    let pair = scene::render(
+        &scene::build(Kind::Boxes, DIMS, 9),
+        DIMS,
+        &Sensor { noise: 1.0, ..Sensor::default() },
+    );
     // The right camera turned outwards: all its content 24 px further right.
     let turned = GrayImage {
         dims: DIMS,
-        pixels: pair.right.pixels.chunks(320).flat_map(|row| [&[row[0]; 24][..], &row[..296]].concat()).collect(),
+        pixels: pair
+            .right
+            .pixels
+            .chunks(320)
+            .flat_map(|row| [&[row[0]; 24][..], &row[..296]].concat())
+            .collect(),
     };
     let params = Params { min_disparity: -32, max_disparity: 64, ..Params::default() };
     let mut rig = Rig::new(DIMS, 64);
@@ -519,12 +631,60 @@ fn captured_pairs_have_no_flag() {
     }
 }
 
-/// Raw frames of a robot, neither undistorted nor rectified: cameras without a fault, and rows that only a rectification could align.
+/// The same pairs at three sizes, as they are and as robots send them: JPEG of quality 95.
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn captured_pairs_are_fit_at_every_size_and_after_jpeg() {
+    let Some(folder) = captured::folder("oakd_lite") else { return };
+    for folder in find_scenes(&folder).unwrap() {
+        let whole = load_scene(&folder, None).unwrap();
+        for (width, max_disparity) in [(640, 96), (480, 72), (320, 48)] {
+            let [left, right] =
+                [&whole.left, &whole.right].map(|image| area_average(image, width).unwrap());
+            let scene = Scene { left, right, ..whole.clone() };
+            let objects = Mask::new(scene.left.dims, vec![false; scene.left.pixels.len()]);
+            let other = [&scene.left, &scene.right];
+            let source = Source { scene: &scene, other, objects: &objects, seed: 1 };
+            for damage in [Damage::None, Damage::Jpeg(95)] {
+                let [left, right] = damage.apply(&source);
+                let health = alone(&left, &right, max_disparity);
+                let is_uneven = health.flags.contains(HealthFlags::ROWS_UNEVEN);
+                assert!(
+                    !is_uneven && health.flags.is_fit(),
+                    "{} at {width} px, {damage}: {health:?}",
+                    scene.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_was_at_the_same_pixel_is_forgotten_where_nothing_is_seen() {
+    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor::default());
+    let mut rig = Rig::new(DIMS, 64);
+    let (left, _) = noisy((&pair.left, &pair.right), 1);
+    assert!(rig.see(&left, &left, None).flags.contains(HealthFlags::NO_PARALLAX));
+    let grey = GrayImage { dims: DIMS, pixels: vec![100; pair.left.pixels.len()] };
+    let flags = [2, 3, 4].map(|seed| {
+        let (left, right) = noisy((&grey, &grey), seed);
+        let health = rig.see(&left, &right, None);
+        assert_eq!(health.still, None);
+        health.flags.contains(HealthFlags::NO_PARALLAX)
+    });
+    assert_eq!(flags, [true, true, false]);
+}
+
+/// Raw frames of a robot, neither undistorted nor rectified: cameras without a fault, and rows that
+/// only a rectification could align.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn raw_sequences_of_a_robot_show_rows_at_most() {
     let Some(folder) = captured::folder("tudelft_stereoboard") else { return };
-    let rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR | HealthFlags::ROWS_UNEVEN | HealthFlags::ROWS_DRIFT;
+    let rows = HealthFlags::ROWS_OFF
+        | HealthFlags::ROWS_FAR
+        | HealthFlags::ROWS_UNEVEN
+        | HealthFlags::ROWS_DRIFT;
     for (name, min_disparity, expected) in [
         ("db1_forward_take1", -8, HealthFlags::GOOD),
         ("db1_forward_take18", -8, HealthFlags::GOOD),
@@ -559,25 +719,29 @@ fn raw_sequences_of_a_robot_show_rows_at_most() {
     }
 }
 
-/// Raw frames of a drone, rectified in floating point by its own calibration, at two sizes: what is left of the rows. Of the raw pairs
-/// none meets the bound.
+/// Raw frames of a drone, rectified in floating point by its own calibration, at two sizes: what is
+/// left of the rows. Of the raw pairs none meets the bound.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn rows_of_euroc_pairs_after_rectification() {
     let Some(folder) = captured::folder("euroc_micro") else { return };
     let sensors = ["cam0_sensor.yaml", "cam1_sensor.yaml"].map(|name| folder.join(name));
     let calibration = load_rig(&sensors, &Options::default()).unwrap().rig.calibration;
-    let mut pairs: Vec<PathBuf> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut pairs: Vec<PathBuf> =
+        std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     pairs.retain(|path| path.is_dir());
     pairs.sort();
     assert!(!pairs.is_empty());
-    for (dims, max_disparity) in [(Dims { width: 752, height: 480 }, 96), (Dims { width: 320, height: 204 }, 48)] {
+    for (dims, max_disparity) in
+        [(Dims { width: 752, height: 480 }, 96), (Dims { width: 320, height: 204 }, 48)]
+    {
         let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
         for folder in &pairs {
             let raw = ["left.png", "right.png"].map(|name| load_gray(&folder.join(name)).unwrap());
             let name = folder.file_name().unwrap().to_string_lossy();
-            let [left, right] =
-                CameraSide::BOTH.map(|eye| rectified(&rectification, eye, &raw[usize::from(eye == CameraSide::Right)]));
+            let [left, right] = CameraSide::BOTH.map(|eye| {
+                rectified(&rectification, eye, &raw[usize::from(eye == CameraSide::Right)])
+            });
             let health = alone(&left, &right, max_disparity);
             eprintln!(
                 "{name} at {dims}: {:?}, {}",
@@ -588,7 +752,10 @@ fn rows_of_euroc_pairs_after_rectification() {
             assert!(pixels(rows.offset_q8).abs() <= 0.25, "{name} at {dims}: {rows:?}");
             let unrectified = alone(&raw[0], &raw[1], 96);
             let raw_rows = unrectified.rows.filter(|rows| rows.spread_q8 <= 51);
-            assert!(raw_rows.is_none_or(|rows| pixels(rows.offset_q8).abs() > 0.25), "{name} raw: {unrectified:?}");
+            assert!(
+                raw_rows.is_none_or(|rows| pixels(rows.offset_q8).abs() > 0.25),
+                "{name} raw: {unrectified:?}"
+            );
         }
     }
 }
@@ -597,7 +764,9 @@ fn rows_of_euroc_pairs_after_rectification() {
 fn rectified(rectification: &Rectification, eye: CameraSide, raw: &GrayImage) -> GrayImage {
     let dims = rectification.dims();
     let (width, height) = (i32::from(raw.dims.width), i32::from(raw.dims.height));
-    let at = |x: i32, y: i32| f64::from(raw.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]);
+    let at = |x: i32, y: i32| {
+        f64::from(raw.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize])
+    };
     let sample = |position: [f64; 2]| {
         let [u, v] = rectification.source(eye, position).unwrap();
         let (x, y) = (u.floor() as i32, v.floor() as i32);
@@ -605,7 +774,8 @@ fn rectified(rectification: &Rectification, eye: CameraSide, raw: &GrayImage) ->
         let row = |y: i32| at(x, y) * (1.0 - fx) + at(x + 1, y) * fx;
         row(y) * (1.0 - fy) + row(y + 1) * fy
     };
-    let steps: &[f64] = if dims.width < raw.dims.width { &[-1.0 / 3.0, 0.0, 1.0 / 3.0] } else { &[0.0] };
+    let steps: &[f64] =
+        if dims.width < raw.dims.width { &[-1.0 / 3.0, 0.0, 1.0 / 3.0] } else { &[0.0] };
     let count = (steps.len() * steps.len()) as f64;
     let pixel = |x: u16, y: u16| {
         let sum: f64 = steps
@@ -615,7 +785,9 @@ fn rectified(rectification: &Rectification, eye: CameraSide, raw: &GrayImage) ->
             .sum();
         (sum / count).round() as u8
     };
-    let pixels = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y));
+    let pixels = (0..dims.height)
+        .flat_map(|y| (0..dims.width).map(move |x| (x, y)))
+        .map(|(x, y)| pixel(x, y));
     GrayImage { dims, pixels: pixels.collect() }
 }
 
@@ -652,17 +824,29 @@ fn needed(truth: &Truth) -> u16 {
 fn a_range_that_ends_before_the_nearest_surface_is_told_and_a_sufficient_one_is_not() {
     for kind in [Kind::Boxes, Kind::Cards, Kind::Corridor, Kind::Demo] {
         for seed in 1..=if is_long() { 6 } else { 2 } {
-            let pair =
-                scene::render(&scene::build(kind, DIMS, seed), DIMS, &Sensor { noise: 1.0, seed, ..Sensor::default() });
+            let pair = scene::render(
+                &scene::build(kind, DIMS, seed),
+                DIMS,
+                &Sensor { noise: 1.0, seed, ..Sensor::default() },
+            );
             let enough = needed(&Truth::new(DIMS, pair.disparity.clone(), pair.visible.clone()));
             for range in [enough, enough + 8, 2 * enough] {
                 let health = alone(&pair.left, &pair.right, range);
-                assert!(!health.flags.contains(HealthFlags::RANGE_SMALL), "{kind:?} {seed} {range}: {health:?}");
+                assert!(
+                    !health.flags.contains(HealthFlags::RANGE_SMALL),
+                    "{kind:?} {seed} {range}: {health:?}"
+                );
             }
             let health = alone(&pair.left, &pair.right, enough / 2);
-            assert!(health.flags.contains(HealthFlags::RANGE_SMALL), "{kind:?} {seed} of {enough}: {health:?}");
+            assert!(
+                health.flags.contains(HealthFlags::RANGE_SMALL),
+                "{kind:?} {seed} of {enough}: {health:?}"
+            );
             let range = health.range.unwrap();
-            assert!((enough / 2..=enough).contains(&range.disparity), "{kind:?} {seed} of {enough}: {range:?}");
+            assert!(
+                (enough / 2..=enough).contains(&range.disparity),
+                "{kind:?} {seed} of {enough}: {range:?}"
+            );
         }
     }
 }
@@ -677,7 +861,10 @@ fn a_range_is_not_doubted_without_a_match_beyond_it() {
             let other = scene::render(&scene::build(Kind::Boxes, DIMS, seed), DIMS, &sensor);
             for (right, what) in [(&pair.right, "itself"), (&other.right, "another scene")] {
                 let health = alone(&pair.left, right, 64);
-                assert!(!health.flags.contains(HealthFlags::RANGE_SMALL), "{kind:?} {seed} and {what}: {health:?}");
+                assert!(
+                    !health.flags.contains(HealthFlags::RANGE_SMALL),
+                    "{kind:?} {seed} and {what}: {health:?}"
+                );
             }
         }
     }
@@ -689,14 +876,21 @@ fn no_captured_object_is_answered_with_half_of_its_range() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
         let truth = scene.truth.as_ref().unwrap();
-        for (range, is_small) in
-            [(scene.max_disparity, false), (needed(truth), false), ((needed(truth) / 2).max(8), true)]
-        {
+        for (range, is_small) in [
+            (scene.max_disparity, false),
+            (needed(truth), false),
+            ((needed(truth) / 2).max(8), true),
+        ] {
             let params = Params { max_disparity: range, rig: scene.rig, ..Params::default() };
             let mut engine = Engine::new(&params, scene.left.dims).unwrap();
-            let result = engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+            let result =
+                engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
             let flags = result.health.of_pair();
-            let what = format!("{} below {range} px: {flags} {:?}", scene.name, result.pair.unwrap().range);
+            let what = format!(
+                "{} below {range} px: {flags} {:?}",
+                scene.name,
+                result.pair.unwrap().range
+            );
             assert_eq!(flags.contains(HealthFlags::RANGE_SMALL), is_small, "{what}");
             let answers = score_objects(&mut engine, &object_cases(scene).unwrap());
             assert!(!is_small || answers.iter().all(|answer| answer.refused.is_some()), "{what}");

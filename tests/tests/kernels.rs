@@ -1,12 +1,14 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::diagnostics::kernel::{
-    CELL, Crossing, Crossings, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip, add_products,
-    bilinear, bilinear_cells, bilinear_runs, census_row, crossing, gradient_row, hamming_curve, largest_step,
-    lower_curve, lower_sum_curve, lowest, portable, reverse_row, sad_curve, sum_curve, weigh_knots,
+    CELL, Crossing, Crossings, FLAT, Knot, LANES, LargestStep, Products, Ring, Run, STRIP, Strip,
+    add_products, bilinear, bilinear_cells, bilinear_runs, census_row, crossing, gradient_row,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, lowest, portable, reverse_row,
+    sad_curve, sum_curve, weigh_knots,
 };
 use linestereo::diagnostics::kernel::{
-    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, code_columns, code_costs, code_steps,
+    CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, JUMP_PENALTY, RUN_PIXELS, code_columns,
+    code_costs, code_moments, code_steps, limited_steps, row_difference, second_differences,
 };
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{census, sobel};
@@ -19,7 +21,11 @@ fn rows(count: usize) -> Vec<Vec<Vec<u8>>> {
         images.push((0..count).map(|_| (0..width).map(|_| random.grey()).collect()).collect());
         images.push(vec![vec![0; width]; count]);
         images.push(vec![vec![255; width]; count]);
-        images.push((0..count).map(|y| (0..width).map(|x| if (x + y) % 2 == 0 { 255 } else { 0 }).collect()).collect());
+        images.push(
+            (0..count)
+                .map(|y| (0..width).map(|x| if (x + y) % 2 == 0 { 255 } else { 0 }).collect())
+                .collect(),
+        );
     }
     images
 }
@@ -40,7 +46,10 @@ fn gradient_is_a_quarter_of_the_clipped_sobel() {
             // Two means, each of which two halvings rounded down: by three quarters at most.
             let sobel = sobel(&image, x as i32, 1).0;
             let exact = sobel.clamp(-31 * 4, 31 * 4);
-            assert!((4 * found - exact).abs() <= 3, "column {x} of {rows:?}: {found} for {sobel}/4");
+            assert!(
+                (4 * found - exact).abs() <= 3,
+                "column {x} of {rows:?}: {found} for {sobel}/4"
+            );
             let mean = |x: usize| {
                 let [a, b, c] = [0, 1, 2].map(|y| i32::from(rows[y][x]));
                 ((a + c).div_euclid(2) + b).div_euclid(2)
@@ -57,7 +66,8 @@ fn census_tells_the_darker_neighbours_at_distance_two() {
         let k = (dy + 2) * 5 + dx + 2;
         if k > 12 { k - 1 } else { k }
     }
-    const NEIGHBOURS: [(i32, i32); 8] = [(-2, -2), (0, -2), (2, -2), (-2, 0), (2, 0), (-2, 2), (0, 2), (2, 2)];
+    const NEIGHBOURS: [(i32, i32); 8] =
+        [(-2, -2), (0, -2), (2, -2), (-2, 0), (2, 0), (-2, 2), (0, 2), (2, 2)];
     for rows in rows(5) {
         let width = rows[0].len();
         let image = painted(width as u16, 5, |x, y| rows[usize::from(y)][usize::from(x)]);
@@ -68,7 +78,11 @@ fn census_tells_the_darker_neighbours_at_distance_two() {
                 0
             } else {
                 let all = census(&image, x as i32, 2);
-                NEIGHBOURS.iter().zip(0..).map(|(&at, bit)| (((all >> place(at)) & 1) as u8) << bit).sum::<u8>()
+                NEIGHBOURS
+                    .iter()
+                    .zip(0..)
+                    .map(|(&at, bit)| (((all >> place(at)) & 1) as u8) << bit)
+                    .sum::<u8>()
             };
             assert_eq!(found, expected, "column {x} of {rows:?}");
         }
@@ -89,13 +103,21 @@ fn window_curves_are_sums_of_absolute_differences() {
                 .collect();
             let strips: Vec<Strip<'_>> = others
                 .iter()
-                .map(|other| Strip { reference: [0; STRIP].map(|_| 1 + random.below(127) as u8), other })
+                .map(|other| Strip {
+                    reference: [0; STRIP].map(|_| 1 + random.below(127) as u8),
+                    other,
+                })
                 .collect();
             let naive = |d: usize| -> u16 {
                 strips
                     .iter()
                     .filter(|strip| strip.other.len() >= needed)
-                    .flat_map(|s| s.reference.iter().zip(&s.other[d..]).map(|(&a, &b)| u16::from(a.abs_diff(b))))
+                    .flat_map(|s| {
+                        s.reference
+                            .iter()
+                            .zip(&s.other[d..])
+                            .map(|(&a, &b)| u16::from(a.abs_diff(b)))
+                    })
                     .sum()
             };
             let expected: Vec<u16> = (0..len).map(|d| 5 + naive(d)).collect();
@@ -114,12 +136,17 @@ fn census_curves_are_sums_of_hamming_distances() {
     for count in 0..=31 {
         for blocks in 0..=16 {
             let len = blocks * LANES;
-            let others: Vec<Vec<u8>> = (0..count).map(|_| (0..len + 1).map(|_| random.grey()).collect()).collect();
-            let points: Vec<(u8, &[u8])> = others.iter().map(|other| (random.grey(), &other[..])).collect();
+            let others: Vec<Vec<u8>> =
+                (0..count).map(|_| (0..len + 1).map(|_| random.grey()).collect()).collect();
+            let points: Vec<(u8, &[u8])> =
+                others.iter().map(|other| (random.grey(), &other[..])).collect();
             let mut found = vec![9; len];
             hamming_curve(&points, &mut found);
-            let expected: Vec<u16> =
-                (0..len).map(|d| 9 + points.iter().map(|(r, o)| (r ^ o[d]).count_ones() as u16).sum::<u16>()).collect();
+            let expected: Vec<u16> = (0..len)
+                .map(|d| {
+                    9 + points.iter().map(|(r, o)| (r ^ o[d]).count_ones() as u16).sum::<u16>()
+                })
+                .collect();
             assert_eq!(found, expected, "{count} points, {len} disparities");
         }
     }
@@ -147,7 +174,11 @@ fn curves_are_combined_entry_by_entry() {
             (0..len).map(wide).collect()
         };
         assert_eq!(combined(&|out| sum_curve(&a, &b, out)), each(&|a, b, _| a + b), "{a:?} {b:?}");
-        assert_eq!(combined(&|out| lower_curve(&a, &b, out)), each(&|a, b, _| a.min(b)), "{a:?} {b:?}");
+        assert_eq!(
+            combined(&|out| lower_curve(&a, &b, out)),
+            each(&|a, b, _| a.min(b)),
+            "{a:?} {b:?}"
+        );
         assert_eq!(
             combined(&|out| lower_sum_curve(&a, &b, &c, out)),
             each(&|a, b, c| a.min(b) + c),
@@ -172,12 +203,21 @@ fn the_largest_step_is_the_first_of_the_largest() {
         let row = &rows[0];
         for stride in 1..=5 {
             for count in 0..=row.len() / stride + 2 {
-                let sequence: Vec<i32> = row.iter().step_by(stride).take(count).map(|&pixel| pixel.into()).collect();
+                let sequence: Vec<i32> =
+                    row.iter().step_by(stride).take(count).map(|&pixel| pixel.into()).collect();
                 let steps: Vec<i32> = sequence.windows(2).map(|two| two[1] - two[0]).collect();
                 let size = steps.iter().map(|step| step.abs()).max().unwrap_or(0);
-                let place = steps.iter().position(|step| step.abs() == size && size > 0).unwrap_or(0);
-                let expected = LargestStep { place: place as i32, step: if size > 0 { steps[place] } else { 0 } };
-                assert_eq!(largest_step(row, stride, count), expected, "{count} of {row:?}, {stride} apart");
+                let place =
+                    steps.iter().position(|step| step.abs() == size && size > 0).unwrap_or(0);
+                let expected = LargestStep {
+                    place: place as i32,
+                    step: if size > 0 { steps[place] } else { 0 },
+                };
+                assert_eq!(
+                    largest_step(row, stride, count),
+                    expected,
+                    "{count} of {row:?}, {stride} apart"
+                );
             }
         }
     }
@@ -187,11 +227,15 @@ fn the_largest_step_is_the_first_of_the_largest() {
 fn a_crossing_is_the_strongest_of_three_gradients() {
     let mut random = Random(5);
     for round in 0..2000 {
-        // Seven pixels across an edge, in two neighbouring rows; a few levels only, so that ties occur.
+        // Seven pixels across an edge, in two neighbouring rows; a few levels only, so that ties
+        // occur.
         let levels = if round % 2 == 0 { 4 } else { 256 };
-        let across: Vec<[i32; 2]> = (0..7).map(|_| [0, 0].map(|_| random.below(levels) as i32)).collect();
+        let across: Vec<[i32; 2]> =
+            (0..7).map(|_| [0, 0].map(|_| random.below(levels) as i32)).collect();
         for sign in [1, -1] {
-            let gradient = |u: usize| sign * (across[u + 1].iter().sum::<i32>() - across[u - 1].iter().sum::<i32>());
+            let gradient = |u: usize| {
+                sign * (across[u + 1].iter().sum::<i32>() - across[u - 1].iter().sum::<i32>())
+            };
             let three = [gradient(2), gradient(3), gradient(4)];
             let shift = if three[1] == *three.iter().max().unwrap() {
                 0
@@ -207,12 +251,25 @@ fn a_crossing_is_the_strongest_of_three_gradients() {
                 gradients: [gradient(at - 1), gradient(at), gradient(at + 1)],
                 along: step(at - 1) + 2 * step(at) + step(at + 1),
             });
-            let rows: Vec<u8> = (0..2).flat_map(|k| across.iter().map(move |pair| pair[k] as u8)).collect();
+            let rows: Vec<u8> =
+                (0..2).flat_map(|k| across.iter().map(move |pair| pair[k] as u8)).collect();
             assert_eq!(crossing(&Crossings::of_rows(&rows, 7), 0, sign), expected, "{across:?}");
             let columns: Vec<u8> = across.iter().flatten().map(|&pixel| pixel as u8).collect();
-            assert_eq!(crossing(&Crossings::of_columns(&columns, 2), 0, sign), expected, "{across:?}");
-            assert_eq!(crossing(&Crossings::of_rows(&rows, 7), 1, sign), None, "beyond the last row");
-            assert_eq!(crossing(&Crossings::of_columns(&columns, 2), 1, sign), None, "beyond the last column");
+            assert_eq!(
+                crossing(&Crossings::of_columns(&columns, 2), 0, sign),
+                expected,
+                "{across:?}"
+            );
+            assert_eq!(
+                crossing(&Crossings::of_rows(&rows, 7), 1, sign),
+                None,
+                "beyond the last row"
+            );
+            assert_eq!(
+                crossing(&Crossings::of_columns(&columns, 2), 1, sign),
+                None,
+                "beyond the last column"
+            );
         }
     }
 }
@@ -221,15 +278,21 @@ fn a_crossing_is_the_strongest_of_three_gradients() {
 fn products_of_gradients_are_summed_at_five_lags() {
     let mut random = Random(6);
     for round in 0..500 {
-        let mut pixels = || [0; 22].map(|_| if round % 3 == 0 { 255 * random.below(2) as u8 } else { random.grey() });
+        let mut pixels = || {
+            [0; 22]
+                .map(|_| if round % 3 == 0 { 255 * random.below(2) as u8 } else { random.grey() })
+        };
         // The left row of ten pixels lies over the middle of the right one.
         let (left, right) = (pixels(), pixels());
         let expected = [255, 12].map(|most| {
             let gradients = |row: [u8; 22]| -> Vec<i32> {
-                row.windows(3).map(|three| (i32::from(three[2]) - i32::from(three[0])).clamp(-most, most)).collect()
+                row.windows(3)
+                    .map(|three| (i32::from(three[2]) - i32::from(three[0])).clamp(-most, most))
+                    .collect()
             };
             let (left, right) = (gradients(left), gradients(right));
-            let sum = |lag: i32| (6..14).map(|x| left[x] * right[(x as i32 + lag) as usize]).sum::<i32>();
+            let sum =
+                |lag: i32| (6..14).map(|x| left[x] * right[(x as i32 + lag) as usize]).sum::<i32>();
             let energy = (6..14).map(|x| left[x].pow(2) + right[x].pow(2)).sum::<i32>();
             Products { at_lags: [0, -6, -4, 4, 6].map(sum), energy }
         });
@@ -251,7 +314,9 @@ fn between([[a, b], [c, d]]: [[u8; 2]; 2], fx: f64, fy: f64) -> f64 {
 fn grey_levels_between_pixels_are_rounded_to_the_nearest() {
     let mut random = Random(9);
     for round in 0..20_000 {
-        let four = [0; 4].map(|_| if round % 5 == 0 { [0, 255][random.below(2) as usize] } else { random.grey() });
+        let four = [0; 4].map(|_| {
+            if round % 5 == 0 { [0, 255][random.below(2) as usize] } else { random.grey() }
+        });
         let [a, b, c, d] = four;
         let (fx, fy) = match round % 4 {
             0 => ([0, 128][random.below(2) as usize], [0, 1 << 14][random.below(2) as usize]),
@@ -298,7 +363,10 @@ fn runs_follow_their_lines() {
                 let exact = between([two(run.top), two(run.bottom)], fx, f64::from(fy) / 16384.0);
                 let found = f64::from(*places.next().unwrap());
                 // The fraction across is cut to 1/128: up to 255/128 levels.
-                assert!((found - exact).abs() <= 0.5 + 255.0 / 128.0, "round {round}: {found} for {exact}");
+                assert!(
+                    (found - exact).abs() <= 0.5 + 255.0 / 128.0,
+                    "round {round}: {found} for {exact}"
+                );
             }
         }
         assert!(places.all(|&beyond| beyond == 77));
@@ -311,24 +379,37 @@ fn cells_follow_their_knots_round_the_ring() {
     let (width, rows) = (120_usize, 12_usize);
     for round in 0..300 {
         let first = random.below(40) as i32;
-        let image: Vec<Vec<u8>> = (0..rows).map(|_| (0..width).map(|_| random.grey()).collect()).collect();
-        // Row `first` lies at the start, those before it at the end: the ring holds `first - 4 .. first + 8`.
+        let image: Vec<Vec<u8>> =
+            (0..rows).map(|_| (0..width).map(|_| random.grey()).collect()).collect();
+        // Row `first` lies at the start, those before it at the end: the ring holds `first - 4 ..
+        // first + 8`.
         let oldest = first - 4;
         let row = |y: i32| &image[(y - oldest) as usize];
-        let bytes: Vec<u8> =
-            (first..first + 8).chain(oldest..first).flat_map(|y| row(y).clone()).chain([0; 400]).collect();
-        // Three cells from column 20 to 68 and a row that moves by up to 3 px a cell, bent and back again.
+        let bytes: Vec<u8> = (first..first + 8)
+            .chain(oldest..first)
+            .flat_map(|y| row(y).clone())
+            .chain([0; 400])
+            .collect();
+        // Three cells from column 20 to 68 and a row that moves by up to 3 px a cell, bent and back
+        // again.
         let lean = random.below(7) as i32 - 3;
         let bend = random.below(40_000) as i32 - 20_000;
-        let knot = |i: i32| Knot { x: (20 + 16 * i) * 65536 + bend * i * i / 9, y: (first + lean * i) * 65536 + 9000 };
-        let knots: Vec<Knot> =
-            (-1..=4).map(knot).filter(|knot| ((oldest << 16)..(first + 7) << 16).contains(&knot.y)).collect();
+        let knot = |i: i32| Knot {
+            x: (20 + 16 * i) * 65536 + bend * i * i / 9,
+            y: (first + lean * i) * 65536 + 9000,
+        };
+        let knots: Vec<Knot> = (-1..=4)
+            .map(knot)
+            .filter(|knot| ((oldest << 16)..(first + 7) << 16).contains(&knot.y))
+            .collect();
         let cells = knots.len().saturating_sub(3);
         let mut found = vec![77; cells * CELL + 2];
         bilinear_cells(Ring { bytes: &bytes, width, rows: rows as u32, first }, &knots, &mut found);
         for (i, &found) in found[..cells * CELL].iter().enumerate() {
             let (cell, t) = (i / CELL, (i % CELL) as f64);
-            let at = |k: usize| [f64::from(knots[cell + k].x), f64::from(knots[cell + k].y)].map(|v| v / 65536.0);
+            let at = |k: usize| {
+                [f64::from(knots[cell + k].x), f64::from(knots[cell + k].y)].map(|v| v / 65536.0)
+            };
             let [p, q, r, s] = [at(0), at(1), at(2), at(3)];
             let bend = (p[0] - q[0] - r[0] + s[0]) / 2.0 / 256.0;
             let x = q[0] + (r[0] - q[0]) * t / 16.0 - bend * t * (16.0 - t) / 2.0;
@@ -336,9 +417,13 @@ fn cells_follow_their_knots_round_the_ring() {
             let (column, line) = (x.floor(), y.floor());
             let two = |y: i32| [0, 1].map(|k| row(y)[column as usize + k]);
             let exact = between([two(line as i32), two(line as i32 + 1)], x - column, y - line);
-            // The fraction across is rounded to 1/128: 1/256 off, by up to 255 levels; steps are cut to 2^-14 px, sixteen times.
+            // The fraction across is rounded to 1/128: 1/256 off, by up to 255 levels; steps are
+            // cut to 2^-14 px, sixteen times.
             let bound = 0.5 + 255.0 / 256.0 + 2.0 * 255.0 * 16.0 / 16384.0;
-            assert!((f64::from(found) - exact).abs() <= bound, "round {round}, pixel {i}: {found} for {exact}");
+            assert!(
+                (f64::from(found) - exact).abs() <= bound,
+                "round {round}, pixel {i}: {found} for {exact}"
+            );
         }
         assert_eq!(found[cells * CELL..], [77; 2]);
     }
@@ -353,7 +438,9 @@ fn knots_are_weighed_to_a_few_steps() {
         let rows = [(); 4].map(|()| [Knot { x: number(1 << 28), y: number(1 << 28) }]);
         let mut found = [Knot::default(); 2];
         weigh_knots(rows.each_ref().map(|row| &row[..]), weights, &mut found);
-        for (found, of) in [(found[0].x, (|k: &Knot| k.x) as fn(&Knot) -> i32), (found[0].y, |k| k.y)] {
+        for (found, of) in
+            [(found[0].x, (|k: &Knot| k.x) as fn(&Knot) -> i32), (found[0].y, |k| k.y)]
+        {
             let exact: f64 = rows
                 .iter()
                 .zip(weights)
@@ -389,8 +476,12 @@ fn codes_are_limited_differences_of_rows() {
             for (x, column) in found.iter().enumerate() {
                 for (k, &code) in column.iter().enumerate() {
                     let is_border = x < 2 || x + 2 >= width;
-                    let expected = if is_border { CODE_FLAT } else { naive_code(&rows, k, x, doublings) };
-                    assert_eq!(code, expected, "row {k}, column {x} of {width}, {doublings} doublings");
+                    let expected =
+                        if is_border { CODE_FLAT } else { naive_code(&rows, k, x, doublings) };
+                    assert_eq!(
+                        code, expected,
+                        "row {k}, column {x} of {width}, {doublings} doublings"
+                    );
                 }
             }
         }
@@ -414,8 +505,58 @@ fn costs_of_codes_are_a_64th_of_their_differences() {
                 .sum();
             assert_eq!(u32::from(cost), sum / 64 + u32::from(JUMP_PENALTY));
         }
-        let steps =
-            |k: usize| (0..CODE_ROWS).map(|row| u16::from(window[k][row].abs_diff(window[k + 1][row]))).sum::<u16>();
+        let steps = |k: usize| {
+            (0..CODE_ROWS)
+                .map(|row| u16::from(window[k][row].abs_diff(window[k + 1][row])))
+                .sum::<u16>()
+        };
         assert_eq!(code_steps(&window), (0..STRIP - 1).map(steps).sum::<u16>());
+    }
+}
+
+#[test]
+fn moments_of_a_window_are_those_of_its_changes() {
+    let mut columns = [[90; CODE_ROWS]; STRIP + 2];
+    assert_eq!(code_moments(&columns), CodeMoments { all: 0, across: 0, down: 0 });
+    // Seen from the columns before and behind it, 5 and 7 of the ten: 4 and 6 of the window.
+    columns[6][2] = 80;
+    assert_eq!(code_moments(&columns), CodeMoments { all: 200, across: 1000, down: 400 });
+    columns[9][3] = 255;
+    let across = 1000 + 7 * 165 * 165;
+    assert_eq!(
+        code_moments(&columns),
+        CodeMoments { all: 200 + 165 * 165, across, down: 400 + 3 * 165 * 165 }
+    );
+}
+
+#[test]
+fn second_differences_see_no_plane_and_each_step_of_noise() {
+    let plane: [[u8; RUN_PIXELS]; 3] =
+        core::array::from_fn(|y| core::array::from_fn(|x| (20 + 7 * x + 11 * y) as u8));
+    for apart in [1, 2] {
+        assert_eq!(second_differences(plane.each_ref(), apart), 0);
+        let mut noisy = plane;
+        noisy[1][5] += 3;
+        // -2 down, then 1, -2 and 1 across.
+        assert_eq!(second_differences(noisy.each_ref(), apart), 6 * 4, "{apart}");
+    }
+}
+
+#[test]
+fn steps_are_limited_and_rows_differ_by_the_sum() {
+    for rows in rows(2) {
+        for most in [32, 63] {
+            let mut found = vec![7; rows[0].len()];
+            limited_steps(&rows[0], &rows[1], most, &mut found);
+            for ((&before, &after), &found) in rows[0].iter().zip(&rows[1]).zip(&found) {
+                let limit = i32::from(most);
+                let step = (i32::from(after) - i32::from(before)).clamp(-limit, limit);
+                assert_eq!(i32::from(found), step + limit);
+            }
+        }
+        if let (Some(a), Some(b)) = (rows[0].first_chunk(), rows[1].first_chunk()) {
+            let sum: u16 = a.iter().zip(b).map(|(a, b)| u16::from(a.abs_diff(*b))).sum();
+            assert_eq!(row_difference(a, b), sum);
+        }
     }
 }

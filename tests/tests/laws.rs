@@ -1,9 +1,12 @@
-//! Laws of the method on drawn scenes: what another brightness, a larger range of disparities, a shift or a mirror changes.
+//! Laws of the method on drawn scenes: what another brightness, a larger range of disparities, a
+//! shift or a mirror changes.
 //!
-//! Brightness changes no bit. The others change bits: edges have a position every second pixel, support points one every eighth, segments are
-//! chosen in cells of 20 px, costs are summed along paths from the borders, and edges are those of the left image, which a mirror makes the right
-//! one. What holds is that no surface is given another disparity: what is there in both results agrees, but for few points beside jumps of depth.
-//! Two results of 90 % each may contradict each other at up to 20 % of the points; at most a tenth of that is allowed here. Upside down it is
+//! Brightness changes no bit. The others change bits: edges have a position every second pixel,
+//! support points one every eighth, segments are chosen in cells of 20 px, costs are summed along
+//! paths from the borders, and edges are those of the left image, which a mirror makes the right
+//! one. What holds is that no surface is given another disparity: what is there in both results
+//! agrees, but for few points beside jumps of depth. Two results of 90 % each may contradict each
+//! other at up to 20 % of the points; at most a tenth of that is allowed here. Upside down it is
 //! 2.1 % of the corridor's points (paths of costs run down alone): no law.
 
 use linestereo::{Dims, Match, Params, Point};
@@ -39,7 +42,8 @@ fn run([left, right]: &Pair, max_disparity: u16) -> (Vec<Match>, Vec<Point>) {
     let params = Params { max_disparity, ..Params::default() };
     let mut memory = Box::new(Memory::new());
     let plan = params.plan(left.dims).unwrap();
-    let mut matched = plan.run([left.view().unwrap(), right.view().unwrap()], memory.view()).unwrap();
+    let mut matched =
+        plan.run([left.view().unwrap(), right.view().unwrap()], memory.view()).unwrap();
     let mut points = Vec::new();
     matched.points(|point| points.push(point));
     (matched.segments().to_vec(), points)
@@ -56,12 +60,21 @@ struct Agreement {
 impl Agreement {
     /// Without points of the outer 16 px, which borders reach.
     fn of(one: &[Point], other: &[Point], expected: impl Fn(&Point) -> (i32, i32)) -> Self {
-        let there: HashMap<_, _> = other.iter().map(|p| ((i32::from(p.x), i32::from(p.y)), p.disparity)).collect();
-        let inside =
-            |(x, y)| (16..i32::from(DIMS.width) - 16).contains(&x) && (16..i32::from(DIMS.height) - 16).contains(&y);
-        let expected: Vec<_> = one.iter().map(|point| (point, expected(point))).filter(|&(_, at)| inside(at)).collect();
-        let both: Vec<_> =
-            expected.iter().filter_map(|(point, at)| Some(there.get(at)?.abs_diff(point.disparity))).collect();
+        let there: HashMap<_, _> =
+            other.iter().map(|p| ((i32::from(p.x), i32::from(p.y)), p.disparity)).collect();
+        let inside = |(x, y)| {
+            (16..i32::from(DIMS.width) - 16).contains(&x)
+                && (16..i32::from(DIMS.height) - 16).contains(&y)
+        };
+        let expected: Vec<_> = one
+            .iter()
+            .map(|point| (point, expected(point)))
+            .filter(|&(_, at)| inside(at))
+            .collect();
+        let both: Vec<_> = expected
+            .iter()
+            .filter_map(|(point, at)| Some(there.get(at)?.abs_diff(point.disparity)))
+            .collect();
         assert!(both.len() > 1000, "{} points: nothing is tested", both.len());
         let off = both.iter().filter(|&&apart| apart > 1).count();
         Self { kept: 1000 * both.len() / expected.len(), off: (1000 * off).div_ceil(both.len()) }
@@ -95,13 +108,18 @@ fn a_larger_range_keeps_a_disparity_or_refuses_it() {
         let (matches, points) = run(&pair, 48);
         for range in [49, 64, 96] {
             let (found, more) = run(&pair, range);
-            let Agreement { kept, off } = Agreement::of(&points, &more, |point| (point.x.into(), point.y.into()));
+            let Agreement { kept, off } =
+                Agreement::of(&points, &more, |point| (point.x.into(), point.y.into()));
             assert!(off == 0 && kept >= 950, "to {range} px: {kept} kept, {off} off");
             let again = |one: &&Match| found.iter().any(|other| other.ends == one.ends);
-            assert!(2 * matches.iter().filter(again).count() > matches.len(), "too few are matched again");
+            assert!(
+                2 * matches.iter().filter(again).count() > matches.len(),
+                "too few are matched again"
+            );
             for one in &matches {
                 for other in found.iter().filter(|other| other.ends == one.ends) {
-                    let apart = one.disparity.iter().zip(other.disparity).map(|(a, b)| a.abs_diff(b));
+                    let apart =
+                        one.disparity.iter().zip(other.disparity).map(|(a, b)| a.abs_diff(b));
                     assert!(apart.max().unwrap() <= 1, "{one:?} is {other:?}");
                 }
             }

@@ -1,8 +1,9 @@
-//! Modules depend on each other one way: a circle of `use` fails, between the modules at the top of a crate and between those of each folder
-//! inside it. No file of the repository is a link.
+//! Modules depend on each other one way: a circle of `use` fails, between the modules at the top of
+//! a crate and between those of each folder inside it. No file of the repository is a link.
 //!
-//! A path counts where it leads: what a module re-exports belongs to the module that it comes from. Tests and comments do not count, nor what
-//! a folder's own `mod.rs` and the modules in it name of each other.
+//! A path counts where it leads: what a module re-exports belongs to the module that it comes from.
+//! Tests and comments do not count, nor what a folder's own `mod.rs` and the modules in it name of
+//! each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -37,7 +38,10 @@ fn read(folder: &Path, place: &Place, modules: &mut Modules) {
             read(&entry, &inner, modules);
         } else if entry.extension().is_some_and(|extension| extension == "rs") && name != "main" {
             let text = std::fs::read_to_string(&entry).unwrap();
-            modules.insert(if name == "mod" || name == "lib" { place.clone() } else { inner }, code(&text));
+            modules.insert(
+                if name == "mod" || name == "lib" { place.clone() } else { inner },
+                code(&text),
+            );
         }
     }
 }
@@ -82,14 +86,17 @@ fn uses(code: &str) -> impl Iterator<Item = (bool, Vec<String>)> {
 /// Paths in the middle of code.
 fn inline(code: &str) -> impl Iterator<Item = String> {
     let starts = ["crate::", "super::"].into_iter().flat_map(|start| code.match_indices(start));
-    let starts = starts.filter(|(at, _)| !code[..*at].ends_with(|c: char| c == ':' || c == '_' || c.is_alphanumeric()));
+    let starts = starts.filter(|(at, _)| {
+        !code[..*at].ends_with(|c: char| c == ':' || c == '_' || c.is_alphanumeric())
+    });
     let is_path = |c: &char| *c == ':' || *c == '_' || c.is_alphanumeric();
     starts.map(move |(at, _)| code[at..].chars().take_while(is_path).collect())
 }
 
 /// Where a path leads from the root; nothing for other crates'.
 fn resolved(path: &str, module: &Place, modules: &Modules) -> Option<Place> {
-    let mut parts: Vec<String> = path.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect();
+    let mut parts: Vec<String> =
+        path.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect();
     let mut place = module.clone();
     match parts.first()?.as_str() {
         "crate" => place.clear(),
@@ -124,13 +131,17 @@ fn graphs(modules: &Modules) -> BTreeMap<Place, Graph> {
         let paths = uses(code).flat_map(|(_, paths)| paths).chain(inline(code));
         for mut place in paths.filter_map(|path| resolved(&path, module, modules)) {
             // A function may be called like the module that it comes from.
-            while let Some(length) = (1..=place.len()).find(|&length| !modules.contains_key(&place[..length]))
+            while let Some(length) =
+                (1..=place.len()).find(|&length| !modules.contains_key(&place[..length]))
                 && let Some(from) = origin.get(&place[..length])
             {
                 place = [from.as_slice(), &place[length..]].concat();
             }
             let common = module.iter().zip(&place).take_while(|(a, b)| a == b).count();
-            if common < module.len() && common < place.len() && modules.contains_key(&place[..=common]) {
+            if common < module.len()
+                && common < place.len()
+                && modules.contains_key(&place[..=common])
+            {
                 let graph = graphs.entry(module[..common].to_vec()).or_default();
                 graph.entry(place[common].clone()).or_default();
                 graph.entry(module[common].clone()).or_default().insert(place[common].clone());
@@ -140,7 +151,8 @@ fn graphs(modules: &Modules) -> BTreeMap<Place, Graph> {
     graphs
 }
 
-/// The modules that are left when those that depend on none of them are taken away, again and again.
+/// The modules that are left when those that depend on none of them are taken away, again and
+/// again.
 fn circles(mut graph: Graph) -> Graph {
     loop {
         let left: BTreeSet<String> = graph.keys().cloned().collect();
@@ -191,16 +203,27 @@ fn uses_are_followed_to_where_they_lead() {
     let sources = [
         ("", "pub mod a;\npub mod b;\npub use a::{one::One, two::Two};\n"),
         ("a", "mod one;\nmod two;\npub use one::One;\n"),
-        ("a::one", "use super::two::{self, Two};\nuse std::fmt;\n#[cfg(test)]\nmod tests { use crate::b::C; }\n"),
+        (
+            "a::one",
+            "use super::two::{self, Two};\nuse std::fmt;\n#[cfg(test)]\nmod tests \
+             { use crate::b::C; }\n",
+        ),
         ("a::two", "pub struct Two; // crate::b\nfn one(_: super::One) {}\n"),
         ("b", "use crate::{\n    Two,\n    a::{self as first, One as Eins},\n};\n"),
     ];
-    let place = |path: &str| path.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect::<Place>();
+    let place = |path: &str| {
+        path.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect::<Place>()
+    };
     let modules: Modules = sources.iter().map(|(path, text)| (place(path), code(text))).collect();
     let graphs = graphs(&modules);
-    let named = |folder: &str, module: &str| graphs[&place(folder)][module].iter().cloned().collect::<Vec<_>>();
+    let named = |folder: &str, module: &str| {
+        graphs[&place(folder)][module].iter().cloned().collect::<Vec<_>>()
+    };
     assert_eq!((named("", "a"), named("", "b")), (vec![], vec!["a".to_owned()]));
-    assert_eq!((named("a", "one"), named("a", "two")), (vec!["two".to_owned()], vec!["one".to_owned()]));
+    assert_eq!(
+        (named("a", "one"), named("a", "two")),
+        (vec!["two".to_owned()], vec!["one".to_owned()])
+    );
     assert_eq!(circles(graphs[&place("a")].clone()).len(), 2);
 }
 

@@ -6,7 +6,8 @@ use linestereo::{Dims, Gray};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
 
-const PARAMS: LineParams = LineParams { anchor: 40, edge: 24, min_extent: 6, row_scan: Some(6), column_scan: Some(6) };
+const PARAMS: LineParams =
+    LineParams { anchor: 40, edge: 24, min_extent: 6, row_scan: Some(6), column_scan: Some(6) };
 
 fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
     let mut marks = vec![fill; mark_words(image.dims())];
@@ -18,11 +19,13 @@ fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
     (list.to_vec(), found.segments)
 }
 
-/// A straight edge through the middle (plus `shift`), anti-aliased over one pixel; `theta` in degrees, clockwise from +x.
+/// A straight edge through the middle (plus `shift`), anti-aliased over one pixel; `theta` in
+/// degrees, clockwise from +x.
 fn edge(theta: f64, shift: f64, dark: f64, bright: f64) -> linestereo_frames::GrayImage {
     let normal = normal(theta);
     painted(64, 64, |x, y| {
-        let distance = (f64::from(x) - 31.5) * normal[0] + (f64::from(y) - 31.5) * normal[1] - shift;
+        let distance =
+            (f64::from(x) - 31.5) * normal[0] + (f64::from(y) - 31.5) * normal[1] - shift;
         (dark + (bright - dark) * (distance + 0.5).clamp(0.0, 1.0)).round() as u8
     })
 }
@@ -49,14 +52,21 @@ fn one_edge_of_any_direction_is_found_where_it_is() {
                 for at in [start, end] {
                     let off = (at[0] - 31.5) * normal[0] + (at[1] - 31.5) * normal[1] - shift;
                     // The ridge of a one-pixel ramp under a 3x3 Sobel, in steps of 1/32 px.
-                    assert!(off.abs() <= 0.15, "{theta} degrees, shift {shift}: {segment:?} is {off:.3} px off");
+                    assert!(
+                        off.abs() <= 0.15,
+                        "{theta} degrees, shift {shift}: {segment:?} is {off:.3} px off"
+                    );
                 }
                 let along = if segment.near_horizontal { normal[1] } else { normal[0] };
                 assert_eq!(segment.rising, along > 0.0, "{theta} degrees: polarity of {segment:?}");
-                assert!(segment.contrast.abs_diff(90) <= 45, "{theta} degrees: contrast of {segment:?}");
+                assert!(
+                    segment.contrast.abs_diff(90) <= 45,
+                    "{theta} degrees: contrast of {segment:?}"
+                );
                 covered += (end[0] - start[0]).hypot(end[1] - start[1]);
             }
-            // The border of 4 px holds no edge; 56 px at least lie inside it. More than the chord would be a duplicate.
+            // The border of 4 px holds no edge; 56 px at least lie inside it. More than the chord
+            // would be a duplicate.
             let chord = 56.0 / normal[0].abs().max(normal[1].abs());
             assert!(
                 (0.75..=1.05).contains(&(covered / chord)),
@@ -66,7 +76,8 @@ fn one_edge_of_any_direction_is_found_where_it_is() {
     }
 }
 
-/// Where a row crosses the edge next to column `near`: vertex of the parabola through the three largest Sobel gradients.
+/// Where a row crosses the edge next to column `near`: vertex of the parabola through the three
+/// largest Sobel gradients.
 fn crossing(image: &linestereo_frames::GrayImage, near: f64, y: i32) -> f64 {
     let gradient = |x: i32| f64::from(sobel(image, x, y).0.abs());
     let around = near.round() as i32 - 3..=near.round() as i32 + 3;
@@ -86,17 +97,26 @@ fn lines_are_those_of_least_squares() {
         let (mut found, _) = segments::<64>(image.view().unwrap(), 0);
         found.retain(|s| s.contrast > 30); // the edge, and not the noise beside it
         found.sort_by_key(|s| s.ends[0].y);
-        let rows: i32 = found.iter().map(|s| s.ends[1].y.to_num::<i32>() - s.ends[0].y.to_num::<i32>()).sum();
+        let rows: i32 =
+            found.iter().map(|s| s.ends[1].y.to_num::<i32>() - s.ends[0].y.to_num::<i32>()).sum();
         assert!(rows >= 40, "{theta} degrees: only {rows} rows are covered");
         // Long runs are cut after the fit: the line is that of all rows together.
-        let near = |y: i32| 31.5 + (0.2 - (f64::from(y) - 31.5) * normal(theta)[1]) / normal(theta)[0];
-        let (top, bottom) = (found[0].ends[0].y.to_num::<i32>(), found.last().unwrap().ends[1].y.to_num::<i32>());
-        let points: Vec<[f64; 2]> = (top..=bottom).map(|y| [crossing(&image, near(y), y), f64::from(y)]).collect();
+        let near =
+            |y: i32| 31.5 + (0.2 - (f64::from(y) - 31.5) * normal(theta)[1]) / normal(theta)[0];
+        let (top, bottom) =
+            (found[0].ends[0].y.to_num::<i32>(), found.last().unwrap().ends[1].y.to_num::<i32>());
+        let points: Vec<[f64; 2]> =
+            (top..=bottom).map(|y| [crossing(&image, near(y), y), f64::from(y)]).collect();
         let line = fit_line(&points);
         for [x, y] in found.iter().flat_map(ends) {
-            let off = (x - line.centre[0]) * line.direction[1] - (y - line.centre[1]) * line.direction[0];
-            // Outliers beyond 0.7 px are left out of a run, and a run may end early: a tenth of a pixel.
-            assert!(off.abs() <= 0.1, "{theta} degrees: {off:.3} px off the line of least squares at {x}, {y}");
+            let off =
+                (x - line.centre[0]) * line.direction[1] - (y - line.centre[1]) * line.direction[0];
+            // Outliers beyond 0.7 px are left out of a run, and a run may end early: a tenth of a
+            // pixel.
+            assert!(
+                off.abs() <= 0.1,
+                "{theta} degrees: {off:.3} px off the line of least squares at {x}, {y}"
+            );
         }
     }
 }
@@ -114,9 +134,14 @@ fn hard_images() -> Vec<(String, linestereo_frames::GrayImage)> {
             format!("checkerboard {period}"),
             painted(160, 120, |x, y| if (x / period + y / period) % 2 == 0 { 0 } else { 255 }),
         ));
-        images
-            .push((format!("columns {period}"), painted(160, 120, |x, _| if (x / period) % 2 == 0 { 0 } else { 255 })));
-        images.push((format!("rows {period}"), painted(160, 120, |_, y| if (y / period) % 2 == 0 { 0 } else { 255 })));
+        images.push((
+            format!("columns {period}"),
+            painted(160, 120, |x, _| if (x / period) % 2 == 0 { 0 } else { 255 }),
+        ));
+        images.push((
+            format!("rows {period}"),
+            painted(160, 120, |_, y| if (y / period) % 2 == 0 { 0 } else { 255 }),
+        ));
     }
     images
 }

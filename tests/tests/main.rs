@@ -1,5 +1,7 @@
-//! End-to-end and oracle tests, a module a topic, linked once: `cargo test -p linestereo-tests TOPIC`.
+//! End-to-end and oracle tests, a module a topic, linked once: `cargo test -p linestereo-tests
+//! TOPIC`.
 
+mod bars;
 mod baselines;
 mod block_matching;
 mod board;
@@ -18,6 +20,7 @@ mod ground;
 mod hardware;
 mod health;
 mod kernels;
+mod large;
 mod laws;
 mod layers;
 mod lines;
@@ -30,8 +33,10 @@ mod owners;
 mod pitfalls;
 mod query;
 mod rectify;
+mod refusal;
 mod rig;
 mod rig_image;
+mod search_end;
 mod slopes;
 mod units;
 mod valid_pixels;

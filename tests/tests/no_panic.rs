@@ -1,8 +1,9 @@
 //! No panic is reachable from the public entry points, as compiled for release.
 //!
-//! A static library is linked by a linker that leaves out what no entry point reaches. `tests/no-panic`
-//! has a panic handler that calls a function which does not exist: it links only without the handler.
-//! The library for C has a handler of its own, which must not be among what is linked.
+//! A static library is linked by a linker that leaves out what no entry point reaches.
+//! `tests/no-panic` has a panic handler that calls a function which does not exist: it links only
+//! without the handler. The library for C has a handler of its own, which must not be among what is
+//! linked.
 
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_sim::board::{toolchain::Toolchain, top};
@@ -13,7 +14,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Builds a library for this machine and returns its path. All have the same profile, and share what they are made of.
+/// Builds a library for this machine and returns its path. All have the same profile, and share
+/// what they are made of.
 pub(crate) fn build(manifest: &str, library: &str) -> PathBuf {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join(manifest);
     let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
@@ -22,7 +24,8 @@ pub(crate) fn build(manifest: &str, library: &str) -> PathBuf {
         .arg(manifest)
         .arg("--target-dir")
         .arg(&target)
-        // The proof is about the profile in its manifest, not about flags or targets of whoever runs the tests.
+        // The proof is about the profile in its manifest, not about flags or targets of whoever
+        // runs the tests.
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env_remove("CARGO_BUILD_TARGET")
@@ -31,7 +34,8 @@ pub(crate) fn build(manifest: &str, library: &str) -> PathBuf {
     let hint = "when core's dependencies changed: cargo update --workspace --manifest-path with this manifest";
     assert!(output.status.success(), "{}\n{hint}", String::from_utf8_lossy(&output.stderr));
     let names = [format!("lib{library}.a"), format!("{library}.lib")];
-    let found = names.map(|name| target.join("release").join(name)).into_iter().find(|path| path.is_file());
+    let found =
+        names.map(|name| target.join("release").join(name)).into_iter().find(|path| path.is_file());
     found.expect("cargo built a static library")
 }
 
@@ -43,7 +47,8 @@ fn entries(library: &Path, prefix: &str) -> Vec<String> {
     for member in archive.members() {
         let Ok(file) = File::parse(member.unwrap().data(&*bytes).unwrap()) else { continue };
         let defined = file.symbols().filter(|symbol| symbol.is_definition() && symbol.is_global());
-        let found = defined.filter_map(|symbol| symbol.name().ok().filter(|name| name.starts_with(prefix)));
+        let found =
+            defined.filter_map(|symbol| symbol.name().ok().filter(|name| name.starts_with(prefix)));
         names.extend(found.map(str::to_owned));
     }
     names.into_iter().collect()
@@ -53,9 +58,14 @@ fn entries(library: &Path, prefix: &str) -> Vec<String> {
 #[cfg(target_os = "linux")]
 const OF_C: [&str; 5] = ["memcpy", "memmove", "memset", "memcmp", "bcmp"];
 
-/// Names of what is linked for these entry points, or the linker's errors. `elsewhere` are functions
-/// that are not looked for.
-fn link(linker: &Path, library: &Path, elsewhere: &[&str], entries: &[&str]) -> Result<BTreeSet<String>, String> {
+/// Names of what is linked for these entry points, or the linker's errors. `elsewhere` are
+/// functions that are not looked for.
+fn link(
+    linker: &Path,
+    library: &Path,
+    elsewhere: &[&str],
+    entries: &[&str],
+) -> Result<BTreeSet<String>, String> {
     let folder = tempfile::tempdir().unwrap();
     let linked = folder.path().join("linked");
     let output = Command::new(linker)
@@ -78,11 +88,15 @@ fn link(linker: &Path, library: &Path, elsewhere: &[&str], entries: &[&str]) -> 
 fn assert_no_panic(linker: &Path, library: &Path, elsewhere: &[&str]) {
     let proofs = entries(library, "proof_");
     assert_eq!(proofs.len(), 45, "entry points found in the library");
-    let panicking = proofs.iter().filter(|proof| link(linker, library, elsewhere, &[proof]).is_err());
+    let panicking =
+        proofs.iter().filter(|proof| link(linker, library, elsewhere, &[proof]).is_err());
     let panicking: Vec<_> = panicking.collect();
     assert!(panicking.is_empty(), "a panic is reachable from {panicking:?}");
     let control = link(linker, library, elsewhere, &["control_index"]);
-    assert!(control.is_err_and(|errors| errors.contains("panic_is_reachable")), "the linker overlooks a panic");
+    assert!(
+        control.is_err_and(|errors| errors.contains("panic_is_reachable")),
+        "the linker overlooks a panic"
+    );
 }
 
 /// The linker of the compiler in use, for libraries of this machine.
@@ -103,9 +117,14 @@ fn no_panic_is_reachable_from_c() {
     let library = build("../bindings/c/Cargo.toml", "linestereo_c");
     let mut functions = entries(&library, "linestereo_");
     functions.retain(|name| name != "linestereo_panic");
-    assert_eq!(functions.len(), 15, "functions found in the library");
-    let linked = link(&linker(), &library, &OF_C, &functions.iter().map(String::as_str).collect::<Vec<_>>()).unwrap();
-    assert!(linked.contains("linestereo_run") && !linked.contains("linestereo_panic"), "{linked:?}");
+    assert_eq!(functions.len(), 16, "functions found in the library");
+    let linked =
+        link(&linker(), &library, &OF_C, &functions.iter().map(String::as_str).collect::<Vec<_>>())
+            .unwrap();
+    assert!(
+        linked.contains("linestereo_run") && !linked.contains("linestereo_panic"),
+        "{linked:?}"
+    );
 }
 
 #[test]
@@ -114,7 +133,15 @@ fn no_panic_is_reachable_on_a_board() {
     let Some(toolchain) = or_skip(Toolchain::for_target(target)) else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("no-panic-{}", toolchain.way));
     let mut cargo = toolchain.cargo();
-    cargo.args(["build", "--release", "--locked", "--manifest-path", "tests/no-panic/Cargo.toml", "--target", target]);
+    cargo.args([
+        "build",
+        "--release",
+        "--locked",
+        "--manifest-path",
+        "tests/no-panic/Cargo.toml",
+        "--target",
+        target,
+    ]);
     let built = cargo.arg("--target-dir").arg(&folder).current_dir(&top).output().unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let library = folder.join(target).join("release/liblinestereo_no_panic.a");

@@ -1,9 +1,11 @@
-//! Distance per direction: sectors against a naive reference, the rules of support, age and freedom, and real frames against their truth.
+//! Distance per direction: sectors against a naive reference, the rules of support, age and
+//! freedom, and real frames against their truth.
 
 use linestereo::diagnostics::Techniques;
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Point, Position, Rig, Source,
+    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Point, Position,
+    Rig, Source,
 };
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
@@ -27,7 +29,8 @@ fn plan_of(change: impl FnOnce(&mut ObstacleParams)) -> ObstaclePlan {
 fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2], confidence: f64) -> Match {
     let d = disparity.map(Disparity::from_num);
     Match {
-        ends: ends.map(|[x, y]| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) }),
+        ends: ends
+            .map(|[x, y]| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) }),
         disparity: d,
         sigma: Disparity::from_num(0.1),
         confidence: Confidence::from_num(confidence),
@@ -63,7 +66,9 @@ fn reference(x: f64, disparity: f64, yaw_deg: f64, sectors: u8) -> (u8, f64) {
 
 #[test]
 fn every_column_has_the_sector_and_the_distance_of_the_definition() {
-    for (yaw_deg, sectors) in [(0.0, 72), (90.0, 72), (-180.0, 72), (33.3, 72), (0.0, 36), (10.0, 8), (179.0, 4)] {
+    for (yaw_deg, sectors) in
+        [(0.0, 72), (90.0, 72), (-180.0, 72), (33.3, 72), (0.0, 36), (10.0, 8), (179.0, 4)]
+    {
         let plan = plan_of(|p| {
             (p.yaw_deg, p.sectors) = (yaw_deg, sectors);
         });
@@ -72,19 +77,27 @@ fn every_column_has_the_sector_and_the_distance_of_the_definition() {
             let disparity = 4.0 + f64::from(step % 50);
             let (index, expected_cm) = reference(x, disparity, yaw_deg.into(), sectors);
             let obstacles = seen(&plan, &[edge(x, disparity, 0.995)]);
-            let turn = ((x - CENTRE[0]).atan2(FOCAL).to_degrees() + f64::from(yaw_deg)) / 360.0 * f64::from(sectors);
+            let turn = ((x - CENTRE[0]).atan2(FOCAL).to_degrees() + f64::from(yaw_deg)) / 360.0
+                * f64::from(sectors);
             // Boundaries are within 0.0125 of a sector: the tangent in single precision.
             let is_at_a_boundary = ((turn - 0.5) - (turn - 0.5).round()).abs() < 0.015;
-            let found: Vec<(u8, u16)> =
-                obstacles.sectors(&plan, 0).zip(0_u8..).filter_map(|(s, i)| Some((i, distance(s)?))).collect();
+            let found: Vec<(u8, u16)> = obstacles
+                .sectors(&plan, 0)
+                .zip(0_u8..)
+                .filter_map(|(s, i)| Some((i, distance(s)?)))
+                .collect();
             let [(found_index, cm)] = found[..] else { panic!("x {x}: {found:?}") };
             assert!(
                 found_index == index || is_at_a_boundary,
                 "x {x}, yaw {yaw_deg}, {sectors} sectors: {found_index} not {index}"
             );
-            // A centimetre is cut off, half a step of the disparity, and a thousandth for the cosine.
+            // A centimetre is cut off, half a step of the disparity, and a thousandth for the
+            // cosine.
             let bound = 1.0 + expected_cm * (0.001 + 1.0 / 128.0 / disparity);
-            assert!((f64::from(cm) - expected_cm).abs() <= bound, "x {x}, d {disparity}: {cm} cm not {expected_cm:.1}");
+            assert!(
+                (f64::from(cm) - expected_cm).abs() <= bound,
+                "x {x}, d {disparity}: {cm} cm not {expected_cm:.1}"
+            );
         }
     }
 }
@@ -108,9 +121,13 @@ fn a_long_segment_stands_in_every_sector_that_it_crosses() {
             assert!(cm < last, "sector {index}: {cm} cm after {last}");
             last = cm;
             // Its nearest part there, the right end of the sector.
-            let x = (CENTRE[0] + FOCAL * ((f64::from(offset) + 0.5) * 5.0).to_radians().tan()).clamp(110.0, 210.0);
+            let x = (CENTRE[0] + FOCAL * ((f64::from(offset) + 0.5) * 5.0).to_radians().tan())
+                .clamp(110.0, 210.0);
             let (_, expected) = reference(x, 15.0 + 0.15 * (x - 110.0), 0.0, 72);
-            assert!((f64::from(cm) - expected).abs() <= 2.0, "sector {index}: {cm} cm not {expected:.1}");
+            assert!(
+                (f64::from(cm) - expected).abs() <= 2.0,
+                "sector {index}: {cm} cm not {expected:.1}"
+            );
         }
     }
 }
@@ -137,7 +154,8 @@ fn free_is_what_both_cameras_see_whole_with_something_behind() {
     let obstacles = seen(&plan, &far);
     for offset in -6_i16..=6 {
         let sector = obstacles.sector(&plan, offset.rem_euclid(72) as u8, 0);
-        // Where a disparity of 64 px does not fit, or a border cuts the sector, the near is not seen by both.
+        // Where a disparity of 64 px does not fit, or a border cuts the sector, the near is not
+        // seen by both.
         let left = CENTRE[0] + FOCAL * ((f64::from(offset) - 0.5) * 5.0).to_radians().tan();
         let is_whole = left >= 64.0 && offset < 6;
         assert_eq!(matches!(sector, Sector::Free { .. }), is_whole, "sector {offset}: {sector:?}");
@@ -145,14 +163,20 @@ fn free_is_what_both_cameras_see_whole_with_something_behind() {
     // One weak claim is not enough, and no claim says nothing.
     assert_eq!(seen(&plan, &[edge(160.0, 1.5, 0.95)]).sector(&plan, 0, 0), Sector::Unknown);
     assert_eq!(seen(&plan, &[]).sector(&plan, 0, 0), Sector::Unknown);
-    assert!(matches!(seen(&plan, &[edge(160.0, 1.5, 0.995)]).sector(&plan, 0, 0), Sector::Free { .. }));
+    assert!(matches!(
+        seen(&plan, &[edge(160.0, 1.5, 0.995)]).sector(&plan, 0, 0),
+        Sector::Free { .. }
+    ));
     // A segment without support within the range is no obstacle, but the sector is not free either.
     let mut doubtful = far.clone();
     doubtful.push(edge(160.0, 30.0, 0.9));
     assert_eq!(seen(&plan, &doubtful).sector(&plan, 0, 0), Sector::Unknown);
     // An infinite depth, and one beyond it, is far.
     for d in [0.0, -0.5] {
-        assert!(matches!(seen(&plan, &[edge(160.0, d, 0.995)]).sector(&plan, 0, 0), Sector::Free { .. }));
+        assert!(matches!(
+            seen(&plan, &[edge(160.0, d, 0.995)]).sector(&plan, 0, 0),
+            Sector::Free { .. }
+        ));
     }
 }
 
@@ -178,7 +202,8 @@ fn a_claim_needs_support_unless_it_is_sure() {
     let with = |more: &[Match]| [wall.as_slice(), more].concat();
     assert!(is(ahead(&with(&[edge(160.0, 60.0, 0.95)])), at(12.0)));
     // The order of the list does not matter.
-    let mut list = with(&[edge(160.0, 60.0, 0.95), edge(159.0, 45.0, 0.91), edge(155.0, 33.0, 0.93)]);
+    let mut list =
+        with(&[edge(160.0, 60.0, 0.95), edge(159.0, 45.0, 0.91), edge(155.0, 33.0, 0.93)]);
     let expected = ahead(&list);
     for _ in 0..list.len() {
         list.rotate_left(1);
@@ -212,7 +237,8 @@ fn three_support_points_that_agree_are_an_obstacle() {
 fn confidence_is_that_of_the_group() {
     let plan = plan_of(|_| {});
     let Sector::Obstacle { confidence, .. } =
-        seen(&plan, &[edge(158.0, 30.0, 0.92), edge(162.0, 30.0, 0.95), edge(161.0, 29.5, 0.9)]).sector(&plan, 0, 0)
+        seen(&plan, &[edge(158.0, 30.0, 0.92), edge(162.0, 30.0, 0.95), edge(161.0, 29.5, 0.9)])
+            .sector(&plan, 0, 0)
     else {
         panic!("no obstacle")
     };
@@ -233,16 +259,23 @@ fn only_the_height_band_matters() {
     assert!(!ahead(170.0, 200.0, 15.0), "0.34 m to 0.54 m below: the floor");
     assert!(ahead(140.0, 170.0, 15.0), "from 0.14 m to 0.34 m below");
     assert!(ahead(20.0, 220.0, 15.0), "through the band");
-    // A segment seen outside of the band lies behind it, as the floor does: free, as far as it is this segment's to say.
+    // A segment seen outside of the band lies behind it, as the floor does: free, as far as it is
+    // this segment's to say.
     let free = |heights_m: [f32; 2], from: f64, to: f64, d: f64| {
         let plan = plan_of(|p| p.heights_m = heights_m);
         let matches = [segment([[160.0, from], [160.0, to]], [d; 2], 0.995)];
         matches!(seen(&plan, &matches).sector(&plan, 0, 0), Sector::Free { .. })
     };
     assert!(free([-0.2, 0.3], 170.0, 200.0, 15.0), "the floor at 2 m");
-    assert!(free([-0.2, 0.3], 10.0, 40.0, 1.5) && free([-0.2, 0.3], 100.0, 130.0, 1.5), "20 m away");
+    assert!(
+        free([-0.2, 0.3], 10.0, 40.0, 1.5) && free([-0.2, 0.3], 100.0, 130.0, 1.5),
+        "20 m away"
+    );
     assert!(!free([-0.2, 0.3], 160.0, 175.0, 15.0), "seen in one eighth of the rows only");
-    assert!(!free([0.1, 0.3], 170.0, 200.0, 15.0), "a band above the camera is not seen through by looking down");
+    assert!(
+        !free([0.1, 0.3], 170.0, 200.0, 15.0),
+        "a band above the camera is not seen through by looking down"
+    );
     // An obstacle that begins shortly behind the range (10 m, 3 px) may reach into it: neither.
     assert!(!free([-1.0, 1.0], 100.0, 130.0, 2.9) && !free([-1.0, 1.0], 100.0, 130.0, 2.5));
     assert!(free([-1.0, 1.0], 100.0, 130.0, 2.3));
@@ -314,7 +347,13 @@ fn an_unfit_pair_says_nothing() {
         assert_eq!(distance(obstacles.sector(&plan, 0, 0)).is_some(), is_fit, "{name}");
         // Earlier knowledge grows old.
         obstacles.update(&plan, &near, None, HealthFlags::GOOD, 0);
-        obstacles.update(&plan, &[edge(160.0, 60.0, 0.995)], None, HealthFlags::FEW_MATCHES, 100_000);
+        obstacles.update(
+            &plan,
+            &[edge(160.0, 60.0, 0.995)],
+            None,
+            HealthFlags::FEW_MATCHES,
+            100_000,
+        );
         assert_eq!(word(obstacles.sector(&plan, 0, 100_000)), "100 cm 100");
         obstacles.update(&plan, &near, None, HealthFlags::GOOD, 200_000);
         obstacles.mark_missing();
@@ -336,20 +375,23 @@ fn parameters_without_sense_are_refused_by_name() {
     };
     type Change<'a> = &'a dyn Fn(&mut ObstacleParams);
     let cases: [(Change<'_>, &str); 7] = [
-        (&|p| p.yaw_deg = 181.0, "yaw (degrees) is 181, allowed are -180 to 180"),
-        (&|p| p.sectors = 73, "sectors is 73, allowed are 4 to 72"),
-        (&|p| p.sectors = 0, "sectors is 0, allowed are 4 to 72"),
-        (&|p| p.range_m = 601.0, "range (m) is 601, allowed are 0.1 to 600"),
-        (&|p| p.heights_m = [2.0, 1.0], "highest height (m) is 1, allowed are 2 to 1000"),
-        (&|p| p.heights_m = [f32::NEG_INFINITY, 1.0], "lowest height (m) is -inf, allowed are -1000 to 1000"),
-        (&|p| p.error_probability = 0.0, "error probability is 0, allowed are 0.00002 to 0.5"),
+        (&|p| p.yaw_deg = 181.0, "yaw (degrees) is 181 but must be -180 to 180"),
+        (&|p| p.sectors = 73, "sectors is 73 but must be 4 to 72"),
+        (&|p| p.sectors = 0, "sectors is 0 but must be 4 to 72"),
+        (&|p| p.range_m = 601.0, "range (m) is 601 but must be 0.1 to 600"),
+        (&|p| p.heights_m = [2.0, 1.0], "highest height (m) is 1 but must be 2 to 1000"),
+        (
+            &|p| p.heights_m = [f32::NEG_INFINITY, 1.0],
+            "lowest height (m) is -inf but must be -1000 to 1000",
+        ),
+        (&|p| p.error_probability = 0.0, "error probability is 0 but must be 0.00002 to 0.5"),
     ];
     for (change, expected) in cases {
         assert_eq!(refused(change), expected);
     }
     for (point, expected) in [
-        ([400.0, 1.0], "principal column (px) is 400, allowed are 0 to 320"),
-        ([1.0, -1.0], "principal row (px) is -1, allowed are 0 to 240"),
+        ([400.0, 1.0], "principal column (px) is 400 but must be 0 to 320"),
+        ([1.0, -1.0], "principal row (px) is -1 but must be 0 to 240"),
     ] {
         let rig = params().rig.map(|rig| rig.with_principal_point(point).unwrap());
         let refused = ObstacleParams::DEFAULT.plan(&Params { rig, ..params() }, DIMS).unwrap_err();
@@ -364,7 +406,8 @@ fn parameters_without_sense_are_refused_by_name() {
 fn nothing_overflows() {
     let mut state = 1_u64;
     let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 32) as u32
     };
     for round in 0..2000 {
@@ -373,7 +416,8 @@ fn nothing_overflows() {
             [0.0001, 0.1, 10.0][round % 3],
             [0.0, 4096.0, -4096.0, 67.4][round % 4],
         );
-        let dims = [DIMS, Dims { width: 1280, height: 16 }, Dims { width: 80, height: 1280 }][round % 3];
+        let dims =
+            [DIMS, Dims { width: 1280, height: 16 }, Dims { width: 80, height: 1280 }][round % 3];
         let wanted = ObstacleParams {
             yaw_deg: (random() % 361) as f32 - 180.0,
             sectors: [4, 5, 7, 36, 71, 72][round % 6],
@@ -382,13 +426,16 @@ fn nothing_overflows() {
             ..ObstacleParams::DEFAULT
         };
         let plan = wanted.plan(&Params { rig: Some(rig.unwrap()), ..params() }, dims).unwrap();
-        let mut point =
-            || ImagePosition { x: Position::from_bits(random() as u16), y: Position::from_bits(random() as u16) };
+        let mut point = || ImagePosition {
+            x: Position::from_bits(random() as u16),
+            y: Position::from_bits(random() as u16),
+        };
         let ends: Vec<_> = (0..20).map(|_| [point(), point()]).collect();
         let matches: Vec<Match> = ends
             .into_iter()
             .map(|ends| {
-                let disparity = [Disparity::from_bits(random() as i16), Disparity::from_bits(random() as i16)];
+                let disparity =
+                    [Disparity::from_bits(random() as i16), Disparity::from_bits(random() as i16)];
                 let confidence = Confidence::from_bits(random() as u16);
                 Match { ends, disparity, confidence, ..edge(1.0, 1.0, 0.5) }
             })
@@ -405,13 +452,14 @@ fn nothing_overflows() {
     }
 }
 
-/// Real frames, as if a camera with 56 degrees of view had seen them: how often a sector shows something nearer than anything that is there,
-/// or is free although something is there.
+/// Real frames, as if a camera with 56 degrees of view had seen them: how often a sector shows
+/// something nearer than anything that is there, or is free although something is there.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_give_no_ghosts() {
     let Some(scenes) = captured::qvga() else { return };
-    let (mut sectors, mut shown, mut ghosts, mut missed, mut free, mut not_free, mut little) = (0, 0, 0, 0, 0, 0, 0);
+    let (mut sectors, mut shown, mut ghosts, mut missed, mut free, mut not_free, mut little) =
+        (0, 0, 0, 0, 0, 0, 0);
     let mut least = 1.0_f64;
     for scene in scenes {
         let truth = scene.truth.as_ref().unwrap();
@@ -422,15 +470,18 @@ fn captured_frames_give_no_ghosts() {
         let cx = 0.5 * (f64::from(dims.width) - 1.0);
         // Distances (cm) of the truth in a sector and some columns beside it, nearest first.
         let of_truth = |offset: i16, beside: i32| {
-            let column = |half: f64| cx + FOCAL * ((f64::from(offset) + half) * 5.0).to_radians().tan();
-            let (from, to) = (column(-0.5).max(0.0) as i32, column(0.5).min(f64::from(dims.width) - 1.0) as i32);
+            let column =
+                |half: f64| cx + FOCAL * ((f64::from(offset) + half) * 5.0).to_radians().tan();
+            let (from, to) =
+                (column(-0.5).max(0.0) as i32, column(0.5).min(f64::from(dims.width) - 1.0) as i32);
             let mut list = Vec::new();
             for y in 0..i32::from(dims.height) {
                 for x in from - beside..=to + beside {
                     let d = truth.disparity(x, y).filter(|&d| d > 0.5);
-                    list.extend(
-                        d.map(|d| 100.0 * FOCAL * BASELINE / f64::from(d) * ((f64::from(x) - cx) / FOCAL).hypot(1.0)),
-                    );
+                    list.extend(d.map(|d| {
+                        100.0 * FOCAL * BASELINE / f64::from(d)
+                            * ((f64::from(x) - cx) / FOCAL).hypot(1.0)
+                    }));
                 }
             }
             list.sort_by(f64::total_cmp);
@@ -441,11 +492,18 @@ fn captured_frames_give_no_ghosts() {
         // With all in range; and with ranges that most of the scene lies behind.
         let quantile = |share: usize| (depths[depths.len() / share] / 100.0) as f32;
         for range_m in [10.0, quantile(20), quantile(10), quantile(5)] {
-            let wanted = ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::DEFAULT };
+            let wanted =
+                ObstacleParams { range_m, unfit: HealthFlags::GOOD, ..ObstacleParams::DEFAULT };
             let range_m = f64::from(range_m);
             let plan = wanted.plan(&params, dims).unwrap();
             let mut obstacles = Obstacles::new();
-            obstacles.update(&plan, &result.matches, result.points.iter().copied(), HealthFlags::GOOD, 0);
+            obstacles.update(
+                &plan,
+                &result.matches,
+                result.obstacle_points.iter().copied(),
+                HealthFlags::GOOD,
+                0,
+            );
             for offset in -5_i16..=5 {
                 let (own, wide) = (of_truth(offset, 0), of_truth(offset, 4));
                 if own.len() < 200 {
@@ -479,7 +537,8 @@ fn captured_frames_give_no_ghosts() {
     assert!(shown * 20 >= sectors * 19, "{shown} of {sectors} sectors show an obstacle");
     assert!(ghosts * 100 <= shown, "{ghosts} ghosts in {shown} sectors");
     assert!(missed * 8 <= shown, "{missed} of {shown} obstacles are too far");
-    // Segments alone called 48 free, and in 26 of them a hundredth of the pixels was within the range.
+    // Segments alone called 48 free, and in 26 of them a hundredth of the pixels was within the
+    // range.
     assert!(
         free >= 15 && not_free * 10 <= free && little * 3 <= free && least >= 0.7,
         "{not_free} of {free} free sectors are not, {little} with little within the range, {least:.2}"

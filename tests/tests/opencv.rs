@@ -1,6 +1,7 @@
 //! Our StereoBM against the installed OpenCV's: the rival that users know is not a straw man.
 //!
-//! Skipped, with a message, where no Python with OpenCV is found (`LINESTEREO_PYTHON`, else `python3`).
+//! Skipped, with a message, where no Python with OpenCV is found (`LINESTEREO_PYTHON`, else
+//! `python3`).
 
 use linestereo::Dims;
 use linestereo_baselines::{Search, StereoBm};
@@ -30,13 +31,29 @@ fn stereo_bm_is_opencvs_number_for_number() {
     for (left, right) in pairs() {
         let search = Search::up_to(left.dims, 48);
         let found = opencv.run(&left, &right, search, 1).unwrap();
-        for (name, ours) in [("opencv-bm", StereoBm::default()), ("opencv-bm-strict", StereoBm::strict())] {
+        for (name, ours) in
+            [("opencv-bm", StereoBm::default()), ("opencv-bm-strict", StereoBm::strict())]
+        {
             let theirs = &found.iter().find(|map| map.name == name).unwrap().map;
             let map = ours.run(&left, &right, search);
-            let equal = |(ours, theirs): (&f32, &f32)| ours == theirs || ours.is_nan() && theirs.is_nan();
-            let different = map.values().iter().zip(theirs.values()).filter(|&pair| !equal(pair)).count();
-            assert_eq!(different, 0, "{name} of {}, OpenCV {}: {} values", left.dims, opencv.version(), map.count());
-            assert!(map.count() > 500, "{name} of {}: {} values say little", left.dims, map.count());
+            let equal =
+                |(ours, theirs): (&f32, &f32)| ours == theirs || ours.is_nan() && theirs.is_nan();
+            let different =
+                map.values().iter().zip(theirs.values()).filter(|&pair| !equal(pair)).count();
+            assert_eq!(
+                different,
+                0,
+                "{name} of {}, OpenCV {}: {} values",
+                left.dims,
+                opencv.version(),
+                map.count()
+            );
+            assert!(
+                map.count() > 500,
+                "{name} of {}: {} values say little",
+                left.dims,
+                map.count()
+            );
         }
     }
 }

@@ -15,10 +15,14 @@ fn matched(seed: u64) -> (Scene, Rendering, Truth, Vec<Match>) {
     let room = scene::build(Kind::Demo, DIMS, seed);
     let pair = scene::render(&room, DIMS, &Sensor { noise: 1.0, seed, ..Sensor::default() });
     let truth = Truth::new(DIMS, pair.disparity.clone(), pair.visible.clone());
-    let params =
-        Params { max_disparity: scene::search_range(&pair), rig: Some(room.pair.rig().unwrap()), ..Params::default() };
+    let params = Params {
+        max_disparity: scene::search_range(&pair),
+        rig: Some(room.pair.rig().unwrap()),
+        ..Params::default()
+    };
     let mut engine = Engine::new(&params, DIMS).unwrap();
-    let matches = engine.run(pair.left.view().unwrap(), pair.right.view().unwrap()).unwrap().matches;
+    let matches =
+        engine.run(pair.left.view().unwrap(), pair.right.view().unwrap()).unwrap().matches;
     (room, pair, truth, matches)
 }
 
@@ -29,7 +33,9 @@ fn the_most_probable_segment_of_each_object_has_its_depth() {
         let (room, pair, truth, matches) = matched(seed);
         for (object, label) in room.objects.iter().zip(1_u8..) {
             let middles = matches.iter().map(OwnedMiddle::new);
-            let Some(middle) = middles.into_iter().find(|middle| pair.label(middle.pixel) == Some(label)) else {
+            let Some(middle) =
+                middles.into_iter().find(|middle| pair.label(middle.pixel) == Some(label))
+            else {
                 continue;
             };
             let error = middle.error(&truth).unwrap();
@@ -49,9 +55,12 @@ fn an_edge_of_a_thin_pole_is_not_where_the_background_is() {
     let mut edges = 0;
     for seed in POLES {
         let (room, pair, truth, matches) = matched(seed);
-        let is_pole = |label: u8| label > 0 && room.objects[usize::from(label) - 1].ends_with("pole");
-        for middle in
-            matches.iter().map(OwnedMiddle::new).filter(|middle| pair.label(middle.pixel).is_some_and(is_pole))
+        let is_pole =
+            |label: u8| label > 0 && room.objects[usize::from(label) - 1].ends_with("pole");
+        for middle in matches
+            .iter()
+            .map(OwnedMiddle::new)
+            .filter(|middle| pair.label(middle.pixel).is_some_and(is_pole))
         {
             let error = middle.error(&truth).unwrap();
             assert!(error.abs() <= 1.0, "seed {seed}: {error:+.2} px, {middle:?}");

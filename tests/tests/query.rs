@@ -2,7 +2,8 @@
 
 use linestereo::diagnostics::FITTED_PIXEL;
 use linestereo::{
-    Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig, RunError, Span,
+    Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig,
+    RunError, Span,
 };
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Perturbation, Scene};
@@ -19,7 +20,9 @@ const RANGE: u16 = 48;
 /// A smooth random pattern with details of some 3 px.
 fn texture(seed: u64, u: f64, v: f64) -> f64 {
     let lattice = |i: f64, j: f64| {
-        let key = seed ^ (i as i64 as u64).wrapping_mul(0x9e37_79b9) ^ (j as i64 as u64).wrapping_mul(0x85eb_ca6b_0000);
+        let key = seed
+            ^ (i as i64 as u64).wrapping_mul(0x9e37_79b9)
+            ^ (j as i64 as u64).wrapping_mul(0x85eb_ca6b_0000);
         (Random(key).bits() >> 40) as f64 / f64::from(1 << 24)
     };
     let octave = |size: f64| {
@@ -56,29 +59,37 @@ impl Plane {
 fn pair_of(plane: Plane, seed: u64) -> (GrayImage, GrayImage) {
     let grey = |x: f64, y: f64| texture(seed, x, y).round() as u8;
     let left = painted(DIMS.width, DIMS.height, |x, y| grey(x.into(), y.into()));
-    let right = painted(DIMS.width, DIMS.height, |x, y| grey(plane.left_column(f64::from(x), y.into()), f64::from(y)));
+    let right = painted(DIMS.width, DIMS.height, |x, y| {
+        grey(plane.left_column(f64::from(x), y.into()), f64::from(y))
+    });
     (left, right)
 }
 
 /// Every `step`-th pixel of every `step`-th row.
 fn grid(dims: Dims, step: usize) -> impl Iterator<Item = (u16, u16)> {
-    (0..dims.height).step_by(step).flat_map(move |y| (0..dims.width).step_by(step).map(move |x| (x, y)))
+    (0..dims.height)
+        .step_by(step)
+        .flat_map(move |y| (0..dims.width).step_by(step).map(move |x| (x, y)))
 }
 
 /// Answers on a grid.
-fn ask(left: &GrayImage, right: &GrayImage, step: usize) -> Vec<((u16, u16), Result<PixelDepth, PixelRejection>)> {
+fn ask(
+    left: &GrayImage,
+    right: &GrayImage,
+    step: usize,
+) -> Vec<((u16, u16), Result<PixelDepth, PixelRejection>)> {
     let params = Params { max_disparity: RANGE, ..Params::default() };
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let (left, right) = (left.view().unwrap(), right.view().unwrap());
-    engine.run(left, right).unwrap();
-    grid(left.dims(), step).map(|pixel| (pixel, engine.depth_at(pixel, None))).collect()
+    let mut matched = engine.run_in_place(left, right).unwrap();
+    grid(left.dims(), step).map(|pixel| (pixel, matched.pixel(pixel, None))).collect()
 }
 
 #[test]
 fn planes_are_answered_to_a_fraction_of_a_pixel() {
     let flat = [3.0, 7.25, 12.5, 20.75, 33.4].map(|at| Plane { at, across: 0.0, down: 0.0 });
-    let slanted =
-        [(0.05, 0.0), (-0.05, 0.0), (0.0, 0.05), (0.0, -0.05)].map(|(across, down)| Plane { at: 20.0, across, down });
+    let slanted = [(0.05, 0.0), (-0.05, 0.0), (0.0, 0.05), (0.0, -0.05)]
+        .map(|(across, down)| Plane { at: 20.0, across, down });
     for (plane, seed) in flat.into_iter().chain(slanted).zip(1..) {
         let (left, right) = pair_of(plane, seed);
         let (mut asked, mut errors) = (0, Vec::new());
@@ -118,12 +129,17 @@ fn a_blank_wall_is_not_known() {
 #[test]
 fn repeated_structure_is_not_known() {
     for period in [3_u16, 4, 6, 8, 12] {
-        let columns = painted(DIMS.width, DIMS.height, |x, _| if (x / period) % 2 == 0 { 40 } else { 210 });
-        let board = painted(DIMS.width, DIMS.height, |x, y| if (x / period + y / period) % 2 == 0 { 40 } else { 210 });
+        let columns =
+            painted(DIMS.width, DIMS.height, |x, _| if (x / period) % 2 == 0 { 40 } else { 210 });
+        let board = painted(DIMS.width, DIMS.height, |x, y| {
+            if (x / period + y / period) % 2 == 0 { 40 } else { 210 }
+        });
         for (name, image) in [("columns", columns), ("checkerboard", board)] {
             for ((x, y), answer) in ask(&image, &image, 3) {
-                // The images are the same: next to the left border 0 is alone, the next repetition lies outside the right image.
-                let alone = answer.is_ok_and(|found| x <= 2 * period + 16 && found.disparity.abs() <= 1);
+                // The images are the same: next to the left border 0 is alone, the next repetition
+                // lies outside the right image.
+                let alone =
+                    answer.is_ok_and(|found| x <= 2 * period + 16 && found.disparity.abs() <= 1);
                 assert!(answer.is_err() || alone, "{name} of {period} px at {x},{y}: {answer:?}");
             }
         }
@@ -139,9 +155,11 @@ impl Square {
     const AREA: Area = Area { left: 80, top: 30, right: 140, bottom: 90 };
 
     fn pair() -> (GrayImage, GrayImage) {
-        let grey = |x: f64, y: f64, near: bool| texture(if near { 77 } else { 5 }, x, y).round() as u8;
-        let left =
-            painted(DIMS.width, DIMS.height, |x, y| grey(x.into(), y.into(), Self::AREA.contains(x.into(), y.into())));
+        let grey =
+            |x: f64, y: f64, near: bool| texture(if near { 77 } else { 5 }, x, y).round() as u8;
+        let left = painted(DIMS.width, DIMS.height, |x, y| {
+            grey(x.into(), y.into(), Self::AREA.contains(x.into(), y.into()))
+        });
         let right = painted(DIMS.width, DIMS.height, |x, y| {
             let near = f64::from(x) + Self::NEAR;
             if Self::AREA.contains(near as i32, y.into()) {
@@ -196,7 +214,8 @@ fn what_cannot_be_answered_is_named() {
     assert_eq!(at((5, DIMS.height), None), Err(PixelRejection::Outside));
     assert_eq!(at((u16::MAX, u16::MAX), None), Err(PixelRejection::Outside));
     assert_eq!(at((3, 60), None), Err(PixelRejection::NearBorder));
-    let region = Region::boxed(1, Area { left: 90, top: 40, right: 120, bottom: 70 }, DIMS).unwrap();
+    let region =
+        Region::boxed(1, Area { left: 90, top: 40, right: 120, bottom: 70 }, DIMS).unwrap();
     assert_eq!(at((80, 50), Some(&region)), Err(PixelRejection::OutsideRegion));
     assert!(at((100, 50), Some(&region)).is_ok());
 
@@ -212,16 +231,26 @@ fn what_cannot_be_answered_is_named() {
 
     let other = painted(64, 48, |x, y| (x * y) as u8);
     let other = other.view().unwrap();
-    assert!(matches!(plan.resume(&summary, [other, r], small.view()), Err(RunError::SizeMismatch { .. })));
+    assert!(matches!(
+        plan.resume(&summary, [other, r], small.view()),
+        Err(RunError::SizeMismatch { .. })
+    ));
     let large = Params::default().plan(Dims { width: 640, height: 480 }).unwrap();
     let wide = painted(640, 480, |x, y| (x ^ y) as u8);
     let wide = wide.view().unwrap();
-    assert!(matches!(large.resume(&summary, [wide, wide], small.view()), Err(RunError::ScratchTooSmall { .. })));
+    assert!(matches!(
+        large.resume(&summary, [wide, wide], small.view()),
+        Err(RunError::ScratchTooSmall { .. })
+    ));
     // A pair that is refused: captured too far apart.
     let mut matcher = Params { max_disparity: RANGE, ..Params::default() }.matcher(DIMS).unwrap();
     let pair = Pair { left: l, right: r, times_us: Some([0, 1_000_000]) };
     let mut matched = matcher.run(pair, None, small.view(), &mut ()).unwrap();
-    assert!(matched.segments().is_empty() && matched.candidates().is_empty() && matched.health().is_refused());
+    assert!(
+        matched.segments().is_empty()
+            && matched.candidates().is_empty()
+            && matched.health().is_refused()
+    );
     assert_eq!(matched.pixel((100, 50), None), Err(PixelRejection::UnhealthyPair));
     matched.points(|point| panic!("{point:?} of a pair that was not matched"));
     let mut objects = Vec::new();
@@ -255,7 +284,9 @@ fn metres_come_from_the_rig_and_the_least_probability_from_the_parameters() {
 fn memory_and_order_do_not_matter() {
     let (left, right) = Square::pair();
     let (l, r) = (left.view().unwrap(), right.view().unwrap());
-    let noise = painted(DIMS.width, DIMS.height, |x, y| Random(u64::from(x) << 16 | u64::from(y)).bits() as u8);
+    let noise = painted(DIMS.width, DIMS.height, |x, y| {
+        Random(u64::from(x) << 16 | u64::from(y)).bits() as u8
+    });
     let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
     let (mut fresh, mut used) = (Box::new(Small::new()), Box::new(Small::new()));
     let n = noise.view().unwrap();
@@ -288,8 +319,12 @@ fn a_region_leaves_out_features_of_others() {
     let region = Region::boxed(1, Square::AREA, DIMS).unwrap();
     let answers = |engine: &mut Engine, region: Option<&Region<'_>>| -> (usize, usize) {
         let inside = grid(DIMS, 3).filter(|&(x, y)| Square::AREA.contains(x.into(), y.into()));
-        let found: Vec<_> = inside.filter_map(|pixel| engine.depth_at(pixel, region).ok()).collect();
-        let wrong = found.iter().filter(|f| (f.disparity.to_num::<f64>() - Square::NEAR).abs() > 1.0).count();
+        let found: Vec<_> =
+            inside.filter_map(|pixel| engine.depth_at(pixel, region).ok()).collect();
+        let wrong = found
+            .iter()
+            .filter(|f| (f.disparity.to_num::<f64>() - Square::NEAR).abs() > 1.0)
+            .count();
         (found.len(), wrong)
     };
     let (without, with) = (answers(&mut engine, None), answers(&mut engine, Some(&region)));
@@ -310,17 +345,22 @@ fn any_size_range_and_content_gives_an_answer_or_a_reason() {
             for content in 0..4 {
                 let mut image = || match content {
                     0 => painted(width, height, |_, _| random.bits() as u8),
-                    1 => painted(width, height, |_, _| if random.bits() & 1 == 0 { 0 } else { 255 }),
+                    1 => {
+                        painted(width, height, |_, _| if random.bits() & 1 == 0 { 0 } else { 255 })
+                    }
                     2 => painted(width, height, |x, _| (x % 7 * 36) as u8),
                     _ => painted(width, height, |x, y| ((x + y) * 5) as u8),
                 };
                 let (left, right) = (image(), image());
                 let (l, r) = (left.view().unwrap(), right.view().unwrap());
                 engine.run(l, r).unwrap();
-                for pixel in grid(dims, 3).chain([(width - 1, height - 1), (width - 1, 0), (0, height - 1)]) {
+                for pixel in
+                    grid(dims, 3).chain([(width - 1, height - 1), (width - 1, 0), (0, height - 1)])
+                {
                     if let Ok(found) = engine.depth_at(pixel, None) {
                         let d = found.disparity.to_num::<f64>();
-                        let (low, high) = (f64::from(min_disparity) - 0.5, f64::from(max_disparity) - 0.5);
+                        let (low, high) =
+                            (f64::from(min_disparity) - 0.5, f64::from(max_disparity) - 0.5);
                         assert!((low..=high).contains(&d), "{dims} {pixel:?}: {d}");
                     }
                 }
@@ -342,23 +382,36 @@ fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<QueriedPixel> {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_frames_that_the_model_has_not_seen() {
     let Some(scenes) = captured::qvga() else { return };
-    let pixels: Vec<Vec<QueriedPixel>> = scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
+    let pixels: Vec<Vec<QueriedPixel>> =
+        scenes.iter().map(|scene| asked(scene, &Perturbation::default())).collect();
     let scores: Vec<PixelScore> = (0..scenes.len())
         .map(|held| {
-            let others: Vec<&[QueriedPixel]> =
-                pixels.iter().enumerate().filter(|(i, _)| *i != held).map(|(_, asked)| asked.as_slice()).collect();
+            let others: Vec<&[QueriedPixel]> = pixels
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| *i != held)
+                .map(|(_, asked)| asked.as_slice())
+                .collect();
             PixelScore::new(&scenes[held].name, &pixels[held], &fit_pixels(&others))
         })
         .collect();
     println!("{}", pixel_report(&scores, Params::DEFAULT.min_confidence));
-    let (answered, [_, bad2]) = PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
-    assert!(answered >= 60.0 && bad2 <= 1.5, "{answered:.1} % answered, {bad2:.2} % of them off by more than 2 px");
+    let (answered, [_, bad2]) =
+        PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
+    assert!(
+        answered >= 60.0 && bad2 <= 1.5,
+        "{answered:.1} % answered, {bad2:.2} % of them off by more than 2 px"
+    );
 
     if scenes.len() == 14 {
         let names: Vec<&str> = scenes.iter().map(|scene| scene.name.as_str()).collect();
         let origin = format!("2000 pixels each of {} scenes ({})", names.len(), names.join(", "));
-        let text = pixel_source_text(&fit_pixels(&pixels.iter().map(Vec::as_slice).collect::<Vec<_>>()), &origin);
-        let committed = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../core/src/query/fitted.rs");
+        let text = pixel_source_text(
+            &fit_pixels(&pixels.iter().map(Vec::as_slice).collect::<Vec<_>>()),
+            &origin,
+        );
+        let committed =
+            PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../core/src/query/fitted.rs");
         assert_eq!(text, std::fs::read_to_string(committed).unwrap());
     }
 }
@@ -373,10 +426,15 @@ fn faults_of_captured_frames_cost_answers_and_not_truth() {
         ("right image 1 px low", Perturbation { row_offset: 1.0, ..Perturbation::default() }),
     ];
     for (name, fault) in faults {
-        let score = |scene: &Scene| PixelScore::new(&scene.name, &asked(scene, &fault), &FITTED_PIXEL);
+        let score =
+            |scene: &Scene| PixelScore::new(&scene.name, &asked(scene, &fault), &FITTED_PIXEL);
         let scores: Vec<PixelScore> = scenes.iter().map(score).collect();
-        let (answered, [bad1, bad2]) = PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
+        let (answered, [bad1, bad2]) =
+            PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
         println!("{name}: {answered:.1} % answered, bad1/bad2 {bad1:.2}/{bad2:.2} %");
-        assert!(answered >= 10.0 && bad2 <= 2.0, "{name}: {answered:.1} % answered, bad2 {bad2:.2} %");
+        assert!(
+            answered >= 10.0 && bad2 <= 2.0,
+            "{name}: {answered:.1} % answered, bad2 {bad2:.2} %"
+        );
     }
 }

@@ -50,7 +50,10 @@ fn depth_is_the_nearest_step() {
             // Half a step, and f*B rounded to half a step, divided by d.
             let bound = 0.5 / DEPTH_STEPS * (1.0 + 1.0 / d) * (1.0 + 1e-9) + expected * PRODUCT;
             let error = (found.to_num::<f64>() - expected).abs();
-            assert!(error <= bound, "{focal} {baseline} {offset}: {disparity} is {found}, not {expected}");
+            assert!(
+                error <= bound,
+                "{focal} {baseline} {offset}: {disparity} is {found}, not {expected}"
+            );
         }
     }
 }
@@ -87,14 +90,20 @@ fn sigma_follows_the_slope_of_depth() {
                 let found = rig.depth_sigma(disparity, Disparity::from_num(sigma));
                 let infinite = rig.depth(disparity) == INFINITE_DEPTH;
                 if infinite || z * sigma / d >= INFINITE_DEPTH.to_num::<f64>() {
-                    assert_eq!(found, INFINITE_DEPTH, "{focal} {baseline} {offset}: {disparity} +- {sigma}");
+                    assert_eq!(
+                        found, INFINITE_DEPTH,
+                        "{focal} {baseline} {offset}: {disparity} +- {sigma}"
+                    );
                     continue;
                 }
                 // A step for the quotient, and what half a step of z and of f*B makes of it.
-                let bound =
-                    (1.0 + 0.5 * (1.0 + 1.0 / d) * sigma / d) / DEPTH_STEPS * (1.0 + 1e-9) + z * sigma / d * PRODUCT;
+                let bound = (1.0 + 0.5 * (1.0 + 1.0 / d) * sigma / d) / DEPTH_STEPS * (1.0 + 1e-9)
+                    + z * sigma / d * PRODUCT;
                 let error = (found.to_num::<f64>() - z * sigma / d).abs();
-                assert!(error <= bound, "{focal} {baseline} {offset}: {disparity} +- {sigma} is {found}");
+                assert!(
+                    error <= bound,
+                    "{focal} {baseline} {offset}: {disparity} +- {sigma} is {found}"
+                );
             }
         }
     }
@@ -113,8 +122,19 @@ fn margins_become_the_interval_of_equation_13() {
                 }
                 let (near, far) = (Depth::from_num(nearer), Depth::from_num(farther));
                 let found = rig.disparity_interval(disparity, near, far);
-                let (low, high) = reference::disparity_interval(product, rounded(offset), z.to_num(), nearer, farther);
-                let case = || format!("{focal} {baseline} {offset}: {disparity} - {nearer} + {farther} is {found:?}");
+                let (low, high) = reference::disparity_interval(
+                    product,
+                    rounded(offset),
+                    z.to_num(),
+                    nearer,
+                    farther,
+                );
+                let case = || {
+                    format!(
+                        "{focal} {baseline} {offset}: {disparity} - {nearer} + {farther} is \
+                         {found:?}"
+                    )
+                };
                 for (found, expected) in [(found.0, low), (found.1, high)] {
                     let saturated = expected.clamp(-512.0, Disparity::MAX.to_num());
                     // Half a step, and f*B rounded to half a step of depth, relative.
@@ -148,7 +168,10 @@ fn a_disparity_lies_in_its_own_interval() {
     for (rig, focal, baseline, offset) in rigs().take(4) {
         for disparity in disparities().filter(|&disparity| rig.depth(disparity) != INFINITE_DEPTH) {
             let (low, high) = rig.disparity_interval(disparity, nearer, farther);
-            assert!(low <= disparity && disparity <= high, "{focal} {baseline} {offset}: {disparity}");
+            assert!(
+                low <= disparity && disparity <= high,
+                "{focal} {baseline} {offset}: {disparity}"
+            );
         }
     }
 }
@@ -175,8 +198,13 @@ fn unusable_rigs_are_refused_by_name() {
 #[test]
 fn a_pixel_and_its_disparity_are_a_position_in_space() {
     for (rig, focal, _, offset) in rigs() {
-        let at = |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
-        assert_eq!(rig.xyz(at(1.0, 1.0), Disparity::from_num(20)), None, "where is the optical axis?");
+        let at =
+            |x: f64, y: f64| ImagePosition { x: Position::from_num(x), y: Position::from_num(y) };
+        assert_eq!(
+            rig.xyz(at(1.0, 1.0), Disparity::from_num(20)),
+            None,
+            "where is the optical axis?"
+        );
         for point in [[159.5, 119.5], [-31.25, 700.0], [0.1, 1279.9]] {
             let rig = rig.with_principal_point(point).unwrap();
             let [cx, cy] = point.map(f64::from);
@@ -187,13 +215,21 @@ fn a_pixel_and_its_disparity_are_a_position_in_space() {
                     let expected = [(x - cx) * metres / focal, (y - cy) * metres / focal, metres];
                     let Some(found) = rig.xyz(at(x, y), disparity) else {
                         let is_far = expected.iter().any(|v| v.abs() >= 32767.9);
-                        assert!(z == INFINITE_DEPTH || is_far, "{focal} {offset} {disparity}: {expected:?}");
+                        assert!(
+                            z == INFINITE_DEPTH || is_far,
+                            "{focal} {offset} {disparity}: {expected:?}"
+                        );
                         continue;
                     };
-                    for (found, expected) in found.map(|v| v.to_num::<f64>()).into_iter().zip(expected) {
+                    for (found, expected) in
+                        found.map(|v| v.to_num::<f64>()).into_iter().zip(expected)
+                    {
                         // Half a step; focal length and principal point are rounded to 1/131072 px.
                         let bound = 0.5 / DEPTH_STEPS + (expected.abs() + metres) / focal / 65536.0;
-                        assert!((found - expected).abs() <= bound * 1.001, "{focal} {x} {y}: {found}, not {expected}");
+                        assert!(
+                            (found - expected).abs() <= bound * 1.001,
+                            "{focal} {x} {y}: {found}, not {expected}"
+                        );
                     }
                 }
             }
@@ -202,6 +238,9 @@ fn a_pixel_and_its_disparity_are_a_position_in_space() {
         assert_eq!(rig.centred(dims), rig.with_principal_point([159.5, 119.5]).unwrap());
         let given = rig.with_principal_point([1.0, 2.0]).unwrap();
         assert_eq!(given.centred(dims), given);
-        assert_eq!(rig.with_principal_point([0.0, f32::INFINITY]), Err(RigError::PrincipalPoint(f32::INFINITY)));
+        assert_eq!(
+            rig.with_principal_point([0.0, f32::INFINITY]),
+            Err(RigError::PrincipalPoint(f32::INFINITY))
+        );
     }
 }

@@ -1,12 +1,16 @@
-//! The rig as bytes: the same bits back, and nothing else is taken for a rig. Then its two slots in a flash that loses power.
+//! The rig as bytes: the same bits back, and nothing else is taken for a rig. Then its two slots in
+//! a flash that loses power.
 
 use core::fmt::Debug;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::{Dims, Params};
 use linestereo_firmware::settings::KeptSettings;
-use linestereo_firmware::slot_store::{BoardStore, Keeper as _, LayoutError, RigStore, Slot, SlotError, StoreError};
+use linestereo_firmware::slot_store::{
+    BoardStore, Keeper as _, LayoutError, RigStore, Slot, SlotError, StoreError,
+};
 use linestereo_rig::{
-    Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead, View,
+    Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead,
+    View,
 };
 use linestereo_tests::drawn::Random;
 use linestereo_wire::{RegionBox, Regions, SETTINGS};
@@ -31,7 +35,8 @@ fn rational() -> Camera {
 
 /// A quaternion that is no unit one, in bits that its own division does not give back.
 fn calibration(left: Camera, right: Camera) -> Calibration {
-    Calibration::new(left, right, [0.9998, 0.003, -0.011, 0.007], [-0.1101, 0.0004, 0.0008]).unwrap()
+    Calibration::new(left, right, [0.9998, 0.003, -0.011, 0.007], [-0.1101, 0.0004, 0.0008])
+        .unwrap()
 }
 
 fn image(view: View) -> RigImage {
@@ -47,7 +52,9 @@ fn numbered(n: u16) -> RigImage {
 /// The checksum, bit by bit.
 fn crc_32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0_u32, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |crc, _| if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 })
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
+            if crc & 1 == 1 { crc >> 1 ^ 0xedb8_8320 } else { crc >> 1 }
+        })
     })
 }
 
@@ -63,17 +70,24 @@ fn resealed(mut bytes: Vec<u8>, at: usize, with: &[u8]) -> Vec<u8> {
 #[test]
 fn an_image_comes_back_with_the_same_bits() {
     for view in [View::Alpha(0.0), View::Alpha(0.75), View::Focal(123.4)] {
-        for (left, right) in
-            [(barrel(), fisheye()), (fisheye(), barrel()), (barrel(), barrel()), (rational(), barrel())]
-        {
+        for (left, right) in [
+            (barrel(), fisheye()),
+            (fisheye(), barrel()),
+            (barrel(), barrel()),
+            (rational(), barrel()),
+        ] {
             let image = RigImage::new(calibration(left, right), QVGA, view, (-32, 200)).unwrap();
             let bytes = image.encode(0xdead_beef);
             let again = RigImage::decode(&bytes).unwrap();
             assert_eq!(again, image);
             assert_eq!(again.encode(0xdead_beef), bytes, "bit for bit");
             let head = RigImageHead::check(&bytes).unwrap();
-            let expected =
-                RigImageHead { version: 3, length: RigImage::BYTES as u16, sequence: 0xdead_beef, is_whole: true };
+            let expected = RigImageHead {
+                version: 3,
+                length: RigImage::BYTES as u16,
+                sequence: 0xdead_beef,
+                is_whole: true,
+            };
             assert_eq!(head, expected);
             let rectification = calibration(left, right).rectify(QVGA, view).unwrap();
             assert_eq!(again.remap(), &rectification.remap());
@@ -90,9 +104,16 @@ fn a_rotation_that_was_made_a_unit_one_stays_as_it_is() {
     for _ in 0..20_000 {
         let mut part = || (random.bits() % 2001) as f64 / 4000.0 - 0.25;
         let rotation = [0.9 + part() / 10.0, part(), part(), part()];
-        let Ok(once) = Calibration::new(barrel(), barrel(), rotation, [-0.1, 0.0, 0.0]) else { continue };
-        let twice = Calibration::new(barrel(), barrel(), once.rotation(), [-0.1, 0.0, 0.0]).unwrap();
-        assert_eq!(once.rotation().map(f64::to_bits), twice.rotation().map(f64::to_bits), "{rotation:?}");
+        let Ok(once) = Calibration::new(barrel(), barrel(), rotation, [-0.1, 0.0, 0.0]) else {
+            continue;
+        };
+        let twice =
+            Calibration::new(barrel(), barrel(), once.rotation(), [-0.1, 0.0, 0.0]).unwrap();
+        assert_eq!(
+            once.rotation().map(f64::to_bits),
+            twice.rotation().map(f64::to_bits),
+            "{rotation:?}"
+        );
     }
 }
 
@@ -102,12 +123,19 @@ fn the_layout_is_the_documented_one() {
     let bytes = image.encode(0x0102_0304);
     assert_eq!(bytes.len(), 236);
     let numbers = |at: usize, count: usize| {
-        bytes[at..at + 4 * count].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect::<Vec<_>>()
+        bytes[at..at + 4 * count]
+            .chunks_exact(4)
+            .map(|b| f32::from_le_bytes(b.try_into().unwrap()))
+            .collect::<Vec<_>>()
     };
     let rectification = calibration(barrel(), fisheye()).rectify(QVGA, View::Focal(150.5)).unwrap();
     let [cx, cy] = rectification.centre().map(|v| v as f32);
     assert_eq!(&bytes[..12], b"LSRG\x03\x00\xec\x00\x04\x03\x02\x01");
-    assert_eq!(&bytes[12..24], [64, 1, 240, 0, 252, 255, 60, 0, 128, 2, 224, 1], "320, 240, -4, 60, 640, 480");
+    assert_eq!(
+        &bytes[12..24],
+        [64, 1, 240, 0, 252, 255, 60, 0, 128, 2, 224, 1],
+        "320, 240, -4, 60, 640, 480"
+    );
     assert_eq!(numbers(24, 4), [150.5, cx, cy, rectification.baseline() as f32]);
     // The rows of the rotation from common to camera coordinates are the columns of its inverse.
     let columns = |side: usize| {
@@ -124,9 +152,14 @@ fn the_layout_is_the_documented_one() {
     assert_eq!(&bytes[192..196], [1, 0, 0, 0], "fisheye");
     assert_eq!(numbers(196, 9), [0.01, -0.002, 0.0003, -0.00004, 0.0, 0.0, 0.0, 0.0, 4.0]);
     assert_eq!(bytes[232..], crc_32(&bytes[..232]).to_le_bytes());
-    let bytes = RigImage::new(calibration(rational(), fisheye()), QVGA, View::Alpha(0.0), (0, 64)).unwrap().encode(0);
+    let bytes = RigImage::new(calibration(rational(), fisheye()), QVGA, View::Alpha(0.0), (0, 64))
+        .unwrap()
+        .encode(0);
     assert_eq!(&bytes[96..100], [2, 0, 0, 0], "rational");
-    let stored: Vec<f32> = bytes[100..132].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+    let stored: Vec<f32> = bytes[100..132]
+        .chunks_exact(4)
+        .map(|b| f32::from_le_bytes(b.try_into().unwrap()))
+        .collect();
     assert_eq!(stored, [0.2, 0.05, 0.001, 1e-4, -2e-5, 0.5, 0.06, 0.002]);
 }
 
@@ -152,7 +185,8 @@ fn no_flipped_bit_and_no_truncation_is_accepted() {
     }
     for more in [1, 4, 1000] {
         let longer = [&good[..], &vec![0xff; more]].concat();
-        let surplus = RigImageError::Surplus { needed: RigImage::BYTES, given: RigImage::BYTES + more };
+        let surplus =
+            RigImageError::Surplus { needed: RigImage::BYTES, given: RigImage::BYTES + more };
         assert_eq!(RigImage::decode(&longer), Err(surplus));
     }
     // The rest of a row of erased or cut off bytes in the middle.
@@ -169,7 +203,10 @@ fn erased_foreign_and_later_images_have_names() {
     assert_eq!(RigImage::decode(&[0; RigImage::BYTES]), Err(RigImageError::Foreign));
     assert_eq!(RigImage::decode(b"\x89PNG\r\n"), Err(RigImageError::Foreign));
     let good = image(View::Alpha(0.0)).encode(0).to_vec();
-    assert_eq!(RigImage::decode(&resealed(good.clone(), 4, &[1, 0])), Err(RigImageError::OtherVersion { found: 1 }));
+    assert_eq!(
+        RigImage::decode(&resealed(good.clone(), 4, &[1, 0])),
+        Err(RigImageError::OtherVersion { found: 1 })
+    );
     let before = resealed([&good[..208], &[0; 4]].concat(), 4, &[2, 0, 212, 0]);
     assert_eq!(RigImage::decode(&before), Err(RigImageError::OtherVersion { found: 2 }));
     // A later version may be longer or shorter.
@@ -199,13 +236,21 @@ fn the_number_that_is_refused_has_a_name() {
         (28, &3000_f32.to_le_bytes(), "rectified view: principal point: 3000 px is outside"),
         (36, &f32::INFINITY.to_le_bytes(), "rectified view: baseline inf m is outside"),
         (40, &2_f32.to_le_bytes(), "rectified view: the left rectifying matrix is no rotation"),
-        (168, &f32::NAN.to_le_bytes(), "rectified view: the right rectifying matrix is no rotation"),
+        (
+            168,
+            &f32::NAN.to_le_bytes(),
+            "rectified view: the right rectifying matrix is no rotation",
+        ),
         (76, &0_f32.to_le_bytes(), "left camera: focal length 0 px is outside"),
         (84, &1e9_f32.to_le_bytes(), "left camera: the optical centre (1000000000, 248.375) px"),
         (96, &7_u32.to_le_bytes(), "left camera: lens 7 is not known"),
         (100, &f32::NAN.to_le_bytes(), "left camera: lens coefficient NaN is outside"),
         (188, &(-2000_f32).to_le_bytes(), "right camera: skew -2000 px is outside"),
-        (228, &4.5_f32.to_le_bytes(), "right camera: the lens coefficients fold the image over at a tangent of 4.50"),
+        (
+            228,
+            &4.5_f32.to_le_bytes(),
+            "right camera: the lens coefficients fold the image over at a tangent of 4.50",
+        ),
         (228, &f32::NAN.to_le_bytes(), "right camera: the lens coefficients fold the image over"),
     ];
     for (at, with, says) in cases {
@@ -219,9 +264,11 @@ fn the_number_that_is_refused_has_a_name() {
     assert!(matches!(wrong, Err(RigImageError::View(RectifyError::Rig(_)))), "{wrong:?}");
 }
 
-/// A flash stricter than hardware: it panics where hardware would do something undefined, and its power fails on demand.
+/// A flash stricter than hardware: it panics where hardware would do something undefined, and its
+/// power fails on demand.
 ///
-/// Words that an interrupted write or erase was at hold garbage; so does an erased block beyond the place where its erase was stopped.
+/// Words that an interrupted write or erase was at hold garbage; so does an erased block beyond the
+/// place where its erase was stopped.
 #[derive(Clone, Debug)]
 struct Flash<const READ: usize, const WRITE: usize, const ERASE: usize> {
     bytes: Vec<u8>,
@@ -245,7 +292,15 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> Flash<READ, WRIT
         // Not erased: what is there is nobody's.
         let bytes = (0..size).map(|at| (at * 7) as u8).collect();
         let is_written = vec![true; size / WRITE];
-        Self { bytes, is_written, power: UNLIMITED, erases: 0, random: 9, unreadable: 0..0, is_worn: false }
+        Self {
+            bytes,
+            is_written,
+            power: UNLIMITED,
+            erases: 0,
+            random: 9,
+            unreadable: 0..0,
+            is_worn: false,
+        }
     }
 
     /// Takes power for so many bytes, and says for how many it suffices.
@@ -272,16 +327,23 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> Flash<READ, WRIT
     }
 }
 
-impl<const READ: usize, const WRITE: usize, const ERASE: usize> ErrorType for Flash<READ, WRITE, ERASE> {
+impl<const READ: usize, const WRITE: usize, const ERASE: usize> ErrorType
+    for Flash<READ, WRITE, ERASE>
+{
     type Error = NorFlashErrorKind;
 }
 
-impl<const READ: usize, const WRITE: usize, const ERASE: usize> ReadNorFlash for Flash<READ, WRITE, ERASE> {
+impl<const READ: usize, const WRITE: usize, const ERASE: usize> ReadNorFlash
+    for Flash<READ, WRITE, ERASE>
+{
     const READ_SIZE: usize = READ;
 
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
         let start = offset as usize;
-        assert!(start.is_multiple_of(READ) && bytes.len().is_multiple_of(READ), "an unaligned read");
+        assert!(
+            start.is_multiple_of(READ) && bytes.len().is_multiple_of(READ),
+            "an unaligned read"
+        );
         if self.power == 0 || self.unreadable.contains(&start) {
             return Err(NorFlashErrorKind::Other);
         }
@@ -294,19 +356,25 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> ReadNorFlash for
     }
 }
 
-impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Flash<READ, WRITE, ERASE> {
+impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash
+    for Flash<READ, WRITE, ERASE>
+{
     const WRITE_SIZE: usize = WRITE;
     const ERASE_SIZE: usize = ERASE;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
         let (from, to) = (from as usize, to as usize);
-        assert!(from.is_multiple_of(ERASE) && to.is_multiple_of(ERASE) && from < to, "an unaligned erase");
+        assert!(
+            from.is_multiple_of(ERASE) && to.is_multiple_of(ERASE) && from < to,
+            "an unaligned erase"
+        );
         assert!(to <= self.bytes.len(), "an erase beyond the flash");
         self.erases += 1;
         let done = from + self.spend(to - from);
         self.bytes[from..done].fill(0xff);
         if done < to {
-            // A block is not erased byte by byte: half of the time nothing of the old content is left, half of the time all.
+            // A block is not erased byte by byte: half of the time nothing of the old content is
+            // left, half of the time all.
             if self.random.is_multiple_of(2) {
                 self.garbage(done..to);
             }
@@ -320,10 +388,16 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Fla
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         let start = offset as usize;
-        assert!(start.is_multiple_of(WRITE) && bytes.len().is_multiple_of(WRITE), "an unaligned write");
+        assert!(
+            start.is_multiple_of(WRITE) && bytes.len().is_multiple_of(WRITE),
+            "an unaligned write"
+        );
         assert!(start + bytes.len() <= self.bytes.len(), "a write beyond the flash");
         let words = start / WRITE..(start + bytes.len()) / WRITE;
-        assert!(self.is_written[words.clone()].iter().all(|is_written| !is_written), "a write without an erase");
+        assert!(
+            self.is_written[words.clone()].iter().all(|is_written| !is_written),
+            "a write without an erase"
+        );
         let done = self.spend(bytes.len());
         let whole = done - done % WRITE;
         self.bytes[start..start + whole].copy_from_slice(&bytes[..whole]);
@@ -341,7 +415,8 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Fla
     }
 }
 
-/// As on an STM32G4 (8-byte words, 2 KiB pages), and a small one that is quick to try everything on.
+/// As on an STM32G4 (8-byte words, 2 KiB pages), and a small one that is quick to try everything
+/// on.
 type Pages = Flash<1, 8, 2048>;
 type Small = Flash<4, 4, 128>;
 
@@ -365,7 +440,10 @@ fn slots_are_written_in_turn_and_the_newest_is_used() {
     assert_eq!(store.load().slots, [Ok(4), Ok(5)]);
     let flash = store.into_flash();
     assert_eq!(flash.erases, 6);
-    assert!(flash.bytes[..2048].iter().enumerate().all(|(at, &byte)| byte == (at * 7) as u8), "not its bytes");
+    assert!(
+        flash.bytes[..2048].iter().enumerate().all(|(at, &byte)| byte == (at * 7) as u8),
+        "not its bytes"
+    );
 }
 
 #[test]
@@ -375,9 +453,11 @@ fn sequence_numbers_wrap() {
     flash.put(2048, &numbered(1).encode(u32::MAX));
     let mut store = RigStore::new(flash, [0, 2048]).unwrap();
     assert_eq!(loaded(&mut store), Some((Slot::Second, numbered(1))));
-    for (n, slot, slots) in
-        [(2, Slot::First, [Ok(0), Ok(u32::MAX)]), (3, Slot::Second, [Ok(0), Ok(1)]), (4, Slot::First, [Ok(2), Ok(1)])]
-    {
+    for (n, slot, slots) in [
+        (2, Slot::First, [Ok(0), Ok(u32::MAX)]),
+        (3, Slot::Second, [Ok(0), Ok(1)]),
+        (4, Slot::First, [Ok(2), Ok(1)]),
+    ] {
         assert_eq!(store.store(&numbered(n)), Ok(slot));
         assert_eq!(store.load().slots, slots);
         assert_eq!(loaded(&mut store), Some((slot, numbered(n))));
@@ -400,7 +480,10 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
     let found = damaged.load();
     assert_eq!(found.newest, Some((Slot::First, numbered(0))));
     assert_eq!(found.slots, [Ok(0), Err(SlotError::Image(RigImageError::Damaged))]);
-    assert_eq!(found.slots[1].unwrap_err().to_string(), "damaged: the checksum is not that of the bytes");
+    assert_eq!(
+        found.slots[1].unwrap_err().to_string(),
+        "damaged: the checksum does not match the bytes"
+    );
     // The damaged one is the one that is written next.
     assert_eq!(damaged.store(&numbered(9)), Ok(Slot::Second));
     assert_eq!(loaded(&mut damaged), Some((Slot::Second, numbered(9))));
@@ -414,7 +497,10 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
     let mut store = with(&|flash| flash.put(2048, &unusable));
     let found = store.load();
     assert_eq!(found.newest, Some((Slot::First, numbered(0))));
-    assert!(found.slots[1].unwrap_err().to_string().starts_with("left camera: focal length 0"), "{found:?}");
+    assert!(
+        found.slots[1].unwrap_err().to_string().starts_with("left camera: focal length 0"),
+        "{found:?}"
+    );
     assert_eq!(store.store(&numbered(3)), Ok(Slot::Second));
     assert_eq!(loaded(&mut store), Some((Slot::Second, numbered(3))));
 
@@ -424,15 +510,23 @@ fn a_damaged_slot_is_named_and_the_older_one_used() {
     });
     let found = both.load();
     assert_eq!(found.newest, None);
-    assert_eq!(found.slots, [RigImageError::Empty, RigImageError::Damaged].map(|error| Err(SlotError::Image(error))));
+    assert_eq!(
+        found.slots,
+        [RigImageError::Empty, RigImageError::Damaged].map(|error| Err(SlotError::Image(error)))
+    );
     assert_eq!(both.store(&numbered(3)), Ok(Slot::First));
 
     let mut worn = with(&|flash| flash.is_worn = true);
     assert_eq!(worn.store(&numbered(3)), Err(StoreError::NotKept));
-    assert_eq!(loaded(&mut worn), Some((Slot::Second, numbered(1))), "the one in use is still there");
+    assert_eq!(
+        loaded(&mut worn),
+        Some((Slot::Second, numbered(1))),
+        "the one in use is still there"
+    );
 }
 
-/// Cuts the power after these numbers of bytes that are erased or written, from every state that two images can leave.
+/// Cuts the power after these numbers of bytes that are erased or written, from every state that
+/// two images can leave.
 fn cut<F: NorFlash + Clone + Debug>(
     flash: F,
     limit: impl Fn(&mut F, usize) + Copy,
@@ -458,7 +552,8 @@ fn cut<F: NorFlash + Clone + Debug>(
             let mut flash = store.into_flash();
             limit(&mut flash, UNLIMITED);
             let mut store = RigStore::new(flash, starts).unwrap();
-            let found = store.load().newest.unwrap_or_else(|| panic!("no rig after a cut at {n}")).1;
+            let found =
+                store.load().newest.unwrap_or_else(|| panic!("no rig after a cut at {n}")).1;
             assert!(found == in_use || found == new, "cut at {n}: a rig that nobody stored");
             assert!(outcome.is_err() || found == new, "cut at {n}: said to be stored, but is not");
             if found == new {
@@ -490,7 +585,9 @@ fn power_may_fail_at_any_byte() {
 fn settings(max_disparity: u8) -> KeptSettings {
     let mut values = [None; SETTINGS];
     (values[1], values[10], values[17]) = (Some(max_disparity.into()), Some(6.5), Some(1.0));
-    let boxes = (0..3).map(|n| RegionBox { label: 7 + n, left: 1, top: 2, right: 300, bottom: 200 + n }).collect();
+    let boxes = (0..3)
+        .map(|n| RegionBox { label: 7 + n, left: 1, top: 2, right: 300, bottom: 200 + n })
+        .collect();
     KeptSettings { rig: Some(3), values, regions: Regions { boxes, only: true } }
 }
 
@@ -521,9 +618,19 @@ fn settings_lie_beside_the_rig_and_power_may_fail_at_any_byte() {
         let mut flash = store.into_flash();
         flash.power = UNLIMITED;
         let mut store = BoardStore::new(flash, starts.0, starts.1).unwrap();
-        let found = store.load_settings().newest.unwrap_or_else(|| panic!("no settings after a cut at {cut}")).1;
-        assert!(found == settings(41) || found == settings(50), "cut at {cut}: settings that nobody stored");
-        assert!(outcome.is_err() || found == settings(50), "cut at {cut}: said to be stored, but are not");
+        let found = store
+            .load_settings()
+            .newest
+            .unwrap_or_else(|| panic!("no settings after a cut at {cut}"))
+            .1;
+        assert!(
+            found == settings(41) || found == settings(50),
+            "cut at {cut}: settings that nobody stored"
+        );
+        assert!(
+            outcome.is_err() || found == settings(50),
+            "cut at {cut}: said to be stored, but are not"
+        );
         assert_eq!(store.load_rig().newest, Some((Slot::First, numbered(1))));
         if found == settings(50) { replaced += 1 } else { kept += 1 }
     }
@@ -540,10 +647,14 @@ fn what_is_damaged_or_of_another_version_holds_no_settings() {
     let bare = KeptSettings { rig: None, values: [None; SETTINGS], regions: Regions::default() };
     let of = RegionBox { label: u16::MAX, left: 1, top: 2, right: 3, bottom: u16::MAX - 1 };
     let full = Regions { boxes: [of; linestereo_wire::MAX_REGIONS].into(), only: true };
-    let full = KeptSettings { rig: Some(u32::MAX - 1), values: [Some(f32::MIN); SETTINGS], regions: full };
+    let full =
+        KeptSettings { rig: Some(u32::MAX - 1), values: [Some(f32::MIN); SETTINGS], regions: full };
     for good in [bare, full, settings(40)] {
         let image = settings_image(&good, 7);
-        assert_eq!((KeptSettings::sequence(&image), KeptSettings::decode(&image)), (Ok(7), Ok(good)));
+        assert_eq!(
+            (KeptSettings::sequence(&image), KeptSettings::decode(&image)),
+            (Ok(7), Ok(good))
+        );
     }
     let good = settings_image(&settings(40), 7);
     for at in 0..good.len() {
@@ -572,5 +683,8 @@ fn slots_lie_where_the_flash_can_erase_them() {
     assert_eq!(small([0, 128]), Err(LayoutError::Overlap));
     assert_eq!(small([256, 0]), Ok(()));
     assert_eq!(small([896, 0]), Err(LayoutError::OutOfBounds(Slot::First)));
-    assert_eq!(RigStore::new(Flash::<1, 1024, 4096>::new(2), [0, 4096]).map(drop), Err(LayoutError::Granularity));
+    assert_eq!(
+        RigStore::new(Flash::<1, 1024, 4096>::new(2), [0, 4096]).map(drop),
+        Err(LayoutError::Granularity)
+    );
 }

@@ -37,7 +37,8 @@ impl Texture {
         // The cubic whose slope is zero at the corners.
         let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
         let (fu, fv) = (smooth(u - i), smooth(v - j));
-        let corner = |i: f64, j: f64| self.0[j as usize % Self::SIDE * Self::SIDE + i as usize % Self::SIDE];
+        let corner =
+            |i: f64, j: f64| self.0[j as usize % Self::SIDE * Self::SIDE + i as usize % Self::SIDE];
         let row = |j: f64| corner(i, j) * (1.0 - fu) + corner(i + 1.0, j) * fu;
         row(j) * (1.0 - fv) + row(j + 1.0) * fv
     }
@@ -67,14 +68,21 @@ impl Plane {
 }
 
 /// Median of told minus true disparities of these points.
-fn bias(plane: &Plane, texture: &Texture, parts: Parts, is_counted: fn(Source) -> bool) -> (f64, usize) {
+fn bias(
+    plane: &Plane,
+    texture: &Texture,
+    parts: Parts,
+    is_counted: fn(Source) -> bool,
+) -> (f64, usize) {
     let [left, right] = plane.draw(texture);
     let params = Params { max_disparity: 112, parts, ..Params::default() };
     let mut engine = Engine::new(&params, DIMS).unwrap();
     let found = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
     let counted = found.points.iter().filter(|point| is_counted(point.source));
     let mut errors: Vec<f64> = counted
-        .map(|point| point.disparity.to_num::<f64>() - plane.disparity(point.x.into(), point.y.into()))
+        .map(|point| {
+            point.disparity.to_num::<f64>() - plane.disparity(point.x.into(), point.y.into())
+        })
         .filter(|error| error.abs() < 1.5)
         .collect();
     errors.sort_by(f64::total_cmp);
@@ -87,7 +95,9 @@ fn bias(plane: &Plane, texture: &Texture, parts: Parts, is_counted: fn(Source) -
 fn table(texture: &Texture, parts: Parts, is_counted: fn(Source) -> bool) -> (f64, String) {
     let (mut worst, mut table) = (0.0_f64, String::new());
     for slope in SLOPES {
-        for (name, plane) in [("down the rows", Plane([0.0, slope])), ("along the columns", Plane([slope, 0.0]))] {
+        for (name, plane) in
+            [("down the rows", Plane([0.0, slope])), ("along the columns", Plane([slope, 0.0]))]
+        {
             let (bias, count) = bias(&plane, texture, parts, is_counted);
             table += &format!("{slope:5.2} px {name}: {bias:6.3} px of {count}\n");
             let spans_two = slope.abs() > 0.25 && name == "along the columns";
@@ -103,7 +113,8 @@ fn table(texture: &Texture, parts: Parts, is_counted: fn(Source) -> bool) -> (f6
 
 #[test]
 fn support_points_on_slopes_have_no_bias() {
-    let (worst, table) = table(&Texture::new(1), Parts::Support, |source| source == Source::Support);
+    let (worst, table) =
+        table(&Texture::new(1), Parts::Support, |source| source == Source::Support);
     assert!(worst < 1.0, "{table}");
 }
 
@@ -113,4 +124,52 @@ fn support_points_on_slopes_have_no_bias() {
 fn pixels_of_segments_on_slopes_have_a_bias_of_one_slope_at_most() {
     let (worst, table) = table(&Texture::new(2), Parts::Both, |source| source != Source::Support);
     assert!(worst * LARGEST < 0.35, "{table}");
+}
+
+/// Median errors of matched segments at their middle, near-vertical ones and near-horizontal ones,
+/// with their numbers.
+fn bias_of_segments(plane: &Plane, texture: &Texture) -> [(f64, usize); 2] {
+    let [left, right] = plane.draw(texture);
+    let params = Params { max_disparity: 112, ..Params::default() };
+    let mut engine = Engine::new(&params, DIMS).unwrap();
+    let found = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    let mut errors = [Vec::new(), Vec::new()];
+    for segment in &found.matches {
+        let [a, b] = segment.ends.map(|end| [end.x.to_num::<f64>(), end.y.to_num::<f64>()]);
+        let [x, y] = [0, 1].map(|axis| (a[axis] + b[axis]) / 2.0);
+        let told = segment.disparity.iter().map(|d| d.to_num::<f64>()).sum::<f64>() / 2.0;
+        let is_near_horizontal = (b[0] - a[0]).abs() > (b[1] - a[1]).abs();
+        errors[usize::from(is_near_horizontal)].push(told - plane.disparity(x, y));
+    }
+    errors.map(|mut errors| {
+        errors.sort_by(f64::total_cmp);
+        (errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN), errors.len())
+    })
+}
+
+/// Of a ground, of any slope; of a ceiling up to 0.2 px a row, since beyond it both sides of a
+/// segment along the columns are taken for two surfaces.
+#[test]
+fn segments_on_slopes_down_the_rows_have_no_bias() {
+    for down in [-0.2, -0.1, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.6] {
+        let found = bias_of_segments(&Plane([0.0, down]), &Texture::new(3));
+        println!("{down:5.2} px a row, near-vertical, near-horizontal: {found:.3?}");
+        for (bias, count) in found {
+            assert!(bias.abs() < LARGEST || count < 25, "{down}: {found:.3?}");
+        }
+        let [_, (_, near_horizontal)] = found;
+        assert!(near_horizontal >= 50, "{down}: {found:.3?}");
+    }
+}
+
+/// Windows beside an edge lie 5 px off it: what owns the edge alone tells the disparity there.
+#[test]
+fn segments_on_slopes_along_the_columns_are_biased_by_their_windows() {
+    for across in [-0.2, -0.1, 0.05, 0.1, 0.15, 0.2_f64] {
+        let found = bias_of_segments(&Plane([across, 0.0]), &Texture::new(3));
+        println!("{across:5.2} px a column, near-vertical, near-horizontal: {found:.3?}");
+        for (bias, count) in found {
+            assert!(bias.abs() < 2.5 * across.abs() && count >= 25, "{across}: {found:.3?}");
+        }
+    }
 }

@@ -1,4 +1,5 @@
-//! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold never matters.
+//! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold
+//! never matters.
 
 use linestereo::image::ViewError;
 use linestereo::image::{MARGIN, shrink_to_valid};
@@ -11,7 +12,8 @@ const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = linestereo::scratch!(DIMS, 512);
 type Spans = [Span; DIMS.height as usize];
 
-/// Valid pixels of a turned camera: slanted borders left and right, empty rows at the top, fewer pixels at the bottom.
+/// Valid pixels of a turned camera: slanted borders left and right, empty rows at the top, fewer
+/// pixels at the bottom.
 fn turned(mirrored: bool) -> Spans {
     core::array::from_fn(|y| {
         let y = y as u16;
@@ -43,7 +45,11 @@ fn with_garbage(image: &GrayImage, content: &Spans, mut garbage: impl FnMut() ->
 
 fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
     let mut memory = Box::new(Memory::new());
-    let params = Params { max_disparity: 48, min_confidence: Confidence::from_num(0.5), ..Params::default() };
+    let params = Params {
+        max_disparity: 48,
+        min_confidence: Confidence::from_num(0.5),
+        ..Params::default()
+    };
     let plan = params.plan(DIMS).unwrap();
     let mut matched = plan.run([left, right], memory.view()).unwrap();
     let mut points = Vec::new();
@@ -89,22 +95,30 @@ fn nothing_is_claimed_where_there_is_no_source() {
     for rendering in scenes() {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
         let (all_matches, _) = run(left, right);
-        let (matches, points) = run(left.with_valid(&left_spans).unwrap(), right.with_valid(&right_spans).unwrap());
+        let (matches, points) =
+            run(left.with_valid(&left_spans).unwrap(), right.with_valid(&right_spans).unwrap());
         for found in &matches {
             for (end, d) in found.ends.iter().zip(found.disparity) {
                 let (x, y) = (end.x.to_num::<f64>(), end.y.to_num::<f64>());
                 assert!(within(&left_spans, x, y), "a match ends at ({x}, {y})");
-                assert!(within(&right_spans, x - d.to_num::<f64>(), y), "a match leads to an unusable pixel");
+                assert!(
+                    within(&right_spans, x - d.to_num::<f64>(), y),
+                    "a match leads to an unusable pixel"
+                );
             }
         }
         for point in &points {
             let (x, y) = (f64::from(point.x), f64::from(point.y));
-            assert!(within(&left_spans, x, y) && within(&right_spans, x - point.disparity.to_num::<f64>(), y));
+            assert!(
+                within(&left_spans, x, y)
+                    && within(&right_spans, x - point.disparity.to_num::<f64>(), y)
+            );
         }
         total += matches.len();
         without += all_matches.len();
     }
-    // The spans leave about three quarters of the common view; what lies well inside is still found.
+    // The spans leave about three quarters of the common view; what lies well inside is still
+    // found.
     assert!(total < without && total * 2 > without, "{total} of {without} matches");
 }
 
@@ -123,7 +137,9 @@ fn an_image_without_usable_pixels_has_no_depth() {
     let none = [Span::default(); DIMS.height as usize];
     for rendering in scenes() {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
-        for (left, right) in [(left.with_valid(&none).unwrap(), right), (left, right.with_valid(&none).unwrap())] {
+        for (left, right) in
+            [(left.with_valid(&none).unwrap(), right), (left, right.with_valid(&none).unwrap())]
+        {
             assert_eq!(run(left, right), (Vec::new(), Vec::new()));
         }
     }
@@ -134,16 +150,19 @@ fn shrinking_keeps_what_has_content_all_around() {
     let margin = i32::from(MARGIN);
     let content = turned(false);
     let has_content = |x: i32, y: i32| {
-        let inside = (0..i32::from(DIMS.width)).contains(&x) && (0..i32::from(DIMS.height)).contains(&y);
+        let inside =
+            (0..i32::from(DIMS.width)).contains(&x) && (0..i32::from(DIMS.height)).contains(&y);
         let span = content.get(y as usize);
-        !inside || span.is_some_and(|span| (i32::from(span.start)..i32::from(span.end)).contains(&x))
+        !inside
+            || span.is_some_and(|span| (i32::from(span.start)..i32::from(span.end)).contains(&x))
     };
     let spans = usable(&content);
     for y in 0..i32::from(DIMS.height) {
         for x in 0..i32::from(DIMS.width) {
             let span = spans[y as usize];
             let is_usable = (i32::from(span.start)..i32::from(span.end)).contains(&x);
-            let surrounded = (-margin..=margin).all(|dy| (-margin..=margin).all(|dx| has_content(x + dx, y + dy)));
+            let surrounded = (-margin..=margin)
+                .all(|dy| (-margin..=margin).all(|dx| has_content(x + dx, y + dy)));
             assert_eq!(is_usable, surrounded, "({x}, {y})");
         }
     }
@@ -154,7 +173,10 @@ fn spans_that_are_none_are_refused() {
     let pixels = [0; DIMS.width as usize * DIMS.height as usize];
     let view = Gray::new(&pixels, DIMS, DIMS.width.into()).unwrap();
     let mut spans = [Span { start: 0, end: DIMS.width }; DIMS.height as usize];
-    assert_eq!(view.with_valid(&spans[1..]).unwrap_err(), ViewError::Spans { rows: 120, given: 119 });
+    assert_eq!(
+        view.with_valid(&spans[1..]).unwrap_err(),
+        ViewError::Spans { rows: 120, given: 119 }
+    );
     spans[3] = Span { start: 5, end: 4 };
     assert_eq!(view.with_valid(&spans).unwrap_err(), ViewError::Span { row: 3, span: spans[3] });
     spans[3] = Span { start: 5, end: DIMS.width + 1 };

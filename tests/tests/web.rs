@@ -1,4 +1,5 @@
-//! The page for browsers: its modules in Node and the page in a browser, against the PC's program, byte for byte.
+//! The page for browsers: its modules in Node and the page in a browser, against the PC's program,
+//! byte for byte.
 
 use super::c_library::{QVGA, RIG, expected, has, pairs};
 use core::mem::MaybeUninit;
@@ -36,7 +37,10 @@ fn page() -> Option<&'static WebPage> {
 /// Runs a script beside this file on a task.
 fn node(script: &str, task: &Value) -> Value {
     let mut command = Command::new("node");
-    command.arg(Path::new(TESTS).join("tests/web").join(script)).stdin(Stdio::piped()).stdout(Stdio::piped());
+    command
+        .arg(Path::new(TESTS).join("tests/web").join(script))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped());
     let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
     child.stdin.take().unwrap().write_all(task.to_string().as_bytes()).unwrap();
     let output = child.wait_with_output().unwrap();
@@ -46,8 +50,10 @@ fn node(script: &str, task: &Value) -> Value {
 
 fn in_node(page: &WebPage, tasks: Vec<Value>) -> Vec<Value> {
     let source = Path::new(TESTS).join("../bindings/web/page").canonicalize().unwrap();
-    let done =
-        node("pairs.mjs", &json!({"page": source, "matcher": page.matcher, "images": page.images, "tasks": tasks}));
+    let done = node(
+        "pairs.mjs",
+        &json!({"page": source, "matcher": page.matcher, "images": page.images, "tasks": tasks}),
+    );
     done.as_array().unwrap().clone()
 }
 
@@ -61,7 +67,10 @@ fn png(folder: &Path, name: &str, image: &GrayImage) -> PathBuf {
 /// Both files of each pair.
 fn files(folder: &Path, pairs: &[(String, [GrayImage; 2])]) -> Vec<[PathBuf; 2]> {
     let write = |(name, [left, right]): &(String, [GrayImage; 2])| {
-        [png(folder, &format!("{name}-left.png"), left), png(folder, &format!("{name}-right.png"), right)]
+        [
+            png(folder, &format!("{name}-left.png"), left),
+            png(folder, &format!("{name}-right.png"), right),
+        ]
     };
     pairs.iter().map(write).collect()
 }
@@ -88,7 +97,9 @@ fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
     let mut times: Vec<f64> = (0..runs)
         .map(|_| {
             let started = std::time::Instant::now();
-            matcher.run(Pair { left, right, times_us: None }, None, scratch.reborrow(), &mut ()).unwrap();
+            matcher
+                .run(Pair { left, right, times_us: None }, None, scratch.reborrow(), &mut ())
+                .unwrap();
             1e3 * started.elapsed().as_secs_f64()
         })
         .collect();
@@ -111,7 +122,11 @@ fn the_modules_in_node_give_the_bytes_of_the_program() {
     }
     ratios.sort_by(f64::total_cmp);
     // Times of a test's machine prove nothing to others: the figure is for who looks at it.
-    println!("{} pairs, time over native: median {:.2}, {ratios:.2?}", pairs.len(), ratios[ratios.len() / 2]);
+    println!(
+        "{} pairs, time over native: median {:.2}, {ratios:.2?}",
+        pairs.len(),
+        ratios[ratios.len() / 2]
+    );
 }
 
 #[test]
@@ -122,7 +137,8 @@ fn kernels_of_webassembly_equal_the_portable_ones() {
     let built = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web/cargo");
     let arguments = ["build", "--config", &web::vectors()];
     let top = Path::new(TESTS).parent().unwrap();
-    let module = web::module(top, &built, "tests/wasm-kernels", "linestereo_wasm_kernels.wasm", &arguments);
+    let module =
+        web::module(top, &built, "tests/wasm-kernels", "linestereo_wasm_kernels.wasm", &arguments);
     let Some(module) = or_skip(module) else { return };
     let found = node("kernels.mjs", &json!({"module": module}));
     let all = (1_u32 << Kernels::COUNT) - 1;
@@ -136,23 +152,67 @@ fn images_are_the_grey_of_the_program() {
     let folder = tempfile::tempdir().unwrap();
     let mut random = Random(7);
     let mut noise = |channels: u32, most: u16| -> Vec<u16> {
-        (0..70 * 41 * channels).map(|_| (u16::from(random.grey()) << 8 | u16::from(random.grey())) % most).collect()
+        (0..70 * 41 * channels)
+            .map(|_| (u16::from(random.grey()) << 8 | u16::from(random.grey())) % most)
+            .collect()
     };
     let mut images: Vec<(String, DynamicImage)> = Vec::new();
     for (side, most) in [(0, u16::MAX), (1, 900)] {
-        let mut add = |name: &str, image: DynamicImage| images.push((format!("{name}-{side}.png"), image));
-        let bytes = |values: Vec<u16>| values.into_iter().map(|value| value as u8).collect::<Vec<u8>>();
-        add("l8", ImageBuffer::<image::Luma<u8>, _>::from_raw(70, 41, bytes(noise(1, 256))).unwrap().into());
-        add("la8", ImageBuffer::<image::LumaA<u8>, _>::from_raw(70, 41, bytes(noise(2, 256))).unwrap().into());
-        add("rgb8", ImageBuffer::<image::Rgb<u8>, _>::from_raw(70, 41, bytes(noise(3, 256))).unwrap().into());
-        add("rgba8", ImageBuffer::<image::Rgba<u8>, _>::from_raw(70, 41, bytes(noise(4, 256))).unwrap().into());
-        add("l16", ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, most)).unwrap().into());
-        add("ten", ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, 1000)).unwrap().into());
-        add("la16", ImageBuffer::<image::LumaA<u16>, _>::from_raw(70, 41, noise(2, most)).unwrap().into());
-        add("rgb16", ImageBuffer::<image::Rgb<u16>, _>::from_raw(70, 41, noise(3, most)).unwrap().into());
-        add("rgba16", ImageBuffer::<image::Rgba<u16>, _>::from_raw(70, 41, noise(4, most)).unwrap().into());
+        let mut add =
+            |name: &str, image: DynamicImage| images.push((format!("{name}-{side}.png"), image));
+        let bytes =
+            |values: Vec<u16>| values.into_iter().map(|value| value as u8).collect::<Vec<u8>>();
+        add(
+            "l8",
+            ImageBuffer::<image::Luma<u8>, _>::from_raw(70, 41, bytes(noise(1, 256)))
+                .unwrap()
+                .into(),
+        );
+        add(
+            "la8",
+            ImageBuffer::<image::LumaA<u8>, _>::from_raw(70, 41, bytes(noise(2, 256)))
+                .unwrap()
+                .into(),
+        );
+        add(
+            "rgb8",
+            ImageBuffer::<image::Rgb<u8>, _>::from_raw(70, 41, bytes(noise(3, 256)))
+                .unwrap()
+                .into(),
+        );
+        add(
+            "rgba8",
+            ImageBuffer::<image::Rgba<u8>, _>::from_raw(70, 41, bytes(noise(4, 256)))
+                .unwrap()
+                .into(),
+        );
+        add(
+            "l16",
+            ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, most)).unwrap().into(),
+        );
+        add(
+            "ten",
+            ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, 1000)).unwrap().into(),
+        );
+        add(
+            "la16",
+            ImageBuffer::<image::LumaA<u16>, _>::from_raw(70, 41, noise(2, most)).unwrap().into(),
+        );
+        add(
+            "rgb16",
+            ImageBuffer::<image::Rgb<u16>, _>::from_raw(70, 41, noise(3, most)).unwrap().into(),
+        );
+        add(
+            "rgba16",
+            ImageBuffer::<image::Rgba<u16>, _>::from_raw(70, 41, noise(4, most)).unwrap().into(),
+        );
         for (name, extension) in [("l8", "pgm"), ("rgb8", "ppm")] {
-            let of = images.iter().find(|(given, _)| *given == format!("{name}-{side}.png")).unwrap().1.clone();
+            let of = images
+                .iter()
+                .find(|(given, _)| *given == format!("{name}-{side}.png"))
+                .unwrap()
+                .1
+                .clone();
             images.push((format!("{name}-{side}.{extension}"), of));
         }
     }
@@ -161,7 +221,10 @@ fn images_are_the_grey_of_the_program() {
         match Path::new(name).extension().and_then(|extension| extension.to_str()) {
             Some("png") => image.save(path).unwrap(),
             kind => {
-                let head = format!("{}\n# made by a test\n70 41\n255\n", if kind == Some("pgm") { "P5" } else { "P6" });
+                let head = format!(
+                    "{}\n# made by a test\n70 41\n255\n",
+                    if kind == Some("pgm") { "P5" } else { "P6" }
+                );
                 std::fs::write(path, [head.as_bytes(), image.as_bytes()].concat()).unwrap();
             }
         }
@@ -169,20 +232,33 @@ fn images_are_the_grey_of_the_program() {
     let mut tasks = Vec::new();
     let mut wanted = Vec::new();
     for name in images.iter().map(|(name, _)| name).filter(|name| name.contains("-0.")) {
-        let [left, right] = [name.clone(), name.replace("-0.", "-1.")].map(|name| folder.path().join(name));
-        for (given, width) in [(vec![left.clone(), right.clone()], 0), (vec![left.clone()], 0), (vec![left, right], 37)]
-        {
+        let [left, right] =
+            [name.clone(), name.replace("-0.", "-1.")].map(|name| folder.path().join(name));
+        for (given, width) in [
+            (vec![left.clone(), right.clone()], 0),
+            (vec![left.clone()], 0),
+            (vec![left, right], 37),
+        ] {
             let from = match &given[..] {
                 [left, right] => PairFiles::Two([left.clone(), right.clone()]),
                 _ => PairFiles::SideBySide(given[0].clone()),
             };
             let pair = load_images(&from, None).unwrap();
-            wanted.push(if width == 0 { pair } else { pair.map(|image| area_average(&image, width).unwrap()) });
+            wanted.push(if width == 0 {
+                pair
+            } else {
+                pair.map(|image| area_average(&image, width).unwrap())
+            });
             tasks.push(json!({"files": given, "width": width, "out": folder.path().join(tasks.len().to_string())}));
         }
     }
     for (i, (found, pair)) in in_node(page, tasks.clone()).iter().zip(&wanted).enumerate() {
-        assert_eq!(found["size"], json!([pair[0].dims.width, pair[0].dims.height]), "{} {found}", tasks[i]);
+        assert_eq!(
+            found["size"],
+            json!([pair[0].dims.width, pair[0].dims.height]),
+            "{} {found}",
+            tasks[i]
+        );
         for (side, image) in ["left", "right"].into_iter().zip(pair) {
             let grey = std::fs::read(folder.path().join(format!("{i}-{side}"))).unwrap();
             assert!(grey == image.pixels, "{side}: {}", tasks[i]);
@@ -221,7 +297,11 @@ fn what_is_no_image_is_refused_by_what_to_do() {
         ),
         (vec![file("cut.png", &good[..good.len() / 2])], 0, "a damaged PNG; give another file"),
         (vec![file("turned.png", &turned)], 0, "a PNG that its EXIF turns; store it upright"),
-        (vec![file("huge.png", &huge)], 0, "an image of more than 128 MiB of pixels is not read; give a smaller one"),
+        (
+            vec![file("huge.png", &huge)],
+            0,
+            "an image of more than 128 MiB of pixels is not read; give a smaller one",
+        ),
         (
             vec![file("cut.pgm", b"P5 9 9 255\n123")],
             0,
@@ -262,11 +342,15 @@ fn exif_chunk(orientation: u8) -> Vec<u8> {
     [&((body.len() - 4) as u32).to_be_bytes()[..], &body, &crc.to_be_bytes()].concat()
 }
 
-/// A box over nearly all of a small image may have more hypotheses, points and segments, than the image has squares.
+/// A box over nearly all of a small image may have more hypotheses, points and segments, than the
+/// image has squares.
 #[test]
 fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
     let (_, [left, right]) = pairs().pop().unwrap();
-    let (dims, area) = (left.dims, Area { left: 3, top: 5, right: left.dims.width - 8, bottom: left.dims.height - 9 });
+    let (dims, area) = (
+        left.dims,
+        Area { left: 3, top: 5, right: left.dims.width - 8, bottom: left.dims.height - 9 },
+    );
     let region = Region::boxed(0, area, dims).unwrap();
     let capacity = Capacity { dims, segments: 1024, cell: Params::DEFAULT.cell };
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
@@ -274,10 +358,13 @@ fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
     let mut matcher = Params::default().matcher(dims).unwrap();
     let scratch = ScratchView::carve(&mut words, &capacity).unwrap();
     let mut found = Vec::new();
-    matcher.run(pair, None, scratch, &mut ()).unwrap().objects(&[region], |object| found.push(object));
+    matcher
+        .run(pair, None, scratch, &mut ())
+        .unwrap()
+        .objects(&[region], |object| found.push(object));
     let mut engine = Engine::new(&Params::default(), dims).unwrap();
     engine.run(pair.left, pair.right).unwrap();
-    assert_eq!(found, engine.objects(&[region], true));
+    assert_eq!(found, engine.objects(&[region]));
 }
 
 /// Line of an object, as the page has to say it.
@@ -287,24 +374,31 @@ fn said(images: &[GrayImage; 2], area: Area) -> String {
     let [left, right] = images;
     let mut engine = Engine::new(&params, left.dims).unwrap();
     engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-    let fit = engine.matched().health().flags.is_fit();
-    let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()], fit).remove(0);
+    let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()]).remove(0);
     let disparity = match found.disparity {
         Err(reason) => return format!("no depth: {reason}"),
         // A browser rounds halves up, such as 22.125; Rust to the even digit.
         Ok(disparity) => disparity.to_num::<f64>() + 1e-9,
     };
-    let [depth, sigma, nearest] = [found.depth, found.depth_sigma, found.nearest].map(|z| z.unwrap().to_num::<f64>());
+    let [depth, sigma, nearest] =
+        [found.depth, found.depth_sigma, found.nearest].map(|z| z.unwrap().to_num::<f64>());
     let (px, sure) = (found.sigma.to_num::<f64>(), 100.0 * found.confidence.to_num::<f64>());
     format!(
         "{depth:.3} m ± {sigma:.3} m, nearest {nearest:.3} m; {disparity:.2} ± {px:.2} px, within 1 px with {sure:.1} %"
     )
 }
 
-fn visit(page: &WebPage, browser: &Browser, flags: &[String], steps: &[Value]) -> (Vec<Value>, Vec<Value>) {
-    let task = json!({"browser": browser.path(), "page": page.page, "flags": flags, "steps": steps});
+fn visit(
+    page: &WebPage,
+    browser: &Browser,
+    flags: &[String],
+    steps: &[Value],
+) -> (Vec<Value>, Vec<Value>) {
+    let task =
+        json!({"browser": browser.path(), "page": page.page, "flags": flags, "steps": steps});
     let mut done = node("visit.mjs", &task);
-    let [found, logged] = ["found", "logged"].map(|name| done[name].take().as_array().unwrap().clone());
+    let [found, logged] =
+        ["found", "logged"].map(|name| done[name].take().as_array().unwrap().clone());
     (found, logged)
 }
 
@@ -312,8 +406,10 @@ fn browser() -> Option<Browser> {
     let browser = Browser::find();
     if browser.is_none() {
         // Not by a macro: those are silent in tests that pass.
-        let _ =
-            writeln!(std::io::stderr(), "\nSKIPPED: no browser; install chromium, or name one in LINESTEREO_BROWSER\n");
+        let _ = writeln!(
+            std::io::stderr(),
+            "\nSKIPPED: no browser; install chromium, or name one in LINESTEREO_BROWSER\n"
+        );
     }
     browser
 }
@@ -321,7 +417,10 @@ fn browser() -> Option<Browser> {
 #[test]
 fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
     let Some((page, browser)) = page().zip(browser()) else { return };
-    assert!(std::fs::metadata(&page.page).unwrap().len() <= MOST_BYTES as u64, "the page grew beyond its limit");
+    assert!(
+        std::fs::metadata(&page.page).unwrap().len() <= MOST_BYTES as u64,
+        "the page grew beyond its limit"
+    );
     let (pairs, folder) = (pairs(), tempfile::tempdir().unwrap());
     let written = files(folder.path(), &pairs);
     let notes = folder.path().join("notes.txt");
@@ -354,12 +453,20 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
         assert!(step[2]["summary"].as_str().unwrap().contains(" segments matched, "), "{name}");
         assert_eq!((&step[2]["error"], &step[2]["wide"]), (&json!(""), &json!(false)), "{name}");
     }
-    let [text_file, three, again, half_a_rig] = &found[1 + 3 * pairs.len()..] else { panic!("{found:?}") };
+    let [text_file, three, again, half_a_rig] = &found[1 + 3 * pairs.len()..] else {
+        panic!("{found:?}")
+    };
     let refused = "notes.txt: not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG";
     assert_eq!(text_file["error"], refused);
-    assert_eq!(three["error"], "3 files were given; give left and right, or one with both side by side");
+    assert_eq!(
+        three["error"],
+        "3 files were given; give left and right, or one with both side by side"
+    );
     assert_equal("again", again, &expected(&pairs[0].1));
-    assert_eq!(half_a_rig["error"], "metres need both, focal length and baseline; give the other one, or neither");
+    assert_eq!(
+        half_a_rig["error"],
+        "metres need both, focal length and baseline; give the other one, or neither"
+    );
 }
 
 /// All that a mouse does keys do, and what is drawn is told in words; a single photo is no pair.
@@ -384,15 +491,21 @@ fn a_visitor_without_mouse_or_eyes_gets_the_same() {
     ];
     let (found, logged) = visit(page, &browser, &[], &steps);
     assert_eq!(logged.len(), 1, "{logged:?}");
-    let refused = "one image of 320x240 is no pair; give the other one too, or say that it holds both";
+    let refused =
+        "one image of 320x240 is no pair; give the other one too, or say that it holds both";
     assert!(found[1]["error"].as_str().unwrap().ends_with(refused), "{}", found[1]);
-    assert!(found[2]["names"].as_str().unwrap().contains("cut in the middle: left | right"), "{}", found[2]);
+    assert!(
+        found[2]["names"].as_str().unwrap().contains("cut in the middle: left | right"),
+        "{}",
+        found[2]
+    );
     assert!(found[2]["summary"].as_str().unwrap().starts_with("160x240: "), "{}", found[2]);
     assert_eq!(found[5]["box"], "Box: 120,95 to 192,151 px");
     let area = Area { left: 120, top: 95, right: 192, bottom: 151 };
     assert_eq!(found[6]["objects"], json!([said(&images, area)]));
     assert_eq!((&found[7]["objects"], &found[7]["box"]), (&found[6]["objects"], &json!("")));
-    let tree: Vec<&str> = found[6]["tree"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    let tree: Vec<&str> =
+        found[6]["tree"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     for node in [
         "application: Left image with what was matched",
         "image: Points seen from above",
@@ -407,25 +520,43 @@ fn a_visitor_without_mouse_or_eyes_gets_the_same() {
 #[test]
 fn a_camera_is_followed() {
     let Some((page, browser)) = page().zip(browser()) else { return };
-    let (folder, (_, images)) =
-        (tempfile::tempdir().unwrap(), pairs().into_iter().find(|(name, _)| name == "drawn-320x240").unwrap());
-    let mut video = format!("YUV4MPEG2 W{} H{} F30:1 Ip C420jpeg\n", 2 * QVGA.width, QVGA.height).into_bytes();
-    video.extend(b"FRAME\n");
-    let [left, right] = images.each_ref().map(|image| image.pixels.chunks_exact(QVGA.width.into()));
-    left.zip(right).for_each(|(left, right)| video.extend([left, right].concat()));
-    video.resize(video.len() + usize::from(QVGA.width) * usize::from(QVGA.height), 128); // both colours
+    // Brightness differs from frame to frame: what does not change is a frozen camera.
+    let moving = camera(page, &browser, &[0, 2, 4, 6, 8, 10, 12]);
+    let summary = moving["summary"].as_str().unwrap();
+    let matched = summary.strip_prefix("320x240: ").and_then(|rest| rest.split_once(' ')).unwrap();
+    // The browser's colours are not the drawn bytes: about as many segments.
+    assert!(matched.0.parse::<u32>().unwrap() > 60, "{moving:?}");
+    assert_eq!(moving["names"], "Camera, both side by side");
+
+    let frozen = camera(page, &browser, &[0]);
+    let health = frozen["health"].as_str().unwrap();
+    assert!(health.contains("left_frozen: left image does not change"), "{frozen:?}");
+    assert!(frozen["summary"].as_str().unwrap().starts_with("320x240: 0 of "), "{frozen:?}");
+}
+
+/// State of the page at the fifth frame of a camera that repeats the drawn pair, brighter by each
+/// of these grey levels.
+fn camera(page: &WebPage, browser: &Browser, brighter: &[u8]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, images) = pairs().into_iter().find(|(name, _)| name == "drawn-320x240").unwrap();
+    let mut video =
+        format!("YUV4MPEG2 W{} H{} F30:1 Ip C420jpeg\n", 2 * QVGA.width, QVGA.height).into_bytes();
+    for brighter in brighter {
+        video.extend(b"FRAME\n");
+        let [left, right] =
+            images.each_ref().map(|image| image.pixels.chunks_exact(QVGA.width.into()));
+        for row in left.zip(right).flat_map(|(left, right)| [left, right]) {
+            video.extend(row.iter().map(|pixel| pixel.saturating_add(*brighter)));
+        }
+        let colours = usize::from(QVGA.width) * usize::from(QVGA.height); // both
+        video.resize(video.len() + colours, 128);
+    }
     let file = folder.path().join("pair.y4m");
     std::fs::write(&file, video).unwrap();
     let camera = format!("--use-file-for-fake-video-capture={}", file.display());
-    let flags = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream", &camera].map(str::to_owned);
-    let (found, logged) = visit(page, &browser, &flags, &[json!({"click": "camera", "frames": 5})]);
+    let flags = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream", &camera]
+        .map(str::to_owned);
+    let (found, logged) = visit(page, browser, &flags, &[json!({"click": "camera", "frames": 5})]);
     assert_eq!(logged.len(), 1, "{logged:?}");
-    let summary = found[0]["summary"].as_str().unwrap();
-    let matched: u32 =
-        summary.strip_prefix("320x240: ").and_then(|rest| rest.split_once(' ')).unwrap().0.parse().unwrap();
-    // The browser's colours are not the drawn bytes: about as many segments.
-    assert!(matched > 60, "{found:?}");
-    assert_eq!(found[0]["names"], "Camera, both side by side");
-    // What does not change is a frozen camera.
-    assert!(found[0]["health"].as_str().unwrap().contains("left_frozen: left image does not change"), "{found:?}");
+    found[0].clone()
 }

@@ -1,6 +1,8 @@
-//! Public entry points of core, rig and wire as exported functions, and a panic handler that calls a function which does not exist.
+//! Public entry points of core, rig and wire as exported functions, and a panic handler that calls
+//! a function which does not exist.
 //!
-//! `tests/tests/no_panic.rs` builds this and checks that no exported `proof_*` function can reach the handler.
+//! `tests/tests/no_panic.rs` builds this and checks that no exported `proof_*` function can reach
+//! the handler.
 #![no_std]
 
 use core::panic::PanicInfo;
@@ -29,7 +31,8 @@ const QVGA: Dims = Dims { width: 320, height: 240 };
 type BoardScratch = linestereo::scratch!(QVGA, 512);
 
 unsafe extern "C" {
-    /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop it from the machine code.
+    /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop
+    /// it from the machine code.
     fn panic_is_reachable(location: *const u8) -> !;
 }
 

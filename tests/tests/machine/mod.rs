@@ -1,4 +1,5 @@
-//! The program `live` as it is flashed, in models of the chips (`tests/machine`): from reset to the bytes that the host and an autopilot get.
+//! The program `live` as it is flashed, in models of the chips (`tests/machine`): from reset to the
+//! bytes that the host and an autopilot get.
 
 mod pico2;
 mod portenta_h7;
@@ -7,8 +8,8 @@ mod stm32h743;
 use linestereo::Dims;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_wire::{
-    Answer, CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND, MAX_PACKET, Message,
-    Outcome, Request, ResetCause, RigBytes, encode,
+    Answer, CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND,
+    MAX_PACKET, Message, Outcome, Request, ResetCause, RigBytes, encode,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -18,7 +19,10 @@ use std::sync::OnceLock;
 /// A Python that has Unicorn: the system's, or one of a folder of its own.
 fn python() -> Option<PathBuf> {
     let has_unicorn = |python: &Path| {
-        Command::new(python).args(["-c", "import unicorn"]).output().is_ok_and(|out| out.status.success())
+        Command::new(python)
+            .args(["-c", "import unicorn"])
+            .output()
+            .is_ok_and(|out| out.status.success())
     };
     let system = PathBuf::from("python3");
     if has_unicorn(&system) {
@@ -64,7 +68,8 @@ impl Run {
         let [asked, given] = ["scenario.json", "result.json"].map(|name| folder.path().join(name));
         std::fs::write(&asked, scenario.to_string()).unwrap();
         let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("machine").join(model);
-        let run = Command::new(python).arg(model).arg(image).arg(asked).arg(&given).output().unwrap();
+        let run =
+            Command::new(python).arg(model).arg(image).arg(asked).arg(&given).output().unwrap();
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
         let result: Value = serde_json::from_slice(&std::fs::read(given).unwrap()).unwrap();
         let (records, damaged) = records(&result["host"], &result["host_us"]);
@@ -73,10 +78,16 @@ impl Run {
 
     /// Nothing ended the run, and no packet was damaged.
     fn assert_whole(&self) {
-        assert_eq!((self.damaged, &self.result["ending"]), (0, &Value::Null), "{}", self.result["at"]);
+        assert_eq!(
+            (self.damaged, &self.result["ending"]),
+            (0, &Value::Null),
+            "{}",
+            self.result["at"]
+        );
     }
 
-    /// The host has enumerated a board of this name and serial number; nothing happened that USB forbids, and a program at the host has all bytes.
+    /// The host has enumerated a board of this name and serial number; nothing happened that USB
+    /// forbids, and a program at the host has all bytes.
     fn assert_usb(&self, product: &str, serial: &str, is_fast: bool) {
         let expected = json!({
             "faults": [], "ids": [0x16c0, 0x27dd], "manufacturer": "linestereo", "product": product, "serial": serial,
@@ -88,7 +99,9 @@ impl Run {
     fn frames(&self) -> Vec<&FrameHead> {
         self.records
             .iter()
-            .filter_map(|(_, record)| if let Message::Frame(head) = record { Some(head) } else { None })
+            .filter_map(
+                |(_, record)| if let Message::Frame(head) = record { Some(head) } else { None },
+            )
             .collect()
     }
 
@@ -104,15 +117,26 @@ impl Run {
         frames
     }
 
-    /// These frames of the left or the right camera, each with its number in `CaptureReport::KINDS`, were bad, and no others; each cost one pair,
-    /// and the next one came in time.
-    fn assert_bad_frames(&self, frames: &[&FrameHead], bad: &[(CameraSide, usize)], pairs: usize, within_us: u64) {
-        let missing: Vec<_> = frames.iter().filter(|head| head.health.contains(Health::PAIR_MISSING)).collect();
+    /// These frames of the left or the right camera, each with its number in
+    /// `CaptureReport::KINDS`, were bad, and no others; each cost one pair, and the next one came
+    /// in time.
+    fn assert_bad_frames(
+        &self,
+        frames: &[&FrameHead],
+        bad: &[(CameraSide, usize)],
+        pairs: usize,
+        within_us: u64,
+    ) {
+        let missing: Vec<_> =
+            frames.iter().filter(|head| head.health.contains(Health::PAIR_MISSING)).collect();
         assert_eq!(missing.len(), pairs, "{missing:?}");
         for head in missing {
             let next = frames.iter().find(|next| next.sequence == head.sequence + 1).unwrap();
             let lost_us = next.capture_time_us - head.capture_time_us;
-            assert!(!next.health.contains(Health::PAIR_MISSING) && lost_us < within_us, "{lost_us} us: {next:?}");
+            assert!(
+                !next.health.contains(Health::PAIR_MISSING) && lost_us < within_us,
+                "{lost_us} us: {next:?}"
+            );
         }
         let (losses, mut expected) = (self.losses(), CaptureReport::default().faults);
         bad.iter().for_each(|&(eye, kind)| expected[eye as usize][kind] += 1);
@@ -128,7 +152,8 @@ impl Run {
             let (start, end) = (number(target, 0), number(target, 0) + number(target, 1));
             let regions = self.result["regions"].as_array().unwrap().iter();
             let holding = regions.filter(|region| {
-                (number(region, 0)..=number(region, 0) + number(region, 1)).contains(&end) && number(region, 0) <= start
+                (number(region, 0)..=number(region, 0) + number(region, 1)).contains(&end)
+                    && number(region, 0) <= start
             });
             assert!(
                 holding.clone().any(|region| number(region, 2) & 0x3b == 0x08),
@@ -145,7 +170,8 @@ impl Run {
         for (_, record) in &self.records {
             if let Message::Pixels(part) = record {
                 let first = part.first as usize;
-                photo[usize::from(part.is_right)][first..first + part.list.len()].copy_from_slice(&part.list);
+                photo[usize::from(part.is_right)][first..first + part.list.len()]
+                    .copy_from_slice(&part.list);
                 pixels += part.list.len();
             }
         }
@@ -154,24 +180,34 @@ impl Run {
             let pixel = |i: usize| sensor_pixel(is_right, frame, i as u64 % 320, i as u64 / 320);
             photo[usize::from(is_right)].iter().enumerate().all(|(i, found)| *found == pixel(i))
         };
-        assert!((0..300).any(|frame| equals(false, frame) && equals(true, frame)), "a photograph of no frame");
+        assert!(
+            (0..300).any(|frame| equals(false, frame) && equals(true, frame)),
+            "a photograph of no frame"
+        );
     }
 
     fn answers(&self) -> impl Iterator<Item = &Answer> + Clone {
         let answers = self.records.iter();
-        answers.filter_map(|(_, record)| if let Message::Answer(answer) = record { Some(answer) } else { None })
+        answers.filter_map(
+            |(_, record)| if let Message::Answer(answer) = record { Some(answer) } else { None },
+        )
     }
 
     /// Every command was taken.
     fn assert_all_accepted(&self) {
         let answers = self.answers();
-        assert!(answers.clone().all(|answer| answer.outcome == Outcome::Accepted), "{:?}", answers.collect::<Vec<_>>());
+        assert!(
+            answers.clone().all(|answer| answer.outcome == Outcome::Accepted),
+            "{:?}",
+            answers.collect::<Vec<_>>()
+        );
     }
 
     /// Code that ran.
     fn code(&self) -> Code {
         let functions = self.result["code"].as_array().unwrap().iter();
-        let functions = functions.map(|of| (of[0].as_str().unwrap().to_owned(), of[1].as_str().unwrap().into()));
+        let functions = functions
+            .map(|of| (of[0].as_str().unwrap().to_owned(), of[1].as_str().unwrap().into()));
         Code { functions: functions.collect() }
     }
 
@@ -185,8 +221,9 @@ impl Run {
     /// The last report of what cameras lost.
     fn losses(&self) -> CaptureReport {
         let reports = self.records.iter().rev();
-        let mut reports =
-            reports.filter_map(|(_, record)| if let Message::Capture(lost) = record { Some(*lost) } else { None });
+        let mut reports = reports.filter_map(|(_, record)| {
+            if let Message::Capture(lost) = record { Some(*lost) } else { None }
+        });
         reports.next().unwrap()
     }
 
@@ -197,15 +234,16 @@ impl Run {
     }
 
     fn hellos(&self) -> impl Iterator<Item = &Hello> {
-        self.records
-            .iter()
-            .filter_map(|(_, record)| if let Message::Hello(hello) = record { Some(hello) } else { None })
+        self.records.iter().filter_map(|(_, record)| {
+            if let Message::Hello(hello) = record { Some(hello) } else { None }
+        })
     }
 }
 
 /// Records of bytes and their times, us, and how many packets are damaged.
 fn records(bytes: &Value, times: &Value) -> (Vec<(u64, Message)>, usize) {
-    let (mut decoder, mut records, mut damaged) = (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
+    let (mut decoder, mut records, mut damaged) =
+        (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
     for (byte, time) in bytes_of(bytes).into_iter().zip(times.as_array().unwrap()) {
         match decoder.push(byte) {
             Some(Ok(record)) => records.push((time.as_u64().unwrap(), record)),
@@ -236,9 +274,13 @@ impl Code {
     /// At least so many bytes of code ran. Prints what did not, the most first.
     fn assert_executed(&self, least: usize) {
         let bytes = |code: &[u8], wanted| 2 * code.iter().filter(|&&digit| digit == wanted).count();
-        let sum = |wanted| self.functions.iter().map(|(_, code)| bytes(code, wanted)).sum::<usize>();
-        let mut rest: Vec<_> =
-            self.functions.iter().map(|(name, code)| (bytes(code, b'0'), 2 * code.len(), name)).collect();
+        let sum =
+            |wanted| self.functions.iter().map(|(_, code)| bytes(code, wanted)).sum::<usize>();
+        let mut rest: Vec<_> = self
+            .functions
+            .iter()
+            .map(|(name, code)| (bytes(code, b'0'), 2 * code.len(), name))
+            .collect();
         rest.sort_by_key(|&(missing, ..)| core::cmp::Reverse(missing));
         println!(
             "executed {} bytes of code and constants, not executed {}; the functions with most of that:",
@@ -254,7 +296,9 @@ impl Code {
 
 fn bytes_of(hex: &Value) -> Vec<u8> {
     let hex = hex.as_str().unwrap().as_bytes();
-    hex.chunks(2).map(|pair| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap()).collect()
+    hex.chunks(2)
+        .map(|pair| u8::from_str_radix(core::str::from_utf8(pair).unwrap(), 16).unwrap())
+        .collect()
 }
 
 /// Identifiers of MAVLink 2 messages that follow each other without a gap.
@@ -298,7 +342,8 @@ fn rig() -> RigImage {
     let dims = Dims { width: 320, height: 240 };
     let lens = Lens::BrownConrady { k: [-0.05, 0.0, 0.0], p: [0.0; 2] };
     let camera = Camera::new(dims, [250.0; 2], [159.5, 119.5], 0.0, lens).unwrap();
-    let calibration = Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.08, 0.0, 0.0]).unwrap();
+    let calibration =
+        Calibration::new(camera, camera, [1.0, 0.0, 0.0, 0.0], [-0.08, 0.0, 0.0]).unwrap();
     RigImage::new(calibration, dims, View::default(), (0, 64)).unwrap()
 }
 

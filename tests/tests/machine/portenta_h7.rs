@@ -1,7 +1,9 @@
-//! A Portenta H7 behind Arduino's bootloader with two MT9V034 whose rows a joiner gives as one: both UARTs, and USB at high speed.
+//! A Portenta H7 behind Arduino's bootloader with two MT9V034 whose rows a joiner gives as one:
+//! both UARTs, and USB at high speed.
 //!
-//! Not in the model, and so not shown here: the bootloader and what it leaves behind, the joiner, the power controller, USB below its packets and its
-//! PHY but for power, reset and pins, caches, the second core, the time of anything within a few tens of percent.
+//! Not in the model, and so not shown here: the bootloader and what it leaves behind, the joiner,
+//! the power controller, USB below its packets and its PHY but for power, reset and pins, caches,
+//! the second core, the time of anything within a few tens of percent.
 
 use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes};
 use linestereo_boards::Board;
@@ -17,8 +19,8 @@ fn execute(mut scenario: Value) -> Option<Run> {
     Run::of("stm32h7.py", || image(&Board::PORTENTA_H7, "live"), &scenario)
 }
 
-/// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and written, an autopilot. Then power is lost, and
-/// comes back.
+/// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and
+/// written, an autopilot. Then power is lost, and comes back.
 #[test]
 fn seconds_of_a_portenta() {
     const FAULTS: [(CameraSide, u64, &str, usize); 2] =
@@ -31,8 +33,7 @@ fn seconds_of_a_portenta() {
         (600_000, Request::Photograph), // 1.7 s of the UART
         (2_500_000, Request::SetRig(rig_bytes())),
     ];
-    let scenario =
-        json!({ "until_us": 3_200_000, "host": host(&requests), "faults": bad_frames(&FAULTS), "erase_us": 2e5 });
+    let scenario = json!({ "until_us": 3_200_000, "host": host(&requests), "faults": bad_frames(&FAULTS), "erase_us": 2e5 });
     let Some(run) = execute(scenario) else { return };
     run.assert_whole();
     assert_eq!(run.reset_causes(), [Some(ResetCause::PowerOn)]);
@@ -42,7 +43,10 @@ fn seconds_of_a_portenta() {
     assert!(frames.len() > 15, "{}", frames.len());
     let bad = FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
     run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);
-    assert!(frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0), "one exposure");
+    assert!(
+        frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0),
+        "one exposure"
+    );
     run.assert_photograph();
 
     // The rig was erased, written, and is used.
@@ -61,7 +65,8 @@ fn seconds_of_a_portenta() {
     assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
 }
 
-/// Medians of the last pairs, us: from an exposure to the next one, and to the last byte of the result at the host.
+/// Medians of the last pairs, us: from an exposure to the next one, and to the last byte of the
+/// result at the host.
 fn pace(run: &Run) -> [u64; 2] {
     let arrivals = run.records.iter().filter_map(|(time_us, record)| match record {
         Message::Frame(head) => Some((head.capture_time_us, *time_us)),
@@ -74,7 +79,10 @@ fn pace(run: &Run) -> [u64; 2] {
     };
     let last = &frames[frames.len() - 11..];
     let periods = last.windows(2).map(|pair| pair[1].0 - pair[0].0);
-    [median(periods.collect()), median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect())]
+    [
+        median(periods.collect()),
+        median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect()),
+    ]
 }
 
 /// As it is built by default, and captured ahead: a rig that comes while a pair is on its way, bad
@@ -82,8 +90,11 @@ fn pace(run: &Run) -> [u64; 2] {
 /// and is out of reset: a UART takes 43 ms for a result, longer than a pair.
 #[test]
 fn ahead_gives_more_pairs_that_are_no_older() {
-    const FAULTS: [(CameraSide, u64, &str, usize); 3] =
-        [(CameraSide::Left, 3, "short", 3), (CameraSide::Left, 6, "few", 2), (CameraSide::Left, 9, "overrun", 0)];
+    const FAULTS: [(CameraSide, u64, &str, usize); 3] = [
+        (CameraSide::Left, 3, "short", 3),
+        (CameraSide::Left, 6, "few", 2),
+        (CameraSide::Left, 9, "overrun", 0),
+    ];
     if !is_long() {
         return; // LINESTEREO_LONG=1
     }
@@ -97,9 +108,13 @@ fn ahead_gives_more_pairs_that_are_no_older() {
         run.assert_whole();
         run.assert_usb("portenta-h7", "2E0031000E51303434363337", true);
         let frames = run.frames_in_order();
-        let bad = FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
+        let bad =
+            FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
         run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);
-        assert!(frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0), "one exposure");
+        assert!(
+            frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0),
+            "one exposure"
+        );
         assert!(frames.last().unwrap().segments > 0, "{:?}", frames.last());
         run.assert_all_accepted();
         run.assert_uncached_dma();
@@ -112,5 +127,8 @@ fn ahead_gives_more_pairs_that_are_no_older() {
     });
     let [Some(ahead), Some(turns)] = paces else { return };
     println!("us from pair to pair, us to the host: {turns:?}, ahead {ahead:?}");
-    assert!(ahead[0] * 10 < turns[0] * 9 && ahead[1] * 20 < turns[1] * 21, "{turns:?}, ahead {ahead:?}");
+    assert!(
+        ahead[0] * 10 < turns[0] * 9 && ahead[1] * 20 < turns[1] * 21,
+        "{turns:?}, ahead {ahead:?}"
+    );
 }

@@ -1,6 +1,8 @@
-//! An STM32H743 with two MT9V034 in turn, `live` and `selftest`: a host on a UART or on USB, an autopilot on a UART.
+//! An STM32H743 with two MT9V034 in turn, `live` and `selftest`: a host on a UART or on USB, an
+//! autopilot on a UART.
 //!
-//! Not in the model, and so not shown here: caches, MPU faults, USB below its packets, the ADC, the time of anything within a few tens of percent.
+//! Not in the model, and so not shown here: caches, MPU faults, USB below its packets, the ADC, the
+//! time of anything within a few tens of percent.
 
 mod cameras;
 mod kept;
@@ -14,8 +16,9 @@ use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
 use linestereo_tests::board::image_with;
 use linestereo_wire::{
-    FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate, RegionBox, Regions,
-    Request, RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
+    FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate,
+    RegionBox, Regions, Request, RigFault, RigUpdate, SETTINGS, Setting, SettingValue,
+    SettingValues, Silicon, TimeSource,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -39,7 +42,9 @@ fn frames(run: &Run) -> Vec<Frame<'_>> {
     let mut frames: Vec<Frame<'_>> = Vec::new();
     for (_, record) in &run.records {
         match (record, frames.last_mut()) {
-            (Message::Frame(head), _) => frames.push(Frame { head, segments: Vec::new(), objects: Vec::new() }),
+            (Message::Frame(head), _) => {
+                frames.push(Frame { head, segments: Vec::new(), objects: Vec::new() })
+            }
             (Message::Segments(of), Some(frame)) => frame.segments.extend(of.list.iter().copied()),
             (Message::Objects(of), Some(frame)) => frame.objects.extend(of.list.iter().copied()),
             _ => {}
@@ -48,10 +53,14 @@ fn frames(run: &Run) -> Vec<Frame<'_>> {
     frames
 }
 
-const FAULTS: [(CameraSide, u64, &str, usize); 3] =
-    [(CameraSide::Left, 12, "short", 3), (CameraSide::Left, 23, "few", 2), (CameraSide::Right, 33, "overrun", 0)];
+const FAULTS: [(CameraSide, u64, &str, usize); 3] = [
+    (CameraSide::Left, 12, "short", 3),
+    (CameraSide::Left, 23, "few", 2),
+    (CameraSide::Right, 33, "overrun", 0),
+];
 
-/// Bad frames with a rig, when rows are rectified as they come. A lost left frame makes the next one's number odd, or even again.
+/// Bad frames with a rig, when rows are rectified as they come. A lost left frame makes the next
+/// one's number odd, or even again.
 const FAULTS_AGAIN: [(CameraSide, u64, &str, usize); 5] = [
     (CameraSide::Left, 4, "short", 3),
     (CameraSide::Right, 8, "few", 2),
@@ -64,7 +73,8 @@ const FAULTS_AGAIN: [(CameraSide, u64, &str, usize); 5] = [
 static TEN_SECONDS: LazyLock<Option<Run>> = LazyLock::new(|| {
     let mut regions = Regions::default();
     let _ = regions.boxes.push(RegionBox { label: 7, left: 80, top: 60, right: 240, bottom: 180 });
-    let update = ParamUpdate { min_confidence: Some(Confidence::from_num(0.5)), ..ParamUpdate::default() };
+    let update =
+        ParamUpdate { min_confidence: Some(Confidence::from_num(0.5)), ..ParamUpdate::default() };
     let requests = [
         (100_000, Request::Start),
         (1_500_000, Request::SetParams(update)),
@@ -84,36 +94,45 @@ static AGAIN: LazyLock<Option<Run>> = LazyLock::new(|| {
     let mut flash = bytes_of(&run.result["flash"]);
     let newer = scenes::faulty(96, &[7, 0, 0, 0], 1);
     flash[3 * kept::SECTOR..][..newer.len()].copy_from_slice(&newer);
-    execute("live", &json!({ "until_us": 1_400_000, "flash": hex(&flash), "host": host, "faults": faults }))
+    execute(
+        "live",
+        &json!({ "until_us": 1_400_000, "flash": hex(&flash), "host": host, "faults": faults }),
+    )
 });
 
-/// Ten seconds of a board: pairs, three bad frames, a photograph, a rig that is erased and written, objects by their boxes, an autopilot. Then
-/// power is lost, and comes back, and frames are bad again.
+/// Ten seconds of a board: pairs, three bad frames, a photograph, a rig that is erased and written,
+/// objects by their boxes, an autopilot. Then power is lost, and comes back, and frames are bad
+/// again.
 #[test]
 fn ten_seconds_of_a_board() {
     let Some(run) = &*TEN_SECONDS else { return };
     run.assert_whole();
 
     let frames = run.frames_in_order();
-    assert!(frames.len() > 60, "{}", frames.len());
+    // 66 before bars were matched, 58 with them.
+    assert!(frames.len() > 50, "{}", frames.len());
 
     // Each bad frame by its name, and it costs that frame alone.
-    run.assert_bad_frames(&frames, &FAULTS.map(|(eye, _, _, kind)| (eye, kind)), FAULTS.len(), 60_000);
+    run.assert_bad_frames(
+        &frames,
+        &FAULTS.map(|(eye, _, _, kind)| (eye, kind)),
+        FAULTS.len(),
+        60_000,
+    );
 
-    let objects = run
-        .records
-        .iter()
-        .filter_map(|(_, record)| if let Message::Objects(found) = record { Some(found) } else { None });
+    let objects = run.records.iter().filter_map(|(_, record)| {
+        if let Message::Objects(found) = record { Some(found) } else { None }
+    });
     assert!(
-        objects
-            .flat_map(|found| &found.list)
-            .any(|object| object.label == 7 && object.disparity_q6.is_ok_and(|d_q6| d_q6.abs_diff(640) < 16)),
+        objects.flat_map(|found| &found.list).any(|object| object.label == 7
+            && object.disparity_q6.is_ok_and(|d_q6| d_q6.abs_diff(640) < 16)),
         "no box is 10 px apart"
     );
 
     run.assert_photograph();
 
-    // The rig was erased, written, and is used; nothing waited for longer than half of what the watchdog allows.
+    // The rig was erased, written, and is used; nothing waited for longer than half of what the
+    // watchdog allows.
     run.assert_all_accepted();
     assert_eq!(run.result["erases"], 1);
     let unfed_us = run.result["longest_unfed_us"].as_f64().unwrap();
@@ -138,13 +157,14 @@ fn ten_seconds_of_a_board() {
     assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
     assert_eq!(hello.rig.slots, [Ok(0), Err(RigFault::LeftCamera)]);
 
-    // Bad frames cost what they did without it. While a right one is waited for nobody triggers the left camera, which is called silent as well.
+    // Bad frames cost what they did without it. While a right one is waited for nobody triggers the
+    // left camera, which is called silent as well.
     let mut bad = FAULTS_AGAIN.map(|(eye, _, _, kind)| (eye, kind)).to_vec();
     bad.push((CameraSide::Left, 5));
     let frames = again.frames_in_order();
     again.assert_bad_frames(&frames, &bad, FAULTS_AGAIN.len(), 60_000);
     let last = frames.last().unwrap();
-    assert!(last.segments > 0 && last.capture_time_us > 1_250_000, "{last:?}");
+    assert!(last.counts.matched > 0 && last.capture_time_us > 1_250_000, "{last:?}");
 }
 
 fn boxes(boxes: &[RegionBox], only: bool) -> Request {
@@ -152,20 +172,25 @@ fn boxes(boxes: &[RegionBox], only: bool) -> Request {
 }
 
 /// Settings other than those that a board was built with; a confidence is kept in 1/65536.
-const VALUES: SettingValues =
-    [-1.0, 48.0, 56.0, 28.0, 10.0, 32.0, 2.0, 0.625, 0.0, 10.0, 8.0, -0.5, 0.5, 3.0, 12.0, 1.0, 30.0, 1.0];
+const VALUES: SettingValues = [
+    -1.0, 48.0, 56.0, 28.0, 10.0, 32.0, 2.0, 0.625, 0.0, 10.0, 8.0, -0.5, 0.5, 3.0, 12.0, 1.0,
+    30.0, 1.0,
+];
 
-/// Times at which the host resets the bus, closes the port, and opens it; the clock that it sets, us.
+/// Times at which the host resets the bus, closes the port, and opens it; the clock that it sets,
+/// us.
 const RESET_US: u64 = 1_800_000;
 const CLOSED_US: u64 = 2_100_000;
 const OPENED_US: u64 = 2_300_000;
 const HOST_CLOCK_US: u64 = 1_000_000_000;
-/// Lead of the autopilot's clock over the board's, us: frames have its time until the host sets another.
+/// Lead of the autopilot's clock over the board's, us: frames have its time until the host sets
+/// another.
 const AUTOPILOT_CLOCK_US: u64 = 500_000_000;
 
 /// Requests of a host over USB, and is each accepted.
 fn wishes() -> Vec<(Request, bool)> {
-    let set = |number: usize, value: f32| Request::Set(SettingValue { number: number as u8, value });
+    let set =
+        |number: usize, value: f32| Request::Set(SettingValue { number: number as u8, value });
     let rig = RigUpdate { focal_px: 250.0, baseline_m: 0.08, offset_px: 0.0 };
     let update = ParamUpdate {
         min_disparity: Some(-2),
@@ -174,13 +199,17 @@ fn wishes() -> Vec<(Request, bool)> {
         edge_gradient: Some(32),
         min_extent: Some(8),
         cell: Some(16),
-        margin: Some(Margin::Metres { nearer: Depth::from_num(0.125), farther: Depth::from_num(0.25) }),
+        margin: Some(Margin::Metres {
+            nearer: Depth::from_num(0.125),
+            farther: Depth::from_num(0.25),
+        }),
         min_confidence: Some(Confidence::from_num(0.5)),
         reach: Some(3),
         rig: Some(rig),
         parts: Some(Parts::Both),
     };
-    let pair = PairHead { width: 320, height: 240, capture_time_us: 0, right_capture_time_us: None };
+    let pair =
+        PairHead { width: 320, height: 240, capture_time_us: 0, right_capture_time_us: None };
     let person = RegionBox { label: 1, left: 40, top: 30, right: 120, bottom: 200 };
     let mut damaged = rig_bytes();
     damaged[40] ^= 1;
@@ -188,10 +217,19 @@ fn wishes() -> Vec<(Request, bool)> {
         (Request::Describe, true),
         (Request::Start, true),
         (Request::Settings, true),
-        (Request::SetParams(ParamUpdate { margin: update.margin, ..ParamUpdate::default() }), false), // without a rig
+        (
+            Request::SetParams(ParamUpdate { margin: update.margin, ..ParamUpdate::default() }),
+            false,
+        ), // without a rig
         (Request::SetParams(update), true),
         (Request::SetParams(ParamUpdate { cell: Some(7), ..update }), false),
-        (Request::SetParams(ParamUpdate { rig: Some(RigUpdate { focal_px: -1.0, ..rig }), ..update }), false),
+        (
+            Request::SetParams(ParamUpdate {
+                rig: Some(RigUpdate { focal_px: -1.0, ..rig }),
+                ..update
+            }),
+            false,
+        ),
         (boxes(&[person, RegionBox { label: 2, left: 200, right: 280, ..person }], false), true),
         (boxes(&[RegionBox { left: 400, right: 410, ..person }], false), false),
         (Request::Pair(pair), false),
@@ -237,7 +275,10 @@ static BY_USB: LazyLock<Option<Run>> = LazyLock::new(|| {
     host.sort_by_key(|at| at[0].as_u64());
     let messages = json!([
         [300_000, hex(&message(&Raw::<21, 159>(vec![1, 196])))],
-        [500_000, hex(&message(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name("RANGE_M")].concat())))],
+        [
+            500_000,
+            hex(&message(&Raw::<20, 214>([vec![0xff, 0xff, 1, 196], name("RANGE_M")].concat())))
+        ],
         [520_000, hex(&message(&Raw::<20, 214>([vec![3, 0, 1, 196], name("")].concat())))],
         [540_000, hex(&message(&Timesync { tc1: 0, ts1: 123_456_789 }))],
         [
@@ -268,7 +309,8 @@ impl<const ID: u32, const EXTRA: u8> Mavlink for Raw<ID, EXTRA> {
 
 /// The frame of a ground station.
 fn message(message: &impl Mavlink) -> Vec<u8> {
-    let (mut station, mut bytes) = (Sender { system: 255, component: 190, sequence: 0 }, Vec::new());
+    let (mut station, mut bytes) =
+        (Sender { system: 255, component: 190, sequence: 0 }, Vec::new());
     let mut write = |frame: &[u8]| {
         bytes.extend_from_slice(frame);
         Ok::<(), ()>(())
@@ -281,7 +323,8 @@ fn name(name: &str) -> Vec<u8> {
     [name.as_bytes(), &vec![0; 16 - name.len()]].concat()
 }
 
-/// A host on USB: enumeration, every request and its answer, a bus reset, a port that is closed and opened, and the boot loader.
+/// A host on USB: enumeration, every request and its answer, a bus reset, a port that is closed and
+/// opened, and the boot loader.
 #[test]
 fn a_host_on_usb() {
     let Some(run) = &*BY_USB else { return };
@@ -292,18 +335,21 @@ fn a_host_on_usb() {
     // An answer to each request, in order.
     let mut expected: Vec<_> = wishes().into_iter().map(|(_, is_done)| is_done).collect();
     expected.extend([true; 5]);
-    let answers: Vec<_> = run.answers().map(|answer| (answer.command, answer.outcome == Outcome::Accepted)).collect();
+    let answers: Vec<_> =
+        run.answers().map(|answer| (answer.command, answer.outcome == Outcome::Accepted)).collect();
     assert_eq!(answers, (1..).zip(expected).collect::<Vec<_>>());
     let settings = run.records.iter().filter_map(|(_, record)| match record {
         Message::Setting(SettingValue { value, .. }) => Some(*value),
         _ => None,
     });
     let settings: Vec<_> = settings.collect();
-    let [before, changed, after] = [0, 1, 2].map(|report| &settings[report * SETTINGS..][..SETTINGS]);
+    let [before, changed, after] =
+        [0, 1, 2].map(|report| &settings[report * SETTINGS..][..SETTINGS]);
     assert_eq!((settings.len(), changed), (3 * SETTINGS, &VALUES[..]));
     assert_eq!(after, before);
 
-    // Frames follow each other, but for what the host itself cut off. What it did not fetch is not for the next one.
+    // Frames follow each other, but for what the host itself cut off. What it did not fetch is not
+    // for the next one.
     let frames = run.records.iter().filter_map(|(at, record)| match record {
         Message::Frame(head) => Some((*at, head)),
         _ => None,
@@ -314,11 +360,15 @@ fn a_host_on_usb() {
     for (&(time, before), &(next_time, after)) in frames.iter().zip(&frames[1..]) {
         let is_cut = [RESET_US, CLOSED_US].iter().any(|cut_us| (time..next_time).contains(cut_us));
         let is_told = after.health.contains(Health::RESULTS_SKIPPED);
-        assert!(after.sequence - before.sequence == 1 || is_cut || is_told, "{after:?} follows {before:?}");
+        assert!(
+            after.sequence - before.sequence == 1 || is_cut || is_told,
+            "{after:?} follows {before:?}"
+        );
         assert!(after.capture_time_us > before.capture_time_us, "{after:?} follows {before:?}");
     }
     let (_, first) = frames.iter().find(|(time, _)| *time > OPENED_US).unwrap();
-    assert!(first.capture_time_us > HOST_CLOCK_US + OPENED_US - 100_000, "{first:?}");
+    // Nothing of before the port was closed. How old it is depends on when in a pair it is opened.
+    assert!(first.capture_time_us > HOST_CLOCK_US + CLOSED_US, "{first:?}");
     let autopilots = frames.iter().find(|(_, head)| head.clock == TimeSource::Autopilot);
     let (at, head) = autopilots.unwrap();
     let late_us = (at + AUTOPILOT_CLOCK_US).checked_sub(head.capture_time_us);
@@ -327,7 +377,10 @@ fn a_host_on_usb() {
 
     // The UART, on which nobody has said anything, has whole records of the same.
     let (on_uart, damaged) = records(&run.result["uart"], &run.result["uart_us"]);
-    assert!(damaged == 0 && on_uart.iter().any(|(_, record)| matches!(record, Message::Frame(_))), "{damaged}");
+    assert!(
+        damaged == 0 && on_uart.iter().any(|(_, record)| matches!(record, Message::Frame(_))),
+        "{damaged}"
+    );
 
     // The autopilot: all parameters and three more, an answer about the time.
     let ids = mavlink_ids(&bytes_of(&run.result["autopilot"]));
@@ -335,8 +388,8 @@ fn a_host_on_usb() {
     assert!(ids.contains(&111), "{ids:?}");
 }
 
-/// Faults of pictures, each for [`PICTURES_US`], and a flag that names it. The pattern has 8 px blocks: a lower or a swapped one
-/// looks like one without matches.
+/// Faults of pictures, each for [`PICTURES_US`], and a flag that names it. The pattern has 8 px
+/// blocks: a lower or a swapped one looks like one without matches.
 const PICTURES: [(&str, HealthFlags); 6] = [
     ("covered", HealthFlags::LEFT_EXPOSURE),
     ("bright", HealthFlags::RIGHT_SATURATED),
@@ -348,13 +401,15 @@ const PICTURES: [(&str, HealthFlags); 6] = [
 const PICTURES_US: u64 = 400_000;
 static BAD_PICTURES: LazyLock<Option<Run>> = LazyLock::new(|| {
     let pictures = (1..).zip(PICTURES);
-    let pictures: Vec<_> =
-        pictures.map(|(part, (kind, _))| json!([PICTURES_US * part, PICTURES_US * (part + 1), kind])).collect();
+    let pictures: Vec<_> = pictures
+        .map(|(part, (kind, _))| json!([PICTURES_US * part, PICTURES_US * (part + 1), kind]))
+        .collect();
     let scenario = json!({ "until_us": 3_000_000, "host": host(&[(100_000, Request::Start)]), "pictures": pictures });
     execute("live", &scenario)
 });
 
-/// Pictures that are wrong for some time; the last of each kind are named, and good ones come again.
+/// Pictures that are wrong for some time; the last of each kind are named, and good ones come
+/// again.
 #[test]
 fn bad_pictures_are_named() {
     let Some(run) = &*BAD_PICTURES else { return };
@@ -367,17 +422,27 @@ fn bad_pictures_are_named() {
     for (part, (kind, expected)) in (1..).zip(PICTURES) {
         let names = || during(part).map(|head| head.health.to_string()).collect::<Vec<_>>();
         assert!(during(part).count() > 0, "{kind}");
-        assert!(during(part).all(|head| head.health.of_pair().contains(expected)), "{kind}: {:?}", names());
-        let is_refused = expected != HealthFlags::FEW_MATCHES && expected != HealthFlags::RIGHT_FROZEN;
-        assert!(!is_refused || during(part).all(|head| head.segments == 0), "{kind}: {:?}", names());
+        assert!(
+            during(part).all(|head| head.health.of_pair().contains(expected)),
+            "{kind}: {:?}",
+            names()
+        );
+        let is_refused =
+            expected != HealthFlags::FEW_MATCHES && expected != HealthFlags::RIGHT_FROZEN;
+        assert!(
+            !is_refused || during(part).all(|head| head.segments == 0),
+            "{kind}: {:?}",
+            names()
+        );
     }
     let first = during(0).next().unwrap();
     assert!(first.health.of_pair().is_fit(), "{first:?}");
 }
 
-/// Code that these runs of `live` execute together, bytes: 151 776 of 175 834 when this was written, some 740 of which are constants; 2 % less is allowed,
-/// since compilers differ. Of the rest a quarter is out of reach here: masks, cameras wider than 512 px, portable forms of kernels, records of other programs.
-/// The rest is printed.
+/// Code that these runs of `live` execute together, bytes: 151 776 of 175 834 when this was
+/// written, some 740 of which are constants; 2 % less is allowed, since compilers differ. Of the
+/// rest a quarter is out of reach here: masks, cameras wider than 512 px, portable forms of
+/// kernels, records of other programs. The rest is printed.
 #[test]
 fn most_of_the_code_runs() {
     let runs = [
@@ -400,9 +465,15 @@ fn most_of_the_code_runs() {
 #[test]
 fn selftest_counts_cycles_and_has_the_digests_of_the_pc() {
     const CASES: [u16; 2] = [13, 16];
-    let requests =
-        [(100_000, Request::Describe), (200_000, Request::RunCase(CASES[0])), (210_000, Request::RunCase(CASES[1]))];
-    let Some(run) = execute("selftest", &json!({ "until_us": 500_000, "host": host(&requests) })) else { return };
+    let requests = [
+        (100_000, Request::Describe),
+        (200_000, Request::RunCase(CASES[0])),
+        (210_000, Request::RunCase(CASES[1])),
+    ];
+    let Some(run) = execute("selftest", &json!({ "until_us": 500_000, "host": host(&requests) }))
+    else {
+        return;
+    };
     run.assert_whole();
     let said = |found: fn(&Message) -> Option<Message>| {
         run.records.iter().filter_map(|(_, record)| found(record)).collect::<Vec<_>>()
@@ -411,7 +482,9 @@ fn selftest_counts_cycles_and_has_the_digests_of_the_pc() {
     assert_eq!(answers.len(), requests.len(), "{:?}", run.records.last());
 
     let machines = said(|record| matches!(record, Message::Machine(_)).then(|| record.clone()));
-    let [.., Message::Machine(MachineReport { unit, cases: 22, silicon: Some(silicon), .. })] = &machines[..] else {
+    let [.., Message::Machine(MachineReport { unit, cases: 22, silicon: Some(silicon), .. })] =
+        &machines[..]
+    else {
         panic!("{machines:?}")
     };
     let expected = Silicon {
@@ -428,7 +501,12 @@ fn selftest_counts_cycles_and_has_the_digests_of_the_pc() {
     assert_eq!(reports.len(), CASES.len());
     for (report, case) in reports.iter().zip(CASES) {
         let Message::Case(report) = report else { unreachable!() };
-        assert_eq!((report.case, report.digests), (case, QVGA[usize::from(case)]), "{}", report.name);
+        assert_eq!(
+            (report.case, report.digests),
+            (case, QVGA[usize::from(case)]),
+            "{}",
+            report.name
+        );
         let cost: u64 = report.costs.iter().sum();
         assert!(cost > 300_000 && cost <= report.total, "{report:?}");
         // The model's core runs at 400 MHz.

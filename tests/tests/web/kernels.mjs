@@ -1,4 +1,5 @@
-// On stdin JSON: { module } of tests/wasm-kernels. Prints what it says: kernels that differ, and those of the control.
+// On stdin JSON: { module } of tests/wasm-kernels. Prints what it says: kernels that differ, and
+// those of the control.
 import { readFileSync } from "node:fs";
 const { module } = JSON.parse(readFileSync(0, "utf8"));
 const { instance: { exports: kernels } } = await WebAssembly.instantiate(readFileSync(module));

@@ -1,5 +1,6 @@
-// The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, both, width, out, rig, runs }] }. Writes the grey images to out-left and
-// out-right; with a rig prints a result for each task, as text, and the median time of its runs in ms. A task that is refused prints why.
+// The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, both, width, out,
+// rig, runs }] }. Writes the grey images to out-left and out-right; with a rig prints a result for
+// each task, as text, and the median time of its runs in ms. A task that is refused prints why.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { middle, text } from "./text.mjs";

@@ -1,6 +1,7 @@
-// A visit to the page in a browser without a window, by its debugging pipe: real files, real mouse events. On stdin JSON:
-// { browser, page, flags, steps }; a step is { files } | { settings } | { box } | { keys } | { tree } | { until } | { click } | { screenshot } and may ask for { text } of the page's result.
-// Prints for each step what the page shows then.
+// A visit to the page in a browser without a window, by its debugging pipe: real files, real mouse
+// events. On stdin JSON: { browser, page, flags, steps }; a step is { files } | { settings } | {
+// box } | { keys } | { tree } | { until } | { click } | { screenshot } and may ask for { text } of
+// the page's result. Prints for each step what the page shows then.
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

@@ -2,7 +2,8 @@
 
 use linestereo_firmware::programs::kernels::{self, Kernels, Rooms};
 
-/// Bits of the kernels that differ, in the order of `Kernels::NAMES`: of the core's, or of those that are wrong.
+/// Bits of the kernels that differ, in the order of `Kernels::NAMES`: of the core's, or of those
+/// that are wrong.
 #[unsafe(no_mangle)]
 pub extern "C" fn differing(wrong: bool) -> u32 {
     let (mut rooms, mut differing, mut bit) = (Box::new(Rooms::new()), 0, 1);

@@ -9,13 +9,14 @@ use std::sync::LazyLock;
 
 pub(super) const SECTOR: usize = 128 * 1024;
 
-/// Four sectors: two of the settings, two of the rig. A setting out of its range; none; a rig of which a byte is not what was written; one whose
-/// first word was being written when power failed.
+/// Four sectors: two of the settings, two of the rig. A setting out of its range; none; a rig of
+/// which a byte is not what was written; one whose first word was being written when power failed.
 fn damaged_flash() -> Vec<u8> {
     let mut flash = vec![0xff; 4 * SECTOR];
     let mut values = built().map(Some);
     values[Setting::VEHICLE] = Some(1e6);
-    KeptSettings { rig: None, values, regions: Regions::default() }.put(3, &mut flash[..KeptSettings::BYTES]);
+    KeptSettings { rig: None, values, regions: Regions::default() }
+        .put(3, &mut flash[..KeptSettings::BYTES]);
     let rig = rig().encode(8);
     flash[2 * SECTOR..][..rig.len()].copy_from_slice(&rig);
     flash[2 * SECTOR + 100] ^= 1;
@@ -41,28 +42,37 @@ pub(super) static DAMAGED: LazyLock<Option<Run>> = LazyLock::new(|| {
     execute("live", &scenario)
 });
 
-/// Each slot says what is wrong with it, and nothing of it is used. A flash that fails refuses what is to be kept; when it works again it keeps it.
+/// Each slot says what is wrong with it, and nothing of it is used. A flash that fails refuses what
+/// is to be kept; when it works again it keeps it.
 #[test]
 fn damaged_slots_and_a_flash_that_fails_are_named() {
     let Some(run) = &*DAMAGED else { return };
     run.assert_whole();
     let hellos: Vec<_> = run.hellos().collect();
     let [first, .., last] = &hellos[..] else { panic!("{hellos:?}") };
-    assert_eq!((first.rig.in_use, first.rig.slots), (None, [Err(RigFault::Damaged), Err(RigFault::Unreadable)]));
+    assert_eq!(
+        (first.rig.in_use, first.rig.slots),
+        (None, [Err(RigFault::Damaged), Err(RigFault::Unreadable)])
+    );
     let not_kept = || Outcome::Refused(Refusal::NotKept);
     let outcomes: Vec<_> = run.answers().map(|answer| answer.outcome.clone()).collect();
     let done = || Outcome::Accepted;
     assert_eq!(outcomes, [done(), not_kept(), not_kept(), done(), done(), done(), done()]);
-    let kept =
-        run.records.iter().filter_map(|(_, record)| if let Message::Kept(kept) = record { Some(*kept) } else { None });
+    let kept = run.records.iter().filter_map(|(_, record)| {
+        if let Message::Kept(kept) = record { Some(*kept) } else { None }
+    });
     let kept: Vec<_> = kept.map(|kept| (kept.is_kept, kept.slots)).collect();
-    assert_eq!(kept, [(false, [Err(RigFault::OutOfRange), Err(RigFault::Empty)]), (true, [Ok(3), Ok(4)])]);
+    assert_eq!(
+        kept,
+        [(false, [Err(RigFault::OutOfRange), Err(RigFault::Empty)]), (true, [Ok(3), Ok(4)])]
+    );
     assert_eq!(last.rig.in_use.and_then(|rig| rig.slot), Some(0));
     assert_eq!(last.rig.slots, [Ok(0), Err(RigFault::Unreadable)]);
 }
 
 const PIN: u32 = 1 << 22;
-/// Flags of RCC_RSR (RM0433: 8.7.39), of which every reset sets that of its pin, and the cause that a host is told.
+/// Flags of RCC_RSR (RM0433: 8.7.39), of which every reset sets that of its pin, and the cause that
+/// a host is told.
 const CAUSES: [(u32, ResetCause); 7] = [
     (0x00ee_0000, ResetCause::PowerOn),
     (PIN | 1 << 21, ResetCause::BrownOut),
@@ -74,7 +84,8 @@ const CAUSES: [(u32, ResetCause); 7] = [
 ];
 /// From one reset to the next.
 const RESET_US: usize = 150_000;
-/// One reset behind the other from outside, then a fault of the processor and a stack that overflows.
+/// One reset behind the other from outside, then a fault of the processor and a stack that
+/// overflows.
 pub(super) static RESETS: LazyLock<Option<Run>> = LazyLock::new(|| {
     let at = |reset: usize| RESET_US * reset;
     let outside: Vec<_> = (1..CAUSES.len()).map(at).collect();
@@ -90,6 +101,9 @@ pub(super) static RESETS: LazyLock<Option<Run>> = LazyLock::new(|| {
 fn each_cause_of_a_reset_is_told() {
     let Some(run) = &*RESETS else { return };
     run.assert_whole();
-    let causes = CAUSES.iter().map(|&(_, cause)| cause).chain([ResetCause::Fault, ResetCause::StackOverflow]);
+    let causes = CAUSES
+        .iter()
+        .map(|&(_, cause)| cause)
+        .chain([ResetCause::Fault, ResetCause::StackOverflow]);
     assert_eq!(run.reset_causes(), causes.map(Some).collect::<Vec<_>>());
 }

@@ -1,4 +1,5 @@
-//! Scenes whose depths are known, seen by two cameras with lenses: the board's segments are those of the PC, bit for bit, and those of the scene.
+//! Scenes whose depths are known, seen by two cameras with lenses: the board's segments are those
+//! of the PC, bit for bit, and those of the scene.
 
 use super::super::{Run, hex, host, rig};
 use super::{execute, frames};
@@ -15,8 +16,8 @@ use linestereo_sim::engine::FrameResult;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
 use linestereo_wire::{
-    Command, Counts, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions, Request,
-    RigBytes, RigFault, RigUpdate, name,
+    Command, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions,
+    Request, RigBytes, RigFault, RigUpdate, name,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -34,9 +35,17 @@ struct Lenses {
 }
 
 impl Lenses {
-    fn new(lenses: [Lens; 2], focal: f64, rotation: [f64; 4], (dims, view): (Dims, View), range: (i16, u16)) -> Self {
-        let [left, right] = [(lenses[0], [161.5, 117.25]), (lenses[1], [157.0, 121.75])]
-            .map(|(lens, centre)| Camera::new(QVGA, [focal, 1.002 * focal], centre, 0.0, lens).unwrap());
+    fn new(
+        lenses: [Lens; 2],
+        focal: f64,
+        rotation: [f64; 4],
+        (dims, view): (Dims, View),
+        range: (i16, u16),
+    ) -> Self {
+        let [left, right] =
+            [(lenses[0], [161.5, 117.25]), (lenses[1], [157.0, 121.75])].map(|(lens, centre)| {
+                Camera::new(QVGA, [focal, 1.002 * focal], centre, 0.0, lens).unwrap()
+            });
         Self {
             calibration: Calibration::new(left, right, rotation, [-0.12, 0.0006, 0.001]).unwrap(),
             dims,
@@ -61,39 +70,47 @@ struct Shown {
     boxes: Vec<RegionBox>,
 }
 
-/// A scene is rendered wider by this on all sides, px, before the lenses' positions are read out of it.
+/// A scene is rendered wider by this on all sides, px, before the lenses' positions are read out of
+/// it.
 const MARGIN: u16 = 40;
 
 impl Shown {
     fn new(kind: Kind, lenses: &Lenses) -> Self {
         let (dims, rectification) = (lenses.dims, &lenses.rectification());
-        let (focal_px, baseline_m, centre) = (rectification.focal(), rectification.baseline(), rectification.centre());
+        let (focal_px, baseline_m, centre) =
+            (rectification.focal(), rectification.baseline(), rectification.centre());
         let mut scene = scene::build(kind, dims, 7);
         scene.pair = Pair { focal_px, baseline_m, centre, disparity_offset_px: 0.0 };
         let truth = scene::render(&scene, dims, &Sensor::default());
         let wider = |at: f64| at + f64::from(MARGIN);
         scene.pair.centre = centre.map(wider);
         let dims = Dims { width: dims.width + 2 * MARGIN, height: dims.height + 2 * MARGIN };
-        let wide = scene::render(&scene, dims, &Sensor { noise: 2.0, seed: 7, ..Sensor::default() });
+        let wide =
+            scene::render(&scene, dims, &Sensor { noise: 2.0, seed: 7, ..Sensor::default() });
         let raw = CameraSide::BOTH.map(|eye| {
             let image = if eye == CameraSide::Left { &wide.left } else { &wide.right };
             let grey = |[x, y]: [f64; 2]| {
                 let pixel = |column: f64, row: f64| {
-                    let inside =
-                        (0.0..f64::from(dims.width)).contains(&column) && (0.0..f64::from(dims.height)).contains(&row);
+                    let inside = (0.0..f64::from(dims.width)).contains(&column)
+                        && (0.0..f64::from(dims.height)).contains(&row);
                     if inside {
-                        f64::from(image.pixels[row as usize * usize::from(dims.width) + column as usize])
+                        f64::from(
+                            image.pixels[row as usize * usize::from(dims.width) + column as usize],
+                        )
                     } else {
                         0.0
                     }
                 };
                 let (column, row) = (x.floor(), y.floor());
                 let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-                let of_row = |row: f64| mix(pixel(column, row), pixel(column + 1.0, row), x - column);
+                let of_row =
+                    |row: f64| mix(pixel(column, row), pixel(column + 1.0, row), x - column);
                 mix(of_row(row), of_row(row + 1.0), y - row).round().min(250.0) as u8 // frames get lighter by up to 3
             };
             let raw = painted(QVGA.width, QVGA.height, |x, y| {
-                rectification.rectified(eye, [x.into(), y.into()]).map_or(0, |at| grey(at.map(wider)))
+                rectification
+                    .rectified(eye, [x.into(), y.into()])
+                    .map_or(0, |at| grey(at.map(wider)))
             });
             raw.pixels
         });
@@ -140,7 +157,10 @@ static LENSES: LazyLock<[(Lenses, &[Kind]); 3]> = LazyLock::new(|| {
         (0, 96),
     );
     let second = Lenses::new(
-        [Lens::Fisheye { k: [0.02, -0.01, 0.0, 0.0] }, Lens::Fisheye { k: [0.025, -0.012, 0.0, 0.0] }],
+        [
+            Lens::Fisheye { k: [0.02, -0.01, 0.0, 0.0] },
+            Lens::Fisheye { k: [0.025, -0.012, 0.0, 0.0] },
+        ],
         150.0,
         [0.9999, -0.008, 0.003, -0.01],
         (QVGA, View::Alpha(0.0)),
@@ -148,7 +168,10 @@ static LENSES: LazyLock<[(Lenses, &[Kind]); 3]> = LazyLock::new(|| {
     );
     // Half of the size, for speed, from lenses that need a mesh as fine as the board has room for.
     let third = Lenses::new(
-        [Lens::Fisheye { k: [0.05, -0.03, 0.01, 0.0] }, Lens::Fisheye { k: [0.05, -0.03, 0.01, 0.0] }],
+        [
+            Lens::Fisheye { k: [0.05, -0.03, 0.01, 0.0] },
+            Lens::Fisheye { k: [0.05, -0.03, 0.01, 0.0] },
+        ],
         140.0,
         [0.9999, 0.005, 0.002, 0.006],
         (Dims { width: 162, height: 106 }, View::Alpha(0.0)),
@@ -162,34 +185,42 @@ static LENSES: LazyLock<[(Lenses, &[Kind]); 3]> = LazyLock::new(|| {
 });
 
 static SHOWN: LazyLock<Vec<Shown>> = LazyLock::new(|| {
-    let all = LENSES.iter().flat_map(|(lenses, kinds)| kinds.iter().map(move |&kind| Shown::new(kind, lenses)));
+    let all = LENSES
+        .iter()
+        .flat_map(|(lenses, kinds)| kinds.iter().map(move |&kind| Shown::new(kind, lenses)));
     all.collect()
 });
 
-/// When the board gets its first orders and the first scene is shown, for how long each is, and when a pair with its boxes has come: a whole one
-/// before it, after a rig.
+/// When the board gets its first orders and the first scene is shown, for how long each is, and
+/// when a pair with its boxes has come: a whole one before it, after a rig.
 const ORDERS_US: u64 = 70_000;
 const FIRST_US: u64 = 210_000;
-const SCENE_US: u64 = 260_000;
-const SETTLED_US: u64 = 140_000;
+const SCENE_US: u64 = 320_000;
+const SETTLED_US: u64 = 200_000;
 
 fn start_us(scene: usize) -> u64 {
     FIRST_US + SCENE_US * scene as u64
 }
 
-/// Boxes asked for when a scene is shown. Some scenes are matched in the boxes of their smallest objects alone.
+/// Boxes asked for when a scene is shown. Some scenes are matched in the boxes of their smallest
+/// objects alone.
 fn regions(kind: Kind, shown: &Shown) -> Request {
     let only = kind == Kind::Corridor; // once a whole pair has been matched
     let of = if only { &shown.boxes[4..] } else { &shown.boxes[..] };
     Request::SetRegions(Regions { boxes: of.iter().copied().collect(), only })
 }
 
-/// Parameters that change when a scene is shown: how far the techniques may be apart, and which parts are asked for.
+/// Parameters that change when a scene is shown: how far the techniques may be apart, and which
+/// parts are asked for.
 fn parameters(kind: Kind) -> Option<Request> {
     let (margin, parts) = match kind {
-        Kind::Repetition => {
-            (Some(Margin::Metres { nearer: Depth::from_bits(0x2000), farther: Depth::from_bits(0x6000) }), None)
-        }
+        Kind::Repetition => (
+            Some(Margin::Metres {
+                nearer: Depth::from_bits(0x2000),
+                farther: Depth::from_bits(0x6000),
+            }),
+            None,
+        ),
         Kind::Corridor => (Some(Margin::Pixels(Disparity::from_bits(96))), None),
         Kind::Blank => (None, Some(Parts::Support)),
         Kind::Boxes => (None, Some(Parts::Both)),
@@ -202,7 +233,8 @@ fn rig_request(rig: &RigImage) -> Request {
     Request::SetRig(RigBytes::from_slice(&rig.encode(0)).unwrap())
 }
 
-/// Rigs that no board can use: bytes at this place of a good one, and the fault that has to be named.
+/// Rigs that no board can use: bytes at this place of a good one, and the fault that has to be
+/// named.
 const FAULTS: [(usize, &[u8], RigFault); 18] = [
     (0, b"RIFF", RigFault::Foreign),
     (4, &[9, 0], RigFault::OtherVersion),
@@ -216,12 +248,12 @@ const FAULTS: [(usize, &[u8], RigFault); 18] = [
     (96, &[7, 0, 0, 0], RigFault::LeftCamera), // no such lens
     (172, &[0, 0, 0xc0, 0x7f], RigFault::RightCamera),
     (192, &[7, 0, 0, 0], RigFault::RightCamera),
-    (20, &[0, 0], RigFault::LeftCamera),               // images without width
-    (84, &[0, 0, 0x80, 0x4e], RigFault::LeftCamera),   // centre far outside
-    (92, &[0, 0, 0x80, 0x4e], RigFault::LeftCamera),   // skew
+    (20, &[0, 0], RigFault::LeftCamera), // images without width
+    (84, &[0, 0, 0x80, 0x4e], RigFault::LeftCamera), // centre far outside
+    (92, &[0, 0, 0x80, 0x4e], RigFault::LeftCamera), // skew
     (196, &[0, 0, 0x80, 0x4e], RigFault::RightCamera), // a coefficient of the lens
     (228, &[0, 0, 0x80, 0xbf], RigFault::RightCamera), // a limit below zero
-    (40, &BACKWARDS, RigFault::View),                  // the left camera looks away from what the right one sees
+    (40, &BACKWARDS, RigFault::View),    // the left camera looks away from what the right one sees
 ];
 /// Three rows of a rotation by 180 degrees about the upright axis.
 const BACKWARDS: [u8; 36] = {
@@ -242,16 +274,23 @@ fn out_of_range() -> Vec<(ParamUpdate, Refusal)> {
     let numbers = RigUpdate { focal_px: 250.0, baseline_m: 0.1, offset_px: 0.0 };
     let margin = |nearer, farther| ParamUpdate {
         rig: Some(numbers),
-        margin: Some(Margin::Metres { nearer: Depth::from_bits(nearer), farther: Depth::from_bits(farther) }),
+        margin: Some(Margin::Metres {
+            nearer: Depth::from_bits(nearer),
+            farther: Depth::from_bits(farther),
+        }),
         ..none()
     };
     let rig = |rig| ParamUpdate { rig: Some(rig), ..none() };
     let tiny = 1e-40_f64; // what a failed calibration may give: no normal number as an f32, or none at all
-    let refusal = |what: &str, value, low, high| Refusal::OutOfRange { name: name(what), value, low, high };
+    let refusal =
+        |what: &str, value, low, high| Refusal::OutOfRange { name: name(what), value, low, high };
     vec![
         (ParamUpdate { min_disparity: Some(1), ..none() }, refusal("min_disparity", 1, -32, 0)),
         (ParamUpdate { max_disparity: Some(300), ..none() }, refusal("max_disparity", 300, 8, 256)),
-        (ParamUpdate { anchor_gradient: Some(3), ..none() }, refusal("anchor_gradient", 3, 4, 1020)),
+        (
+            ParamUpdate { anchor_gradient: Some(3), ..none() },
+            refusal("anchor_gradient", 3, 4, 1020),
+        ),
         (ParamUpdate { edge_gradient: Some(49), ..none() }, refusal("edge_gradient", 49, 4, 48)),
         (ParamUpdate { min_extent: Some(33), ..none() }, refusal("min_extent", 33, 6, 32)),
         (ParamUpdate { cell: Some(257), ..none() }, refusal("cell", 257, 8, 256)),
@@ -283,22 +322,33 @@ pub(super) fn faulty(at: usize, with: &[u8], sequence: u32) -> [u8; RigImage::BY
     bytes
 }
 
-/// A rig of raw images of this size, rectified to that one, with the right camera rolled; `roll` is the sine of half the angle.
+/// A rig of raw images of this size, rectified to that one, with the right camera rolled; `roll` is
+/// the sine of half the angle.
 fn sized(raw: Dims, rectified: Dims, roll: f64) -> RigImage {
     let [width, height] = [raw.width, raw.height].map(f64::from);
-    let camera = Camera::new(raw, [width; 2], [0.5 * width, 0.5 * height], 0.0, Lens::NONE).unwrap();
-    let calibration =
-        Calibration::new(camera, camera, [(1.0 - roll * roll).sqrt(), 0.0, 0.0, roll], [-0.1, 0.0, 0.0]).unwrap();
+    let camera =
+        Camera::new(raw, [width; 2], [0.5 * width, 0.5 * height], 0.0, Lens::NONE).unwrap();
+    let calibration = Calibration::new(
+        camera,
+        camera,
+        [(1.0 - roll * roll).sqrt(), 0.0, 0.0, roll],
+        [-0.1, 0.0, 0.0],
+    )
+    .unwrap();
     RigImage::new(calibration, rectified, View::default(), (0, 64)).unwrap()
 }
 
 /// Rigs that this board has no memory for, and what it says.
 fn oversized() -> [(RigImage, Refusal); 4] {
     let dims = |width, height| Dims { width, height };
-    let small = |what: &str, needed, given| Refusal::MemoryTooSmall { name: name(what), needed, given };
+    let small =
+        |what: &str, needed, given| Refusal::MemoryTooSmall { name: name(what), needed, given };
     [
         (sized(dims(752, 480), QVGA, 0.0), small("raw row", 752, 320)),
-        (sized(QVGA, dims(640, 480), 0.0), Refusal::OutOfRange { name: name("width"), value: 640, low: 16, high: 320 }),
+        (
+            sized(QVGA, dims(640, 480), 0.0),
+            Refusal::OutOfRange { name: name("width"), value: 640, low: 16, high: 320 },
+        ),
         (sized(QVGA, dims(320, 256), 0.0), small("frame", 320 * 256, 320 * 240)),
         (sized(QVGA, QVGA, 0.2), small("band", 16_833, 12 * 1024)), // 52 rows of 320 px and 193 bytes that the kernel may read
     ]
@@ -308,11 +358,15 @@ pub(super) static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
     let mut requests: Vec<_> = (0..)
         .zip(FAULTS)
         .map(|(n, (at, with, _))| {
-            (ORDERS_US + 4000 * n, Request::SetRig(RigBytes::from_slice(&faulty(at, with, 0)).unwrap()))
+            (
+                ORDERS_US + 4000 * n,
+                Request::SetRig(RigBytes::from_slice(&faulty(at, with, 0)).unwrap()),
+            )
         })
         .collect();
     let updates = out_of_range().into_iter().map(|(update, _)| Request::SetParams(update));
-    requests.extend((0..).zip(updates).map(|(n, request)| (ORDERS_US + 72_000 + 2000 * n, request)));
+    requests
+        .extend((0..).zip(updates).map(|(n, request)| (ORDERS_US + 72_000 + 2000 * n, request)));
     let mut number = 0;
     for (lenses, kinds) in LENSES.iter() {
         requests.push((start_us(number) - 30_000, rig_request(&lenses.rig())));
@@ -324,15 +378,20 @@ pub(super) static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
     }
     let end_us = start_us(number);
     requests.push((FIRST_US - 20_000, Request::Start));
-    requests
-        .extend([0, 1, 2, 4].into_iter().zip(oversized()).map(|(n, (rig, _))| (start_us(n) + 5000, rig_request(&rig))));
+    requests.extend(
+        [0, 1, 2, 4]
+            .into_iter()
+            .zip(oversized())
+            .map(|(n, (rig, _))| (start_us(n) + 5000, rig_request(&rig))),
+    );
     requests.push((end_us, rig_request(&sized(Dims { width: 160, height: 120 }, QVGA, 0.0))));
     requests.sort_by_key(|&(time_us, _)| time_us);
     let images: serde_json::Map<String, Value> = (0..)
         .zip(SHOWN.iter())
         .map(|(n, shown)| (format!("{n}"), json!(shown.raw.each_ref().map(|raw| hex(raw)))))
         .collect();
-    let pictures: Vec<_> = (0..number).map(|n| json!([start_us(n), start_us(n + 1), format!("{n}")])).collect();
+    let pictures: Vec<_> =
+        (0..number).map(|n| json!([start_us(n), start_us(n + 1), format!("{n}")])).collect();
     let scenario = json!({
         "until_us": end_us + 180_000, "host": host(&requests), "images": images, "pictures": pictures, "erase_us": 1000,
     });
@@ -348,7 +407,11 @@ struct Twin {
 
 impl Twin {
     fn new() -> Self {
-        Self { memory: Box::new(Workspace::new()), session: Session::new(Board::STM32H743), pairs: 0 }
+        Self {
+            memory: Box::new(Workspace::new()),
+            session: Session::new(Board::STM32H743),
+            pairs: 0,
+        }
     }
 
     fn take(&mut self, request: Request) {
@@ -376,7 +439,8 @@ impl Twin {
     }
 }
 
-/// Scenes through two pairs of lenses: what the board says is what the PC says of the same pixels, and it is true.
+/// Scenes through two pairs of lenses: what the board says is what the PC says of the same pixels,
+/// and it is true.
 #[test]
 fn depths_of_scenes_are_those_of_the_pc_and_true() {
     let Some(run) = &*SCENES else { return };
@@ -392,10 +456,18 @@ fn depths_of_scenes_are_those_of_the_pc_and_true() {
             twin.pair(lenses.dims, &shown.raw); // of the first one nobody knows yet how far the rows are apart
             let (segments, objects) = twin.pair(lenses.dims, &shown.raw);
             let settled = start_us(number) + SETTLED_US..start_us(number + 1);
-            let settled: Vec<_> = frames.iter().filter(|frame| settled.contains(&frame.head.capture_time_us)).collect();
+            let settled: Vec<_> = frames
+                .iter()
+                .filter(|frame| settled.contains(&frame.head.capture_time_us))
+                .collect();
             assert!(!settled.is_empty(), "{kind:?}");
             for frame in settled {
-                assert_eq!((&frame.segments, &frame.objects), (&segments, &objects), "{kind:?}: {:?}", frame.head);
+                assert_eq!(
+                    (&frame.segments, &frame.objects),
+                    (&segments, &objects),
+                    "{kind:?}: {:?}",
+                    frame.head
+                );
             }
             assert_true(kind, shown, &segments, &objects);
             number += 1;
@@ -403,14 +475,14 @@ fn depths_of_scenes_are_those_of_the_pc_and_true() {
     }
 }
 
-/// Segments and objects of a scene as they are promised: nine of ten segments within a pixel of what is there; a box's depth is one of something in it.
-/// Stripes and fences have look-alikes by construction, and are not held to that.
+/// Segments and objects of a scene as they are promised: nine of ten segments within a pixel of
+/// what is there; a box's depth is one of something in it. Stripes and fences have look-alikes by
+/// construction, and are not held to that.
 fn assert_true(kind: Kind, shown: &Shown, segments: &[Match], objects: &[ObjectRecord]) {
     let dims = shown.truth.left.dims;
     let truth = Truth::new(dims, shown.truth.disparity.clone(), shown.truth.visible.clone());
     let (matches, points) = (segments.to_vec(), Vec::new());
-    let result =
-        FrameResult { matches, points, counts: Counts::default(), health: Health::GOOD, pair: None, ground: None };
+    let result = FrameResult { matches, ..FrameResult::of_points(points) };
     let score = FrameScore::new(kind.name(), &truth, &result);
     let right = score.scored_segments.iter().filter(|of| of.median_error <= 1.0).count();
     println!("{kind:?}: {right} of {} segments within a pixel", segments.len());
@@ -418,7 +490,8 @@ fn assert_true(kind: Kind, shown: &Shown, segments: &[Match], objects: &[ObjectR
         return;
     }
     assert!(right * 10 >= segments.len() * 9, "{kind:?}: {right} of {}", segments.len());
-    let near = |disparity_q6: i16, true_px: f32| (f32::from(disparity_q6) / 64.0 - true_px).abs() <= 1.0;
+    let near =
+        |disparity_q6: i16, true_px: f32| (f32::from(disparity_q6) / 64.0 - true_px).abs() <= 1.0;
     for object in objects {
         let Ok(disparity_q6) = object.disparity_q6 else { continue };
         let of = shown.boxes.iter().find(|of| of.label == object.label).unwrap();
@@ -430,14 +503,16 @@ fn assert_true(kind: Kind, shown: &Shown, segments: &[Match], objects: &[ObjectR
         // Nothing hides them: each has its own depth.
         let right = objects.iter().filter(|object| {
             let mut own = pixels(dims).filter(|&at| label_at(&shown.truth, at) == object.label);
-            let disparity = own.next().and_then(|(x, y)| truth.disparity(x.into(), y.into())).unwrap();
+            let disparity =
+                own.next().and_then(|(x, y)| truth.disparity(x.into(), y.into())).unwrap();
             object.disparity_q6.is_ok_and(|disparity_q6| near(disparity_q6, disparity))
         });
         assert_eq!(right.count(), MAX_REGIONS);
     }
 }
 
-/// Rigs and parameters that cannot be used are refused by what is wrong with them, and those in use stay; one of other cameras makes every pair one of another size.
+/// Rigs and parameters that cannot be used are refused by what is wrong with them, and those in use
+/// stay; one of other cameras makes every pair one of another size.
 #[test]
 fn rigs_and_parameters_are_refused_by_their_fault() {
     let Some(run) = &*SCENES else { return };
@@ -452,5 +527,8 @@ fn rigs_and_parameters_are_refused_by_their_fault() {
     assert_eq!(format!("{:?}", refused.collect::<Vec<_>>()), format!("{expected:?}"));
     let end_us = start_us(SHOWN.len());
     let last = *run.frames().last().unwrap();
-    assert!(last.health.contains(Health::SIZE_MISMATCH) && last.segments == 0, "{last:?} after {end_us} us");
+    assert!(
+        last.health.contains(Health::SIZE_MISMATCH) && last.segments == 0,
+        "{last:?} after {end_us} us"
+    );
 }

@@ -13,10 +13,18 @@ const BOXES: usize = 12;
 
 pub(super) static ASKED: LazyLock<Option<Run>> = LazyLock::new(|| {
     let person = RegionBox { label: 1, left: 40, top: 30, right: 120, bottom: 200 };
-    let boxes = (0..BOXES as u16).map(|n| RegionBox { label: n, left: 40 + 10 * n, right: 120 + 10 * n, ..person });
+    let boxes = (0..BOXES as u16).map(|n| RegionBox {
+        label: n,
+        left: 40 + 10 * n,
+        right: 120 + 10 * n,
+        ..person
+    });
     let regions = Regions { boxes: boxes.collect(), only: false };
-    let requests =
-        [(340_000, Request::SetRegions(regions)), (350_000, Request::Start), (RESUMED_US + 100_000, Request::Describe)];
+    let requests = [
+        (340_000, Request::SetRegions(regions)),
+        (350_000, Request::Start),
+        (RESUMED_US + 100_000, Request::Describe),
+    ];
     let mut host = host(&requests).as_array().unwrap().clone();
     host.extend([
         json!([150_000, "ask"]),
@@ -29,7 +37,8 @@ pub(super) static ASKED: LazyLock<Option<Run>> = LazyLock::new(|| {
     execute("live", &json!({ "until_us": RESUMED_US + 200_000, "port": "usb", "host": host }))
 });
 
-/// Requests as `usb_host.py` names them, and the answers in hexadecimal; none where the device has to refuse.
+/// Requests as `usb_host.py` names them, and the answers in hexadecimal; none where the device has
+/// to refuse.
 const ANSWERS: [(&str, Option<&str>); 43] = [
     ("status", Some("0000")),
     ("wake", Some("")),
@@ -76,11 +85,12 @@ const ANSWERS: [(&str, Option<&str>); 43] = [
     ("too long", None),
 ];
 
-/// Requests that no enumeration makes: answered as USB 2.0 and CDC say, stalled where there is nothing to answer. The port works afterwards, and
-/// after the bus was suspended.
+/// Requests that no enumeration makes: answered as USB 2.0 and CDC say, stalled where there is
+/// nothing to answer. The port works afterwards, and after the bus was suspended.
 ///
-/// They come before any data: with a new configuration or setting, or at the end of a halt, embassy-usb-synopsys-otg 0.3.3 does not begin with DATA0
-/// again, and after an odd number of packets the next one would be lost (mended after that release: embassy-rs/embassy #6687).
+/// They come before any data: with a new configuration or setting, or at the end of a halt,
+/// embassy-usb-synopsys-otg 0.3.3 does not begin with DATA0 again, and after an odd number of
+/// packets the next one would be lost (mended after that release: embassy-rs/embassy #6687).
 #[test]
 fn other_requests_are_answered_or_stalled() {
     let Some(run) = &*ASKED else { return };
@@ -92,12 +102,14 @@ fn other_requests_are_answered_or_stalled() {
     assert_eq!(run.answers().count(), 3);
 }
 
-/// A host that does not read for a while: the board goes on, and the frame after it says that some are missing.
+/// A host that does not read for a while: the board goes on, and the frame after it says that some
+/// are missing.
 #[test]
 fn what_a_host_does_not_read_is_told() {
     let Some(run) = &*ASKED else { return };
     let heads: Vec<&FrameHead> = run.frames_in_order();
-    let told: Vec<_> = heads.iter().filter(|head| head.health.contains(Health::RESULTS_SKIPPED)).collect();
+    let told: Vec<_> =
+        heads.iter().filter(|head| head.health.contains(Health::RESULTS_SKIPPED)).collect();
     assert!(told.len() == 1 && told[0].capture_time_us > RESUMED_US - 100_000, "{told:?}");
     assert!(heads.last().unwrap().capture_time_us > RESUMED_US + 50_000, "{heads:?}");
     // Each came as a whole; of the last one the run may have seen a part.

@@ -1,0 +1,91 @@
+//! Poles before walls, drawn with exact truth.
+
+use linestereo::{Dims, Params, Region, Span, objects::Run};
+use linestereo_frames::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_tests::drawn::{Random, painted};
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+const WALL: i32 = 8;
+
+/// A pole: first column, columns, disparity; over all rows but 30 at the top and at the bottom.
+pub(crate) type Pole = (i32, i32, i32);
+
+/// A wall with a random grain, and poles before it.
+pub(crate) fn pair(poles: &[Pole], seed: u64) -> [GrayImage; 2] {
+    let grain = |x: i32, y: i32| {
+        let smooth = |x: i32, y: i32| {
+            (Random(seed ^ ((x / 2) as u64 * 7919) ^ ((y / 2) as u64 * 104_729)).bits() >> 59)
+                as i32
+        };
+        smooth(x, y) + smooth(x + 1, y) + smooth(x, y + 1)
+    };
+    let noise = |x: i32, y: i32, eye: u64| {
+        (Random(seed ^ eye ^ (x as u64 * 31 + y as u64 * 65_537)).bits() >> 62) as i32
+    };
+    [0, 1].map(|eye: i32| {
+        painted(DIMS.width, DIMS.height, |x, y| {
+            let (x, y) = (i32::from(x), i32::from(y));
+            let of = |&&(start, width, d): &&Pole| {
+                (start..start + width).contains(&(x + eye * d)) && (30..210).contains(&y)
+            };
+            let grey =
+                if poles.iter().any(|pole| of(&pole)) { 50 } else { 90 + grain(x + eye * WALL, y) };
+            (grey + noise(x, y, eye as u64)) as u8
+        })
+    })
+}
+
+fn run([left, right]: &[GrayImage; 2]) -> (Engine, FrameResult) {
+    let mut engine = Engine::new(&Params::default(), DIMS).unwrap();
+    let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    (engine, result)
+}
+
+#[test]
+fn poles_have_their_own_disparity() {
+    for (seed, width) in [(1, 3), (2, 5), (3, 8), (4, 12)] {
+        let (start, d) = (150, 24);
+        let (mut engine, result) = run(&pair(&[(start, width, d)], seed));
+        let rows: usize =
+            result.bars.iter().map(|bar| usize::from(bar.rows()[1] - bar.rows()[0])).sum();
+        assert!(rows >= 90, "{width} px: {rows} rows");
+        for bar in &result.bars {
+            let near = |value: f64, of: i32| (value - f64::from(of)).abs() <= 1.0;
+            assert!(bar.disparity().iter().all(|at| near(at.to_num(), d)), "{bar:?}");
+            assert!(
+                near(bar.ends()[0].x.to_num(), start) && near(bar.width().to_num(), width),
+                "{bar:?}"
+            );
+        }
+        // Its pixels, and those beside it.
+        let bar = result.bars.iter().max_by_key(|bar| bar.rows()[1] - bar.rows()[0]).unwrap();
+        let [first, last] = bar.rows();
+        let y = first.midpoint(last);
+        for x in bar.columns(y) {
+            let found = engine.depth_at((x, y), None).unwrap();
+            assert!(
+                (found.disparity.to_num::<f64>() - f64::from(d)).abs() <= 1.0,
+                "{x}, {y}: {found:?}"
+            );
+        }
+        let span = Span { start: start as u16, end: (start + width) as u16 };
+        let runs: Vec<Run> = (30..210).map(|y| Run { label: 1, y, span }).collect();
+        let object = engine.objects(&[Region::masked(1, &runs, DIMS).unwrap()])[0];
+        let found = object.disparity.unwrap().to_num::<f64>();
+        assert!((found - f64::from(d)).abs() <= 1.0, "{width} px: {object:?}");
+    }
+}
+
+#[test]
+fn a_fence_has_no_bars() {
+    let fence: Vec<Pole> = (0..14).map(|k| (60 + 16 * k, 5, 24)).collect();
+    let (_, result) = run(&pair(&fence, 5));
+    assert!(result.bars.is_empty(), "{:?}", result.bars);
+}
+
+#[test]
+fn a_print_is_no_bar_in_front() {
+    let (_, result) = run(&pair(&[(150, 6, WALL)], 6));
+    assert!(result.bars.is_empty(), "{:?}", result.bars);
+}

@@ -1,0 +1,207 @@
+//! Pairs that are not fit to be used, and what they answer: nothing. Exchanged images, and support
+//! points alone.
+//!
+//! Captured frames are not part of the project (`LINESTEREO_FRAMES`, or `../shared/frames` beside
+//! it): without them the test that needs them is left out.
+
+use crate::bars;
+use crate::ground::Floor;
+use crate::slopes::Texture;
+use linestereo::{
+    Area, Dims, HealthFlags, Matcher, NoDepth, Pair, Params, Parts, PixelRejection, Region,
+};
+use linestereo_frames::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_tests::captured;
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+
+/// The image from right to left, and from below to above.
+fn flipped(image: &GrayImage, is_upright: bool) -> GrayImage {
+    let mut pixels = image.pixels.clone();
+    if is_upright {
+        pixels.chunks_mut(image.dims.width.into()).for_each(<[u8]>::reverse)
+    } else {
+        pixels.reverse()
+    }
+    GrayImage { dims: image.dims, pixels }
+}
+
+/// The pair with its images exchanged, both mirrored, and both upside down.
+fn exchanged(left: &GrayImage, right: &GrayImage) -> [[GrayImage; 2]; 3] {
+    let turned = |is_upright| [left, right].map(|image| flipped(image, is_upright));
+    [[right.clone(), left.clone()], turned(true), turned(false)]
+}
+
+#[test]
+fn exchanged_images_are_named_with_what_matches_when_they_change_places() {
+    for kind in [Kind::Boxes, Kind::Cards, Kind::Demo, Kind::Corridor] {
+        let sensor = Sensor { noise: 1.5, seed: 4, ..Sensor::default() };
+        let pair = scene::render(&scene::build(kind, DIMS, 4), DIMS, &sensor);
+        let params = Params { max_disparity: 64, ..Params::default() };
+        let mut engine = Engine::new(&params, DIMS).unwrap();
+        let healthy = engine.run(pair.left.view().unwrap(), pair.right.view().unwrap()).unwrap();
+        assert_eq!(healthy.exchanged, None, "{kind:?}");
+        for [left, right] in exchanged(&pair.left, &pair.right) {
+            let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+            let [matched, segments] =
+                result.exchanged.unwrap_or_else(|| panic!("{kind:?}: {:?}", result.counts));
+            assert!(
+                result.health.of_pair().contains(HealthFlags::FEW_MATCHES),
+                "{kind:?}: {}",
+                result.health
+            );
+            assert!(result.matches.is_empty() && result.points.is_empty(), "{kind:?}");
+            let text = linestereo_sim::results::health::summary(&result);
+            let said = format!("exchange them, then {matched} of {segments} segments match\n");
+            assert!(text.contains(&said), "{kind:?}: {text}");
+            let refusal = linestereo_sim::results::health::refusal(&result).unwrap();
+            assert!(refusal.ends_with(said.trim_end()), "{kind:?}: {refusal}");
+        }
+    }
+}
+
+/// Pairs that are not what the rig saw match as many segments as chance has it, also where texture
+/// repeats.
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn captured_pairs_that_are_exchanged_or_mirrored_have_few_matches() {
+    let Some(scenes) = captured::qvga() else { return };
+    for scene in &scenes {
+        for [left, right] in &exchanged(&scene.left, &scene.right) {
+            let params = Params { max_disparity: scene.max_disparity, ..Params::default() };
+            let mut engine = Engine::new(&params, left.dims).unwrap();
+            let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+            let [matched, segments] = result.exchanged.unwrap_or_else(|| panic!("{}", scene.name));
+            assert!(3 * matched > segments, "{}: {matched} of {segments}", scene.name);
+            assert!(result.matches.is_empty() && result.points.is_empty(), "{}", scene.name);
+        }
+    }
+}
+
+/// Has neither segments nor points, bars or a ground plane.
+fn is_empty(result: &FrameResult) -> bool {
+    result.matches.is_empty()
+        && result.points.is_empty()
+        && result.obstacle_points.is_empty()
+        && result.bars.is_empty()
+        && result.ground.is_none()
+}
+
+/// One gate for all that answers.
+#[test]
+fn a_pair_that_is_not_fit_answers_nothing() {
+    let pair = scene::render(
+        &scene::build(Kind::Boxes, DIMS, 9),
+        DIMS,
+        &Sensor { noise: 1.0, ..Sensor::default() },
+    );
+    let mut engine = Engine::new(&Params { max_disparity: 64, ..Params::default() }, DIMS).unwrap();
+    let (left, right) = (pair.left.view().unwrap(), pair.right.view().unwrap());
+    let region =
+        Region::boxed(3, Area { left: 60, top: 60, right: 260, bottom: 200 }, DIMS).unwrap();
+    let healthy = engine.run(left, right).unwrap();
+    let pixel = healthy
+        .points
+        .iter()
+        .map(|point| (point.x, point.y))
+        .find(|&at| engine.depth_at(at, None).is_ok());
+    assert!(!healthy.matches.is_empty() && !healthy.obstacle_points.is_empty());
+    assert!(pixel.is_some());
+    // One camera delivered twice: everything matches.
+    let result = engine.run(left, left).unwrap();
+    assert!(result.health.of_pair().contains(HealthFlags::NO_PARALLAX), "{}", result.health);
+    assert!(is_empty(&result));
+    assert_eq!(engine.depth_at(pixel.unwrap(), None), Err(PixelRejection::UnhealthyPair));
+    let found = engine.objects(&[region]);
+    assert_eq!((found[0].label, found[0].disparity), (3, Err(NoDepth::UnhealthyPair)));
+    let mut matched = engine.matched();
+    assert!(matched.segments().is_empty() && matched.support_points().next().is_none());
+    matched.points(|point| panic!("{point:?}"));
+    assert!(!matched.findings().matches.is_empty(), "what explains it stays");
+    // A fault that the caller knows of.
+    engine.run(left, right).unwrap();
+    let mut matched = engine.matched();
+    assert!(!matched.segments().is_empty());
+    matched.add_faults(HealthFlags::LEFT_FROZEN);
+    assert!(
+        matched.segments().is_empty() && matched.health().now.contains(HealthFlags::LEFT_FROZEN)
+    );
+}
+
+/// A pair that repeats is matched like the one before it: only the gate keeps its results back.
+#[test]
+fn a_frozen_pair_has_neither_bars_nor_ground_nor_points_of_obstacles() {
+    let poles = bars::pair(&[(150, 5, 24)], 2);
+    let floor = Floor { down: 0.4, across: 0.0 }.draw(&Texture::new(5));
+    let range = Params::DEFAULT.max_disparity;
+    for (name, [left, right], max_disparity) in [("poles", poles, range), ("floor", floor, 144)] {
+        let mut engine = Engine::new(&Params { max_disparity, ..Params::default() }, DIMS).unwrap();
+        let (left, right) = (left.view().unwrap(), right.view().unwrap());
+        let healthy = engine.run(left, right).unwrap();
+        let is_found =
+            if name == "poles" { !healthy.bars.is_empty() } else { healthy.ground.is_some() };
+        assert!(is_found && !healthy.obstacle_points.is_empty(), "{name}: {}", healthy.health);
+        let frozen = engine.run_next((left, right), None, &mut ()).unwrap();
+        let flags = frozen.health.of_pair();
+        assert!(flags.contains(HealthFlags::LEFT_FROZEN | HealthFlags::RIGHT_FROZEN), "{flags}");
+        assert!(is_empty(&frozen), "{name}: {flags}");
+        assert!(!engine.matched().findings().matches.is_empty(), "{name}: it is matched");
+    }
+}
+
+/// Support points alone say nothing about rows: a pair now and then is matched with segments for
+/// that.
+#[test]
+fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
+    let scene = scene::build(Kind::Boxes, DIMS, 5);
+    let pair = |row_offset: f64, seed: u64| {
+        scene::render(&scene, DIMS, &Sensor { noise: 1.5, seed, row_offset, ..Sensor::default() })
+    };
+    let plan = |parts| Params { max_disparity: 64, parts, ..Params::default() }.plan(DIMS).unwrap();
+    let areas = [Area { left: 60, top: 60, right: 200, bottom: 180 }];
+    let mut matcher = Matcher::new(plan(Parts::Support));
+    let mut memory = Box::new(<linestereo::scratch!(DIMS, 512)>::new());
+    let mut see = |matcher: &mut Matcher, pair: &scene::Rendering, areas: Option<&[Area]>| {
+        let (left, right) = (pair.left.view().unwrap(), pair.right.view().unwrap());
+        let matched = matcher
+            .run(Pair { left, right, times_us: None }, areas, memory.view(), &mut ())
+            .unwrap();
+        (
+            matched.summary().row_offset_q5(),
+            matched.support_points().count(),
+            matched.health().flags,
+        )
+    };
+    let (rows_q5, points, flags) = see(&mut matcher, &pair(1.2, 1), None);
+    assert!((rows_q5 - 38).abs() <= 8 && points > 400, "{rows_q5}, {points} points");
+    assert!(flags.contains(HealthFlags::ROWS_OFF), "{flags}");
+    for seed in 2..5 {
+        assert_eq!(see(&mut matcher, &pair(1.2, seed), None).0, rows_q5);
+        assert_eq!(see(&mut matcher, &pair(1.2, seed + 9), Some(&areas)).0, rows_q5);
+    }
+    matcher.set_plan(plan(Parts::Both));
+    assert_eq!(
+        see(&mut matcher, &pair(1.2, 5), Some(&areas)).0,
+        rows_q5,
+        "parts of a pair with segments"
+    );
+    // Known from pairs with segments, it holds for points alone.
+    let mut matcher = Matcher::new(plan(Parts::Both));
+    assert!((see(&mut matcher, &pair(-1.2, 6), None).0 + 38).abs() <= 8);
+    matcher.set_plan(plan(Parts::Support));
+    assert!((see(&mut matcher, &pair(-1.2, 7), None).0 + 38).abs() <= 8);
+    // Images of two scenes, and how long that is held against the pairs after them.
+    let mut matcher = Matcher::new(plan(Parts::Support));
+    let other = scene::render(
+        &scene::build(Kind::Boxes, DIMS, 8),
+        DIMS,
+        &Sensor { noise: 1.5, ..Sensor::default() },
+    );
+    let wrong = scene::Rendering { right: other.right, ..pair(0.0, 8) };
+    assert!(see(&mut matcher, &wrong, None).2.contains(HealthFlags::FEW_MATCHES));
+    assert!(!matcher.knows_rows(), "of a pair that is not fit none is kept");
+    let fit = (0..40).position(|seed| see(&mut matcher, &pair(0.0, 20 + seed), None).2.is_fit());
+    assert_eq!(fit, Some(23), "three checks, eight pairs apart");
+}

@@ -1,0 +1,164 @@
+//! The end of the search: walls nearer than the disparities that are searched, and walls whose
+//! match lies left of the right image. The right match is not among those compared, so the best of
+//! them is wrong.
+//!
+//! An answer claims a probability of 0.9 at least. Chance may pass for a match once where a hundred
+//! are found on a wall that can be matched; the last disparity that is compared never does.
+
+use crate::slopes::Texture;
+use linestereo::{Dims, Params};
+use linestereo_frames::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_tests::drawn::painted;
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+/// End of the disparities searched, px.
+const RANGE: u16 = 32;
+/// Disparities from here on belong to the last one that is compared, px.
+const LAST: f64 = RANGE as f64 - 1.5;
+/// Most that an answer may be off, px.
+const RIGHT: f64 = 1.0;
+
+/// A surface of disparity `top` in row 0, which changes by `down` px per row.
+#[derive(Clone, Copy, Debug)]
+struct Wall {
+    top: f64,
+    down: f64,
+}
+
+impl Wall {
+    const fn upright(disparity: f64) -> Self {
+        Self { top: disparity, down: 0.0 }
+    }
+
+    fn disparity(self, y: f64) -> f64 {
+        self.top + self.down * y
+    }
+
+    fn draw(self, seed: u64) -> [GrayImage; 2] {
+        let texture = Texture::new(seed);
+        [0.0, 1.0].map(|eye: f64| {
+            painted(DIMS.width, DIMS.height, |x, y| {
+                let (x, y) = (f64::from(x), f64::from(y));
+                texture.at(x + eye * self.disparity(y), y).round() as u8
+            })
+        })
+    }
+
+    /// True where the match of a pixel lies left of the right image.
+    fn is_cut_off(self, x: u16, y: u16) -> bool {
+        f64::from(x) < self.disparity(y.into())
+    }
+
+    fn is_wrong(self, disparity: f64, y: u16) -> bool {
+        (disparity - self.disparity(y.into())).abs() > RIGHT
+    }
+}
+
+fn engine() -> Engine {
+    Engine::new(&Params { max_disparity: RANGE, ..Params::default() }, DIMS).unwrap()
+}
+
+fn run(engine: &mut Engine, [left, right]: &[GrayImage; 2]) -> FrameResult {
+    engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
+}
+
+/// Every sixth pixel of every sixth row.
+fn pixels() -> impl Iterator<Item = (u16, u16)> {
+    let every = |end: u16| (2..end).step_by(6);
+    every(DIMS.height).flat_map(move |y| every(DIMS.width).map(move |x| (x, y)))
+}
+
+/// Disparities told of the ends of matched segments.
+fn ends(result: &FrameResult) -> impl Iterator<Item = f64> {
+    result.matches.iter().flat_map(|found| found.disparity).map(|told| told.to_num::<f64>())
+}
+
+#[test]
+fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
+    let (mut points, mut possible, mut answered, mut asked) = (0, 0, 0, 0);
+    for seed in 1..=3 {
+        let within = run(&mut engine(), &Wall::upright(20.0).draw(seed));
+        assert!(within.points.len() > 10_000, "{}", within.health);
+        for disparity in [33.0, 36.0, 40.0, 48.0, 60.0] {
+            let what = format!("texture {seed} at {disparity} px");
+            let pair = Wall::upright(disparity).draw(seed);
+            // A user is answered nothing at all.
+            let mut used = engine();
+            let result = run(&mut used, &pair);
+            assert!(!result.health.of_pair().is_fit(), "{what}: {}", result.health);
+            assert!(result.matches.is_empty() && result.points.is_empty(), "{what}");
+            assert!(pixels().all(|pixel| used.depth_at(pixel, None).is_err()), "{what}");
+            // Nor would the matches be any without the check of the pair.
+            let mut alone = engine().answering_unfit();
+            let result = run(&mut alone, &pair);
+            assert!(ends(&result).all(|told| told < LAST), "{what}: {:?}", result.matches);
+            for point in &result.points {
+                assert!(point.disparity.to_num::<f64>() < LAST, "{what}: {point:?}");
+            }
+            for pixel in pixels() {
+                let found = alone.depth_at(pixel, None);
+                let is_last = found.is_ok_and(|found| found.disparity.to_num::<f64>() >= LAST);
+                assert!(!is_last, "{what}, {pixel:?}: {found:?}");
+                (answered, asked) = (answered + usize::from(found.is_ok()), asked + 1);
+            }
+            points += result.points.len();
+            possible += within.points.len();
+        }
+    }
+    println!("{points} points, {possible} within the range; {answered} of {asked} pixels");
+    assert!(points * 100 <= possible, "{points} points, {possible} within the range");
+    assert!(answered * 100 <= asked, "{answered} of {asked} pixels");
+}
+
+#[test]
+fn a_wall_whose_match_is_left_of_the_right_image_is_not_matched_elsewhere() {
+    let floor = Wall { top: 4.0, down: 0.1 };
+    let (mut wrong_points, mut possible) = (0, 0.0);
+    let (mut wrong_pixels, mut asked) = (0, 0);
+    let (mut wrong_segments, mut segments) = (0, 0);
+    for seed in 1..=4 {
+        for wall in [Wall::upright(20.0), Wall::upright(28.0), Wall::upright(30.0), floor] {
+            let mut engine = engine();
+            let result = run(&mut engine, &wall.draw(seed));
+            assert!(result.health.of_pair().is_fit(), "{wall:?}: {}", result.health);
+            let is_wrong = |told: f64, y: u16| usize::from(wall.is_wrong(told, y));
+            let mut seen = 0;
+            for point in &result.points {
+                if wall.is_cut_off(point.x, point.y) {
+                    wrong_points += is_wrong(point.disparity.to_num(), point.y);
+                } else {
+                    seen += 1;
+                }
+            }
+            // Points that as many pixels of the rest hold.
+            let area = |is_cut_off: bool| {
+                let columns = |y: u16| (0..DIMS.width).map(move |x| (x, y));
+                let all = (0..DIMS.height).flat_map(columns);
+                all.filter(|&(x, y)| wall.is_cut_off(x, y) == is_cut_off).count() as f64
+            };
+            possible += f64::from(seen) * area(true) / area(false);
+            for (x, y) in pixels().filter(|&(x, y)| wall.is_cut_off(x, y)) {
+                let found = engine.depth_at((x, y), None);
+                asked += 1;
+                wrong_pixels += found.map_or(0, |found| is_wrong(found.disparity.to_num(), y));
+            }
+            segments += result.matches.len();
+            for found in &result.matches {
+                let is_off = (0..2).any(|end| {
+                    let row = found.ends[end].y.to_num::<f64>();
+                    (found.disparity[end].to_num::<f64>() - wall.disparity(row)).abs() > RIGHT
+                });
+                wrong_segments += usize::from(is_off);
+            }
+        }
+    }
+    let told = format!(
+        "wrong: {wrong_points} points, {possible:.0} possible; {wrong_pixels} of {asked} pixels; \
+         {wrong_segments} of {segments} segments"
+    );
+    println!("{told}");
+    assert!(wrong_points as f64 * 100.0 <= possible, "{told}");
+    assert!(wrong_pixels * 100 <= asked, "{told}");
+    assert!(wrong_segments * 100 <= segments, "{told}");
+}
