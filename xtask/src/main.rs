@@ -1,29 +1,43 @@
-//! `cargo xtask`: the page for browsers is built here, which takes little; whatever is about boards
-//! is the work of `xtask-boards`, which is compiled when it is asked for.
+//! `cargo xtask`: results and the page for browsers are made here, which takes little to build.
+//! Everything about boards is in `xtask-boards`, which is compiled when it is asked for.
 
 use anyhow::{Context, Result};
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Command, ExitCode};
-use xtask::web;
+use xtask::{results, web};
 
 /// A failure is one line on stderr and exit code 2.
 fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
-    let done = if arguments == ["web"] { page() } else { boards(&arguments) };
+    let done = match arguments.first().and_then(|first| first.to_str()) {
+        Some("web") if arguments.len() == 1 => page(),
+        Some("results") => {
+            top().and_then(|top| results::run(top, &arguments[1..])).map(|()| ExitCode::SUCCESS)
+        }
+        _ => boards(&arguments),
+    };
     done.unwrap_or_else(|error| {
         eprintln!("xtask: {error:#}");
         ExitCode::from(2)
     })
 }
 
+fn top() -> Result<&'static Path> {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("no folder above xtask")
+}
+
 fn page() -> Result<ExitCode> {
-    let top = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("no folder above xtask")?;
+    let top = top()?;
     let folder = top.join("target/web");
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    std::fs::create_dir_all(&folder)
+        .with_context(|| format!("cannot make {}", folder.display()))?;
     let page = web::build(top, &folder)?.page;
     let bytes = std::fs::metadata(&page)?.len();
-    println!("{}\n  {bytes} bytes, everything in it: open it, or serve it as it is", page.display());
+    println!(
+        "{}\n  {bytes} bytes, everything in it: open it, or serve it as it is",
+        page.display()
+    );
     Ok(ExitCode::SUCCESS)
 }
 
@@ -31,5 +45,8 @@ fn boards(arguments: &[OsString]) -> Result<ExitCode> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args(["run", "--quiet", "--release", "--package", "xtask-boards", "--"]).args(arguments);
     let status = cargo.status().context("cannot start cargo")?;
-    Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+    Ok(status
+        .code()
+        .and_then(|code| u8::try_from(code).ok())
+        .map_or(ExitCode::FAILURE, ExitCode::from))
 }

@@ -1,4 +1,5 @@
-//! Instructions by stage, from the programs `bench` (built-in pairs) and `replay` (captured ones); of rectification, from `rectify`.
+//! Instructions by stage, from the programs `bench` (built-in pairs) and `replay` (captured ones);
+//! of rectification, from `rectify`.
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
@@ -29,7 +30,8 @@ pub(crate) struct Autopilot {
 impl Autopilot {
     /// The largest of each.
     pub(crate) fn largest(of: &[(String, Self)]) -> Self {
-        let largest = |number: fn(&Self) -> u64| of.iter().map(|(_, one)| number(one)).max().unwrap_or(0);
+        let largest =
+            |number: fn(&Self) -> u64| of.iter().map(|(_, one)| number(one)).max().unwrap_or(0);
         Self {
             obstacles: largest(|one| one.obstacles),
             mavlink: largest(|one| one.mavlink),
@@ -69,15 +71,20 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
         let line_of = || format!("the table of bench has an unknown line: {line}");
         match line.split('\t').collect::<Vec<_>>()[..] {
             ["pair", name, _, ref costs @ ..] => {
-                let costs: Vec<u64> = costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
+                let costs: Vec<u64> =
+                    costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 pairs.push((name.to_owned(), costs.try_into().ok().with_context(line_of)?));
             }
             ["autopilot", name, obstacles, mavlink, bytes] => {
-                let [obstacles, mavlink, bytes] = [obstacles.parse()?, mavlink.parse()?, bytes.parse()?];
+                let [obstacles, mavlink, bytes] =
+                    [obstacles.parse()?, mavlink.parse()?, bytes.parse()?];
                 autopilot.push((name.to_owned(), Autopilot { obstacles, mavlink, bytes }));
             }
             ["kernel", name, chosen, portable] => {
-                kernels.push((name.to_owned(), KernelCost { chosen: chosen.parse()?, portable: portable.parse()? }));
+                kernels.push((
+                    name.to_owned(),
+                    KernelCost { chosen: chosen.parse()?, portable: portable.parse()? },
+                ));
             }
             ["stack", _] => {}
             _ => anyhow::bail!(line_of()),
@@ -108,17 +115,21 @@ pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
     let mut rigs = BTreeMap::new();
     let here = rectified_here(board)?;
     for line in std::fs::read_to_string(folder.path().join("table"))?.lines() {
-        let ["rectify", name, ref numbers @ .., digest] = line.split('\t').collect::<Vec<_>>()[..] else {
+        let ["rectify", name, ref numbers @ .., digest] = line.split('\t').collect::<Vec<_>>()[..]
+        else {
             anyhow::bail!("the table of rectify has an unknown line: {line}")
         };
-        let expected = here.get(name).with_context(|| format!("there is no built-in rig {name}"))?;
+        let expected =
+            here.get(name).with_context(|| format!("there is no built-in rig {name}"))?;
         if digest != expected {
             anyhow::bail!(
-                "{name} on {}: rectified images have the digest {digest}, on this machine {expected}",
+                "{name} on {}: rectified images have the digest {digest}, on this machine \
+                 {expected}",
                 board.name
             );
         }
-        let numbers: Vec<u64> = numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
+        let numbers: Vec<u64> =
+            numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
         let [set_up, rows, worst_row, band_bytes] = numbers[..] else {
             anyhow::bail!("the table of rectify has an unknown line: {line}")
         };
@@ -133,19 +144,26 @@ fn rectified_here(board: &Board) -> Result<BTreeMap<String, String>> {
     let rigs = board.sizes.iter().flat_map(|&dims| BuiltIn::ALL.map(|rig| (rig, dims)));
     let digest = |(rig, dims): (BuiltIn, Dims)| {
         let measured = rectify::measure(&mut workspace, &NoClock, rig, dims);
-        let digest = measured.with_context(|| format!("{} {dims} cannot be rectified", rig.name()))?.digest;
+        let digest =
+            measured.with_context(|| format!("{} {dims} cannot be rectified", rig.name()))?.digest;
         Ok((format!("{}_{dims}", rig.name()), format!("{digest:08x}")))
     };
     rigs.map(digest).collect()
 }
 
-/// Built-in pairs by their size and kind, such as `128x96` and `128x96_worst_case`, without these in their names.
-pub(crate) fn by_size(board: &Board, pairs: Vec<(String, Costs)>) -> Result<BTreeMap<String, Vec<(String, Costs)>>> {
+/// Built-in pairs by their size and kind, such as `128x96` and `128x96_worst_case`, without these
+/// in their names.
+pub(crate) fn by_size(
+    board: &Board,
+    pairs: Vec<(String, Costs)>,
+) -> Result<BTreeMap<String, Vec<(String, Costs)>>> {
     let mut groups: BTreeMap<String, Vec<(String, Costs)>> = BTreeMap::new();
     for (name, costs) in pairs {
         // Such as bricks_128x96_worst_case.
-        let parts = board.sizes.iter().find_map(|dims| Some((dims, name.split_once(&format!("_{dims}"))?)));
-        let (dims, (scene, kind)) = parts.with_context(|| format!("the pair {name} has no size"))?;
+        let parts =
+            board.sizes.iter().find_map(|dims| Some((dims, name.split_once(&format!("_{dims}"))?)));
+        let (dims, (scene, kind)) =
+            parts.with_context(|| format!("the pair {name} has no size"))?;
         groups.entry(format!("{dims}{kind}")).or_default().push((scene.to_owned(), costs));
     }
     Ok(groups)
@@ -157,15 +175,21 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
         if objects_alone {
             print_objects(
                 board,
-                frames.context("objects are measured on captured scenes: name a folder with --frames")?,
+                frames.context(
+                    "objects are measured on captured scenes: name a folder with --frames",
+                )?,
             )?;
             continue;
         }
-        println!("{}, rectification of a pair, thousands of instructions (band: bytes of a camera)", board.name);
+        println!(
+            "{}, rectification of a pair, thousands of instructions (band: bytes of a camera)",
+            board.name
+        );
         for (name, Rectified { set_up, rows, worst_row, band_bytes }) in rectified(board)? {
             let [set_up, rows, worst_row] = [set_up, rows, worst_row].map(|count| count / 1000);
             println!(
-                "{name:30} set-up {set_up:>7} both images {rows:>6} most expensive row {worst_row:>4} band {band_bytes:>6}"
+                "{name:30} set-up {set_up:>7} both images {rows:>6} most expensive row \
+                 {worst_row:>4} band {band_bytes:>6}"
             );
         }
         let Builtin { pairs, autopilot, kernels } = builtin(board)?;
@@ -178,13 +202,20 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
             println!("{name:30} obstacles {obstacles:>6} MAVLink {mavlink:>6} bytes {bytes:>4}");
         }
         for (size, pairs) in by_size(board, pairs)? {
-            println!("{}, built-in pairs of {size}, thousands of instructions\n{}", board.name, table(&pairs));
+            println!(
+                "{}, built-in pairs of {size}, thousands of instructions\n{}",
+                board.name,
+                table(&pairs)
+            );
         }
         for &dims in board.sizes.iter().filter(|_| frames.is_some()) {
             let folder = frames.unwrap_or(Path::new("."));
             let pairs = captured(board, folder, dims)?;
             let (name, folder) = (board.name, folder.display());
-            println!("{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}", table(&pairs));
+            println!(
+                "{name}, pairs of {folder} cut to {dims}, thousands of instructions\n{}",
+                table(&pairs)
+            );
         }
         if let Some(frames) = frames {
             print_objects(board, frames)?;
@@ -197,25 +228,35 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
 fn print_objects(board: &Board, frames: &Path) -> Result<()> {
     for &dims in board.sizes {
         let ObjectPairs { names, eight, tenth, one_box } = object_pairs(board, frames, dims)?;
-        let Objects { eight: cost, tenth_permille, one_box_permille, .. } = Objects::new(&eight, &tenth, &one_box);
+        let Objects { eight: cost, tenth_permille, one_box_permille, .. } =
+            Objects::new(&eight, &tenth, &one_box);
         println!("{}, {dims}: eight objects {cost} instructions", board.name);
-        for (boxes, permille, parts) in [("three boxes", tenth_permille, tenth), ("one box", one_box_permille, one_box)]
+        for (boxes, permille, parts) in
+            [("three boxes", tenth_permille, tenth), ("one box", one_box_permille, one_box)]
         {
-            let costs: Vec<_> = names.iter().cloned().zip(parts.iter().map(|part| part.costs)).collect();
-            println!("{boxes} with a tenth of the pixels: {permille} permille of a pair, thousands of instructions");
+            let costs: Vec<_> =
+                names.iter().cloned().zip(parts.iter().map(|part| part.costs)).collect();
+            println!(
+                "{boxes} with a tenth of the pixels: {permille} permille of a pair, thousands of \
+                 instructions"
+            );
             println!("{}", table(&costs));
         }
     }
     Ok(())
 }
 
-/// Instructions of every one of these [scenes](board::captured) with default parameters, 64 disparities.
+/// Instructions of every one of these [scenes](board::captured) with default parameters, 64
+/// disparities.
 pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Costs)>> {
     let (names, images): (Vec<_>, Vec<_>) = board::captured(folder, dims)?.into_iter().unzip();
     let pairs: Vec<_> = images.iter().map(|(left, right)| (left, right)).collect();
-    let replayed = Machine::new(*board)?.run_pairs(&board::update(&Params::DEFAULT, None), &pairs)?;
+    let replayed =
+        Machine::new(*board)?.run_pairs(&board::update(&Params::DEFAULT, None), &pairs)?;
     let found = names.into_iter().zip(replayed.pairs);
-    found.map(|(name, pair)| Ok((name, pair.map_err(|why| anyhow::anyhow!("{why}"))?.costs))).collect()
+    found
+        .map(|(name, pair)| Ok((name, pair.map_err(|why| anyhow::anyhow!("{why}"))?.costs)))
+        .collect()
 }
 
 /// Depths of objects, and matching where they are alone: medians over captured scenes.
@@ -274,7 +315,8 @@ struct ObjectPairs {
 impl Objects {
     fn new(eight: &[BoardResult], tenth: &[BoardResult], one_box: &[BoardResult]) -> Self {
         let all = |part: &BoardResult| total(&part.costs) + part.objects_cost;
-        let permille = |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
+        let permille =
+            |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
         Self {
             eight: median(eight.iter().map(|whole| whole.objects_cost).collect()),
             tenth: median(tenth.iter().map(all).collect()),
@@ -293,10 +335,17 @@ pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Object
 fn object_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<ObjectPairs> {
     let (names, images): (Vec<_>, Vec<_>) = board::captured(folder, dims)?.into_iter().unzip();
     // One after the other: a camera that shows the same twice is taken for a frozen one.
-    let ask = |regions: Regions| images.iter().map(move |(left, right)| (left, right, regions.clone()));
-    let pairs: Vec<_> = ask(eight(dims)).chain(ask(tenth(dims))).chain(ask(one_box(dims))).collect();
-    let replayed = Machine::new(*board)?.run_pairs_with_objects(&board::update(&Params::DEFAULT, None), &pairs)?;
-    let found: Vec<_> = replayed.pairs.into_iter().collect::<Result<_, _>>().map_err(|why| anyhow::anyhow!("{why}"))?;
+    let ask =
+        |regions: Regions| images.iter().map(move |(left, right)| (left, right, regions.clone()));
+    let pairs: Vec<_> =
+        ask(eight(dims)).chain(ask(tenth(dims))).chain(ask(one_box(dims))).collect();
+    let replayed = Machine::new(*board)?
+        .run_pairs_with_objects(&board::update(&Params::DEFAULT, None), &pairs)?;
+    let found: Vec<_> = replayed
+        .pairs
+        .into_iter()
+        .collect::<Result<_, _>>()
+        .map_err(|why| anyhow::anyhow!("{why}"))?;
     let mut groups = found.into_iter();
     let mut group = || groups.by_ref().take(names.len()).collect();
     let (eight, tenth, one_box) = (group(), group(), group());
@@ -328,7 +377,8 @@ fn table(pairs: &[(String, Costs)]) -> String {
         line(name, total(costs), costs);
     }
     let over = |fold: fn(Vec<u64>) -> u64| {
-        let stages = Stage::ALL.map(|stage| fold(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect()));
+        let stages = Stage::ALL
+            .map(|stage| fold(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect()));
         (fold(pairs.iter().map(|(_, costs)| total(costs)).collect()), stages)
     };
     let (of_totals, of_stages) = over(median);

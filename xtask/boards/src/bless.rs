@@ -12,9 +12,11 @@ use std::path::Path;
 /// Writes `crates/boards/src/built_in/digests.rs`, or compares with it.
 pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
-        "//! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated on a PC by `cargo xtask bless`.\n\n\
+        "//! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated \
+         on a\n//! PC by `cargo xtask bless`.\n\n\
          use crate::Board;\nuse linestereo::diagnostics::Stage;\n\n\
-         /// One digest per stage, and one of what an autopilot gets.\npub type Digests = [u32; Stage::ALL.len() + 1];\n",
+         /// One digest per stage, and one of what an autopilot gets.\n\
+         pub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     text.push_str(OF);
     write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
@@ -24,7 +26,8 @@ pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     if check {
         if !same {
             bail!(
-                "{} is not what this machine computes; if the output was meant to change: cargo xtask bless",
+                "{} is not what this machine computes; if the output was meant to change: cargo \
+                 xtask bless",
                 path.display()
             );
         }
@@ -38,7 +41,8 @@ pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
 
 /// Boards with the same capacities have the same digests.
 const OF: &str = "
-/// Of the cases of a board, in their order: the same on every board of these capacities, whatever its processor.
+/// Of the cases of a board, in their order: the same on every board of these capacities, whatever
+/// its processor.
 pub fn of(board: &Board) -> &'static [Digests] {
     if board.largest.width == 320 { &QVGA } else { &QQVGA }
 }
@@ -49,13 +53,21 @@ fn write(text: &mut String, constant: &str, board: &Board, memory: &mut impl Mem
     let (name, count) = (board.name, cases.len());
     writeln!(
         text,
-        "\n/// Of {name} and every board with its capacities.\n#[rustfmt::skip]\npub const {constant}: [Digests; {count}] = ["
+        "\n/// Of {name} and every board with its capacities.\n#[rustfmt::skip]\npub const \
+         {constant}: [Digests; {count}] = ["
     )?;
     for case in cases {
-        let digests = selftest::digests(memory, &case).with_context(|| format!("{case} does not run on {name}"))?;
-        let digests: Vec<String> =
-            digests.iter().map(|digest| format!("0x{:04x}_{:04x}", digest >> 16, digest & 0xffff)).collect();
-        writeln!(text, "    [{}], // {case}", digests.join(", "))?;
+        let digests = selftest::digests(memory, &case)
+            .with_context(|| format!("{case} does not run on {name}"))?;
+        let digests: Vec<String> = digests
+            .iter()
+            .map(|digest| format!("0x{:04x}_{:04x}", digest >> 16, digest & 0xffff))
+            .collect();
+        writeln!(text, "    // {case}\n    [")?;
+        for line in digests.chunks(7) {
+            writeln!(text, "        {},", line.join(", "))?;
+        }
+        text.push_str("    ],\n");
     }
     writeln!(text, "];")?;
     Ok(())

@@ -1,7 +1,8 @@
-//! `cargo xtask footprint`: what the program `live` takes of every board, compared with `xtask/board-sizes.toml`.
+//! `cargo xtask footprint`: what the program `live` takes of every board, compared with
+//! `xtask/board-sizes.toml`.
 //!
-//! In: every board's `live`, built without logs, as it is flashed. Out: a table of flash and RAM, and whether each number is within 1 % of the
-//! committed one.
+//! In: every board's `live`, built without logs, as it is flashed. Out: a table of flash and RAM,
+//! and whether each number is within 1 % of the committed one.
 
 use crate::measure::TOLERANCE_PERCENT;
 use crate::sizes;
@@ -44,11 +45,15 @@ pub(crate) fn run(top: &Path, boards: &[Board], bless: bool) -> Result<()> {
     for board in boards {
         let found = sizes::of(board, PROGRAM)?;
         let footprint = Footprint { flash: found.flash(), ram: found.static_ram() + found.stack };
-        println!("{:14} {:38} {:>8} {:>8}", board.name, board.processor, footprint.flash, footprint.ram);
+        println!(
+            "{:14} {:38} {:>8} {:>8}",
+            board.name, board.processor, footprint.flash, footprint.ram
+        );
         new.insert(board.name.to_owned(), footprint);
     }
     if bless {
-        let all: Footprints = old.into_iter().filter(|(name, _)| Board::named(name).is_some()).chain(new).collect();
+        let all: Footprints =
+            old.into_iter().filter(|(name, _)| Board::named(name).is_some()).chain(new).collect();
         std::fs::write(&path, format!("{HEAD}{}", toml::to_string(&all)?))?;
         println!("{FILE}: blessed; commit it");
         return Ok(());
@@ -58,7 +63,10 @@ pub(crate) fn run(top: &Path, boards: &[Board], bless: bool) -> Result<()> {
         println!("all within {TOLERANCE_PERCENT} % of {FILE}");
         return Ok(());
     }
-    bail!("not as in {FILE}: {}; if it was meant: cargo xtask footprint --bless", differences.join(", "))
+    bail!(
+        "not as in {FILE}: {}; if it was meant: cargo xtask footprint --bless",
+        differences.join(", ")
+    )
 }
 
 /// Sizes that have changed by more than the tolerance, in words.
@@ -69,7 +77,9 @@ fn differences(old: &Footprints, new: &Footprints) -> Vec<String> {
             list.push(format!("{name} is new"));
             continue;
         };
-        for (what, before, now) in [("flash", before.flash, now.flash), ("RAM", before.ram, now.ram)] {
+        for (what, before, now) in
+            [("flash", before.flash, now.flash), ("RAM", before.ram, now.ram)]
+        {
             if 100 * before.abs_diff(now) > TOLERANCE_PERCENT * before {
                 list.push(format!("{name} {what} {now} instead of {before}"));
             }
@@ -90,7 +100,10 @@ mod tests {
     fn one_percent_is_the_limit_both_ways_and_a_new_board_is_told() {
         assert!(differences(&of(10_000, 500), &of(10_100, 495)).is_empty());
         assert_eq!(differences(&of(10_000, 500), &of(10_101, 494)).len(), 2);
-        assert_eq!(differences(&of(10_000, 500), &of(9_899, 500)), ["board flash 9899 instead of 10000"]);
+        assert_eq!(
+            differences(&of(10_000, 500), &of(9_899, 500)),
+            ["board flash 9899 instead of 10000"]
+        );
         assert_eq!(differences(&Footprints::new(), &of(1, 1)), ["board is new"]);
     }
 }

@@ -1,16 +1,19 @@
 //! A program as the boot ROM of a board takes it, so that flashing needs no probe.
 //!
-//! In: the ELF file of a program. Out: for an RP2350 a UF2 file, which is copied to the drive that the board shows; for the others the plain bytes
-//! of the flash, which `dfu-util` writes at their address.
+//! In: the ELF file of a program. Out: for an RP2350 a UF2 file, which is copied to the drive that
+//! the board shows; for the others the plain bytes of the flash, which `dfu-util` writes at their
+//! address.
 //!
 //! ```text
-//! UF2 block   magic 0, magic 1, flags, address, bytes, number, count, family: 32 bits each, little endian; 476 bytes, of which 256 count; magic 2
+//! UF2 block   magic 0, magic 1, flags, address, bytes, number, count, family: 32 bits each, little
+//!             endian; 476 bytes, of which 256 count; magic 2
 //! ```
 //!
 //! # Source
-//! UF2 specification (github.com/microsoft/uf2); RP2350 datasheet, 5.5.2 (UF2 family ids) and RP2350-E10: of a file with one family alone the boot
-//! ROM may forget blocks, unless one of the family "absolute" stands first. It is tagged to be ignored: on a flash of 4 MiB its address would
-//! be the last page, where the rig is.
+//! UF2 specification (github.com/microsoft/uf2); RP2350 datasheet, 5.5.2 (UF2 family ids) and
+//! RP2350-E10: of a file with one family alone the boot ROM may forget blocks, unless one of the
+//! family "absolute" stands first. It is tagged to be ignored: on a flash of 4 MiB its address
+//! would be the last page, where the rig is.
 
 use anyhow::{Context, Result, bail};
 use linestereo_boards::{Board, Device};
@@ -46,16 +49,19 @@ pub(crate) struct Image {
 impl Image {
     /// Contents of flash by an ELF file; gaps are as erased.
     fn of(elf: &[u8]) -> Result<Self> {
-        let header = FileHeader32::<Endianness>::parse(elf).context("the program is no ELF file of 32 bits")?;
+        let header = FileHeader32::<Endianness>::parse(elf)
+            .context("the program is no ELF file of 32 bits")?;
         let endian = header.endian()?;
         let mut pieces = Vec::new();
         for segment in header.program_headers(endian, elf)? {
-            let bytes = segment.data(endian, elf).ok().context("a segment lies outside of the ELF file")?;
+            let bytes =
+                segment.data(endian, elf).ok().context("a segment lies outside of the ELF file")?;
             if segment.p_type(endian) == PT_LOAD && !bytes.is_empty() {
                 pieces.push((segment.p_paddr(endian), bytes));
             }
         }
-        let start = pieces.iter().map(|(at, _)| *at).min().context("the program has nothing in flash")?;
+        let start =
+            pieces.iter().map(|(at, _)| *at).min().context("the program has nothing in flash")?;
         let mut image = Vec::new();
         for (at, bytes) in pieces {
             if at - start > MOST {
@@ -84,7 +90,13 @@ impl Image {
     }
 }
 
-fn block(flags: u32, address: u32, [number, count]: [u32; 2], family: u32, content: &[u8]) -> Vec<u8> {
+fn block(
+    flags: u32,
+    address: u32,
+    [number, count]: [u32; 2],
+    family: u32,
+    content: &[u8],
+) -> Vec<u8> {
     let head = [MAGIC[0], MAGIC[1], flags, address, PAGE as u32, number, count, family];
     let mut block: Vec<u8> = head.into_iter().flat_map(u32::to_le_bytes).collect();
     block.extend(content);
@@ -105,7 +117,8 @@ pub(crate) fn write(board: &Board, elf: &Path) -> Result<(PathBuf, String)> {
     std::fs::write(&path, if is_rp { image.uf2() } else { image.bytes })
         .with_context(|| format!("cannot write {}", path.display()))?;
     let how = if is_rp {
-        "copy it to the drive RP2350, which the board shows when it is plugged in with BOOTSEL held".to_owned()
+        "copy it to the drive RP2350, which the board shows when it is plugged in with BOOTSEL held"
+            .to_owned()
     } else {
         format!("dfu-util -a 0 -s {:#010x}:leave -D {}", image.start, path.display())
     };
@@ -125,8 +138,12 @@ mod tests {
         assert!(file.len().is_multiple_of(512));
         let mut pages = Vec::new();
         for block in file.chunks(512) {
-            assert_eq!([word(block, 0), word(block, 4), word(block, 508)], [0x0a32_4655, 0x9e5d_5157, 0x0ab1_6f30]);
-            let (flags, address, bytes) = (word(block, 8), word(block, 12), word(block, 16) as usize);
+            assert_eq!(
+                [word(block, 0), word(block, 4), word(block, 508)],
+                [0x0a32_4655, 0x9e5d_5157, 0x0ab1_6f30]
+            );
+            let (flags, address, bytes) =
+                (word(block, 8), word(block, 12), word(block, 16) as usize);
             let is_ignored = flags & 0x8000 != 0 && word(block, 32 + bytes) == 0x9957_e304;
             if flags & 0x2000 != 0 && word(block, 28) == family && !is_ignored {
                 assert_eq!(word(block, 20) as usize, pages.len(), "numbered from 0");
@@ -141,7 +158,10 @@ mod tests {
     #[test]
     fn a_uf2_file_holds_the_image_page_by_page() {
         for length in [1_usize, 255, 256, 257, 70_001] {
-            let image = Image { start: 0x1000_0000, bytes: (0..length).map(|at| ((at * 31) >> 3) as u8).collect() };
+            let image = Image {
+                start: 0x1000_0000,
+                bytes: (0..length).map(|at| ((at * 31) >> 3) as u8).collect(),
+            };
             let pages = decoded(&image.uf2(), 0xe48b_ff59);
             assert_eq!(pages.len(), length.div_ceil(256));
             for ((address, _), at) in pages.iter().zip((0x1000_0000..).step_by(256)) {
@@ -153,11 +173,15 @@ mod tests {
         }
     }
 
-    /// Not what is ignored by its tag: on 4 MiB of flash its address is the last page, which is the rig's.
+    /// Not what is ignored by its tag: on 4 MiB of flash its address is the last page, which is the
+    /// rig's.
     #[test]
     fn the_first_block_is_of_the_absolute_family_and_ignored() {
         let file = Image { start: 0x1000_0000, bytes: vec![1; 512] }.uf2();
-        assert_eq!([8, 12, 16, 20, 24, 28].map(|at| word(&file, at)), [0xa000, 0x10ff_ff00, 256, 0, 2, 0xe48b_ff57]);
+        assert_eq!(
+            [8, 12, 16, 20, 24, 28].map(|at| word(&file, at)),
+            [0xa000, 0x10ff_ff00, 256, 0, 2, 0xe48b_ff57]
+        );
         assert!(file[32..288].iter().all(|&byte| byte == 0xef));
         assert_eq!(word(&file, 288), 0x9957_e304);
     }

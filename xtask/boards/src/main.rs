@@ -37,7 +37,8 @@ const LIMIT: Duration = Duration::from_secs(300);
 #[command(
     name = "cargo xtask",
     max_term_width = 104,
-    after_help = "cargo xtask web builds the page for browsers, bindings/web, into target/web/index.html."
+    after_help = "cargo xtask web builds the page for browsers, bindings/web, into target/web/index.html.\n\
+                  cargo xtask results writes docs/results.md from stored measurements."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -183,14 +184,22 @@ fn execute(command: Command) -> Result<()> {
     let top = board::top()?;
     match command {
         Command::Setup => setup(),
-        Command::Build { boards, program, no_logs, features } => build(&boards, program.as_deref(), no_logs, &features),
+        Command::Build { boards, program, no_logs, features } => {
+            build(&boards, program.as_deref(), no_logs, &features)
+        }
         Command::Images(boards) => boards.any_or(board::tested())?.iter().try_for_each(images),
         Command::Lint(boards) => lint(&boards.any_or(linted())?),
-        Command::Run { boards, program, serial, arguments } => run(&boards, &program, serial.as_deref(), &arguments),
+        Command::Run { boards, program, serial, arguments } => {
+            run(&boards, &program, serial.as_deref(), &arguments)
+        }
         Command::Selftest(boards) => selftest(&boards),
         Command::Kernels(boards) => kernels(&boards),
-        Command::Bench { boards, frames, objects } => bench::run(&boards.emulated()?, frames.as_deref(), objects),
-        Command::Footprint { boards, bless } => footprint::run(&top, &boards.any_or(board::tested())?, bless),
+        Command::Bench { boards, frames, objects } => {
+            bench::run(&boards.emulated()?, frames.as_deref(), objects)
+        }
+        Command::Footprint { boards, bless } => {
+            footprint::run(&top, &boards.any_or(board::tested())?, bless)
+        }
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
         Command::Nightly => nightly::run(&top),
         Command::Silicon => silicon::run(&top),
@@ -205,12 +214,21 @@ fn setup() -> Result<()> {
     targets.dedup();
     // Side by side: each is mostly the work of one core.
     std::thread::scope(|scope| {
-        let made: Vec<_> = targets.iter().map(|target| scope.spawn(|| Toolchain::for_target(target))).collect();
-        made.into_iter().try_for_each(|made| made.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?.map(drop))
+        let made: Vec<_> =
+            targets.iter().map(|target| scope.spawn(|| Toolchain::for_target(target))).collect();
+        made.into_iter().try_for_each(|made| {
+            made.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?.map(drop)
+        })
     })?;
     for board in Board::ALL {
         let toolchain = Toolchain::for_board(&board)?;
-        println!("{}: compiler for {}, by {}: {}", board.name, board.target, toolchain.way, toolchain.version(&top)?);
+        println!(
+            "{}: compiler for {}, by {}: {}",
+            board.name,
+            board.target,
+            toolchain.way,
+            toolchain.version(&top)?
+        );
         if let Device::Qemu { program, .. } = board.device {
             qemu::find(&board)?;
             println!("{}: {program}", board.name);
@@ -228,7 +246,8 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
     let boards = boards.any_or(Board::MEASURED.into())?;
     let features: Vec<&str> = features.iter().map(String::as_str).collect();
     for board in boards {
-        let programs = program.map_or_else(|| programs(&board), |program| Ok(vec![program.to_owned()]))?;
+        let programs =
+            program.map_or_else(|| programs(&board), |program| Ok(vec![program.to_owned()]))?;
         let programs: Vec<&str> = programs.iter().map(String::as_str).collect();
         let toolchain = Toolchain::for_board(&board)?;
         let logs = if no_logs { Logs::None } else { Logs::of(&board) };
@@ -306,7 +325,9 @@ fn programs(board: &Board) -> Result<Vec<String>> {
     }
     let folder = board::top()?.join("firmware/src/bin");
     let mut names = Vec::new();
-    for entry in std::fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))? {
+    for entry in
+        std::fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?
+    {
         let path = entry?.path();
         names.extend(path.file_stem().map(|name| name.to_string_lossy().into_owned()));
     }
@@ -348,7 +369,10 @@ fn run(boards: &Boards, program: &str, serial: Option<&str>, arguments: &[String
 fn selftest(boards: &Boards) -> Result<()> {
     let different = unsuccessful(boards, "selftest")?;
     if !different.is_empty() {
-        bail!("not as on the PC: {}; when the output was meant to change: cargo xtask bless", different.join(", "));
+        bail!(
+            "not as on the PC: {}; when the output was meant to change: cargo xtask bless",
+            different.join(", ")
+        );
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `cargo xtask measure`: the numbers of `xtask/board-numbers.toml`, measured again and compared.
 //!
-//! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is for reading.
+//! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is
+//! for reading.
 
 use crate::bench::{self, Autopilot, Builtin, KernelCost, Objects, Rectified};
 use crate::{silicon, sizes};
@@ -92,26 +93,39 @@ struct Instructions {
 impl Instructions {
     fn new(pairs: &[(String, Costs)]) -> Self {
         let totals = || pairs.iter().map(|(_, costs)| bench::total(costs));
-        let of_stage = |stage: Stage| bench::median(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect());
+        let of_stage = |stage: Stage| {
+            bench::median(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect())
+        };
         Self {
             median: bench::median(totals().collect()),
             largest: totals().max().unwrap_or(0),
-            by_stage: Stage::ALL.into_iter().map(|stage| (stage.name().to_owned(), of_stage(stage))).collect(),
-            by_pair: pairs.iter().map(|(name, costs)| (name.clone(), bench::total(costs))).collect(),
+            by_stage: Stage::ALL
+                .into_iter()
+                .map(|stage| (stage.name().to_owned(), of_stage(stage)))
+                .collect(),
+            by_pair: pairs
+                .iter()
+                .map(|(name, costs)| (name.clone(), bench::total(costs)))
+                .collect(),
         }
     }
 }
 
 /// Measures, and writes the file or compares with it.
 pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
-    let frames = std::env::var_os("LINESTEREO_FRAMES").map(|folder| PathBuf::from(folder).join("qvga"));
+    let frames =
+        std::env::var_os("LINESTEREO_FRAMES").map(|folder| PathBuf::from(folder).join("qvga"));
     let frames = frames.filter(|folder| folder.is_dir());
     silicon::summarize(top)?;
     let path = top.join(FILE);
     let old = match std::fs::read_to_string(&path) {
-        Ok(text) => Some(toml::from_str::<Numbers>(&text).with_context(|| format!("{FILE} cannot be read"))?),
+        Ok(text) => Some(
+            toml::from_str::<Numbers>(&text).with_context(|| format!("{FILE} cannot be read"))?,
+        ),
         Err(_) if bless => None,
-        Err(error) => bail!("{FILE} cannot be read ({error}); write it: cargo xtask measure --bless"),
+        Err(error) => {
+            bail!("{FILE} cannot be read ({error}); write it: cargo xtask measure --bless")
+        }
     };
     let boards = if bless { Board::emulated().collect() } else { board::tested() };
     let boards: Vec<_> = boards.into_iter().filter(Board::is_emulated).collect();
@@ -119,7 +133,9 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     if bless {
         for (name, board) in &mut new.boards {
             // Numbers that cannot be measured here stay.
-            if let Some(before) = old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none()) {
+            if let Some(before) =
+                old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none())
+            {
                 board.captured.clone_from(&before.captured);
                 board.objects.clone_from(&before.objects);
             }
@@ -140,20 +156,33 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     compare(&compared(&old, frames.is_some()), &compared(&new, frames.is_some()))
 }
 
-/// The instructions of each built-in pair on the emulated boards whose processors real boards have, as the program reads them.
+/// The instructions of each built-in pair on the emulated boards whose processors real boards have,
+/// as the program reads them.
 fn instructions(numbers: &Numbers) -> Result<String> {
-    let real: Vec<&str> = Board::ALL.iter().filter(|board| !board.is_emulated()).map(|board| board.processor).collect();
+    let real: Vec<&str> = Board::ALL
+        .iter()
+        .filter(|board| !board.is_emulated())
+        .map(|board| board.processor)
+        .collect();
     let mut boards = BTreeMap::new();
     for twin in Board::emulated().filter(|twin| real.contains(&twin.processor)) {
-        let built_in =
-            &numbers.boards.get(twin.name).with_context(|| format!("{} was not measured", twin.name))?.built_in;
+        let built_in = &numbers
+            .boards
+            .get(twin.name)
+            .with_context(|| format!("{} was not measured", twin.name))?
+            .built_in;
         let of_size = |(size, of): (&String, &Instructions)| {
-            of.by_pair.iter().map(|(scene, &count)| (format!("{scene}_{size}"), count)).collect::<Vec<_>>()
+            of.by_pair
+                .iter()
+                .map(|(scene, &count)| (format!("{scene}_{size}"), count))
+                .collect::<Vec<_>>()
         };
         boards.insert(twin.name, built_in.iter().flat_map(of_size).collect::<BTreeMap<_, _>>());
     }
-    let head =
-        format!("# Instructions of the built-in pairs, of {FILE}: written with it by `cargo xtask measure --bless`.");
+    let head = format!(
+        "# Instructions of the built-in pairs, of {FILE}: written with it by `cargo xtask\n# \
+         measure --bless`."
+    );
     Ok(format!("{head}\n\n{}", toml::to_string(&boards)?))
 }
 
@@ -169,7 +198,8 @@ fn measure(top: &Path, boards: &[Board], frames: Option<&Path>) -> Result<Number
     };
     // Side by side: what QEMU counts does not depend on what else runs.
     let boards: BTreeMap<_, _> = std::thread::scope(|scope| {
-        let running: Vec<_> = boards.iter().map(|board| scope.spawn(move || measure_board(board))).collect();
+        let running: Vec<_> =
+            boards.iter().map(|board| scope.spawn(move || measure_board(board))).collect();
         running
             .into_iter()
             .map(|one| one.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?)
@@ -178,8 +208,8 @@ fn measure(top: &Path, boards: &[Board], frames: Option<&Path>) -> Result<Number
     Ok(Numbers { compiler: Toolchain::for_board(&Board::ALL[0])?.version(top)?, boards })
 }
 
-/// Raw pairs of the size of the board's largest one and half as large again, and the largest depth of the stack over them: that of the program
-/// whose RAM and flash are given.
+/// Raw pairs of the size of the board's largest one and half as large again, and the largest depth
+/// of the stack over them: that of the program whose RAM and flash are given.
 fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
     let machine = Machine::new(*board)?;
     let (mut pairs, mut stack) = (BTreeMap::new(), 0);
@@ -189,7 +219,8 @@ fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
         let rig = rig(raw, board.largest)?;
         let rendering = scene::render(&scene::build(Kind::Demo, raw, 1), raw, &Sensor::default());
         let params = update(&rig.params(Params::default())?, None);
-        let mut replayed = machine.run_raw_pairs(&rig, &params, &[(&rendering.left, &rendering.right)])?;
+        let mut replayed =
+            machine.run_raw_pairs(&rig, &params, &[(&rendering.left, &rendering.right)])?;
         let found = replayed.pairs.pop().context("no pair was answered")??;
         let rectifier = PairRectifier::new(rig.remap())?;
         let band = CameraSide::BOTH.map(|eye| rectifier.facts(eye).band_bytes as u64);
@@ -208,9 +239,12 @@ fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
 fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
     let (width, height) = (f64::from(raw.width), f64::from(raw.height));
     let lens = Lens::BrownConrady { k: [-0.18, 0.04, 0.0], p: [0.0005, -0.0003] };
-    let camera = |x: f64, y: f64| Camera::new(raw, [0.65 * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens);
+    let camera = |x: f64, y: f64| {
+        Camera::new(raw, [0.65 * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens)
+    };
     let pose = [1.0, 0.003, -0.004, 0.007];
-    let calibration = Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, pose, [-0.06, 0.0005, 0.001])?;
+    let calibration =
+        Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, pose, [-0.06, 0.0005, 0.001])?;
     let range = (0, Params::default().max_disparity);
     Ok(RigImage::new(calibration, rectified, View::default(), range)?)
 }
@@ -221,7 +255,10 @@ fn built_in(board: &Board) -> Result<BoardNumbers> {
     let groups = bench::by_size(board, pairs)?;
     Ok(BoardNumbers {
         bytes: BTreeMap::new(),
-        built_in: groups.iter().map(|(size, pairs)| (size.clone(), Instructions::new(pairs))).collect(),
+        built_in: groups
+            .iter()
+            .map(|(size, pairs)| (size.clone(), Instructions::new(pairs)))
+            .collect(),
         kernels: kernels.into_iter().collect(),
         autopilot: Some(Autopilot::largest(&autopilot)),
         captured: BTreeMap::new(),
@@ -287,7 +324,9 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
             list.insert(format!("{name} objects {size} one_box_permille"), *one_box_permille);
         }
         let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
-        for (kind, (size, instructions)) in board.built_in.iter().map(|of| ("built_in", of)).chain(captured) {
+        for (kind, (size, instructions)) in
+            board.built_in.iter().map(|of| ("built_in", of)).chain(captured)
+        {
             list.insert(format!("{name} {kind} {size} median"), instructions.median);
             list.insert(format!("{name} {kind} {size} largest"), instructions.largest);
         }
@@ -314,7 +353,8 @@ fn compare(old: &BTreeMap<String, u64>, new: &BTreeMap<String, u64>) -> Result<(
         let before = before.map_or("-".to_owned(), |before| before.to_string());
         println!("{name:44} {before:>12} {now:>12} {:>8.2} % {verdict}", 100.0 * change);
     }
-    let gone: Vec<&str> = old.keys().filter(|name| !new.contains_key(*name)).map(String::as_str).collect();
+    let gone: Vec<&str> =
+        old.keys().filter(|name| !new.contains_key(*name)).map(String::as_str).collect();
     if losses > 0 || !gone.is_empty() {
         bail!(
             "{losses} numbers are more than 1 % worse than in {FILE} or new, {} are gone: {}",
@@ -323,7 +363,10 @@ fn compare(old: &BTreeMap<String, u64>, new: &BTreeMap<String, u64>) -> Result<(
         );
     }
     if gains > 0 {
-        bail!("{gains} numbers are more than 1 % better than in {FILE}; keep the gain: cargo xtask measure --bless");
+        bail!(
+            "{gains} numbers are more than 1 % better than in {FILE}; keep the gain: cargo xtask \
+             measure --bless"
+        );
     }
     println!("all within 1 % of {FILE}");
     Ok(())

@@ -16,7 +16,9 @@ const FUZZ_S: &str = "60";
 pub(crate) fn run(top: &Path) -> Result<()> {
     let oldest = oldest_compiler(top)?;
     let install = format!("rustup toolchain install {oldest} --profile minimal --no-self-update");
-    let check = format!("cargo +{oldest} check --target-dir target/oldest -p linestereo-sim -p linestereo-mavlink");
+    let check = format!(
+        "cargo +{oldest} check --target-dir target/oldest -p linestereo-sim -p linestereo-mavlink"
+    );
     let steps: [&str; 8] = [
         "cargo xtask images",
         "cargo test --workspace --no-fail-fast -- --include-ignored",
@@ -58,7 +60,9 @@ pub(crate) fn run(top: &Path) -> Result<()> {
 
 /// The version of the compiler that `rust-version` of the workspace names.
 fn oldest_compiler(top: &Path) -> Result<String> {
-    let manifest = std::fs::read_to_string(top.join("Cargo.toml")).context("cannot read Cargo.toml")?;
-    let version = manifest.lines().find_map(|line| line.strip_prefix("rust-version = \"")?.strip_suffix('"'));
+    let manifest =
+        std::fs::read_to_string(top.join("Cargo.toml")).context("cannot read Cargo.toml")?;
+    let version =
+        manifest.lines().find_map(|line| line.strip_prefix("rust-version = \"")?.strip_suffix('"'));
     Ok(format!("{}.0", version.context("Cargo.toml has no rust-version")?))
 }

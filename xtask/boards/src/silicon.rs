@@ -1,4 +1,5 @@
-//! `cargo xtask silicon`: numbers of real boards, as `linestereo bench-board` wrote them and their owners sent them.
+//! `cargo xtask silicon`: numbers of real boards, as `linestereo bench-board` wrote them and their
+//! owners sent them.
 
 use anyhow::{Context, Result, bail};
 use linestereo_sim::board::numbers::BoardNumbers;
@@ -23,7 +24,10 @@ pub(crate) fn run(top: &Path) -> Result<()> {
 pub(crate) fn summarize(top: &Path) -> Result<()> {
     for (name, numbers) in read(&top.join(FOLDER))? {
         if let Some(ratio) = numbers.cycles_per_instruction {
-            println!("{name}: {:.2} cycles per instruction, assumed {:?}", ratio.median, ratio.assumed);
+            println!(
+                "{name}: {:.2} cycles per instruction, assumed {:?}",
+                ratio.median, ratio.assumed
+            );
         }
     }
     Ok(())
@@ -32,14 +36,19 @@ pub(crate) fn summarize(top: &Path) -> Result<()> {
 /// Every file of a folder, by name.
 fn read(folder: &Path) -> Result<Vec<(String, BoardNumbers)>> {
     let mut all = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+    for entry in
+        std::fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?
+    {
         let path = entry?.path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let numbers = BoardNumbers::parse(&std::fs::read_to_string(&path)?)
                 .with_context(|| format!("{name} is no file of linestereo bench-board"))?;
             if numbers.unit != "cycles" {
-                bail!("{name} holds {} of an emulated board, which are in xtask/board-numbers.toml", numbers.unit);
+                bail!(
+                    "{name} holds {} of an emulated board, which are in xtask/board-numbers.toml",
+                    numbers.unit
+                );
             }
             all.push((name, numbers));
         }
@@ -62,15 +71,22 @@ mod tests {
     #[test]
     fn files_are_read_by_name_and_what_is_none_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        let write =
+            |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
         write("README.md", "no numbers");
         assert_eq!(read(folder.path()).unwrap().len(), 0);
         write("b.toml", &numbers("cycles"));
         write("a.toml", &numbers("cycles"));
-        let names: Vec<String> = read(folder.path()).unwrap().into_iter().map(|(name, _)| name).collect();
+        let names: Vec<String> =
+            read(folder.path()).unwrap().into_iter().map(|(name, _)| name).collect();
         assert_eq!(names, ["a.toml", "b.toml"]);
         write("c.toml", &numbers("instructions"));
-        assert!(read(folder.path()).unwrap_err().to_string().starts_with("c.toml holds instructions of an emulated"));
+        assert!(
+            read(folder.path())
+                .unwrap_err()
+                .to_string()
+                .starts_with("c.toml holds instructions of an emulated")
+        );
         write("a.toml", "board = 3");
         std::fs::remove_file(folder.path().join("c.toml")).unwrap();
         assert!(read(folder.path()).unwrap_err().to_string().starts_with("a.toml is no file of"));

@@ -50,7 +50,8 @@ enum Place {
 }
 
 impl Place {
-    /// By its flags, not its name, which every linker script chooses; `None` for what stays on the PC.
+    /// By its flags, not its name, which every linker script chooses; `None` for what stays on the
+    /// PC.
     fn of<'data>(section: &impl ObjectSection<'data>) -> Option<Self> {
         let SectionFlags::Elf { sh_flags, .. } = section.flags() else { return None };
         match section.kind() {
@@ -80,7 +81,9 @@ pub(crate) fn read(elf: &Path) -> Result<Sizes> {
     }
     let address = |name: &str| {
         let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
-        symbol.map(|symbol| symbol.address()).with_context(|| format!("the program has no symbol {name}"))
+        symbol
+            .map(|symbol| symbol.address())
+            .with_context(|| format!("the program has no symbol {name}"))
     };
     sizes.stack = address("_stack_start")? - address("_stack_end")?;
     Ok(sizes)
