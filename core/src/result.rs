@@ -123,7 +123,8 @@ pub enum Rejection {
     LessProminent,
     /// Too close to the left or right border to compare enough disparities.
     NearBorder,
-    /// The window's cost curve has a second minimum that is nearly as low.
+    /// The window's cost curve has a second minimum that is nearly as low, or the left image shows
+    /// the edge at four places at equal distances.
     WindowNotUnique,
     /// The census curve has a second minimum that is nearly as low.
     CensusNotUnique,

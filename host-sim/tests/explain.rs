@@ -139,7 +139,7 @@ fn what_is_accepted_passed_and_what_is_rejected_failed_at_its_last_test() {
             listed == ends || [listed[1], listed[0]] == ends
         });
         assert_eq!(account.accepted, is_listed, "{account}");
-        let tests = ["window", "census", "agreement", "halves", "owner"];
+        let tests = ["window", "census", "agreement", "halves", "owner", "repetition"];
         let failed: Vec<&str> =
             failed(&account).into_iter().filter(|name| tests.contains(name)).collect();
         if account.subject.contains("near-vertical") {

@@ -12,6 +12,7 @@
 //! the memory of the frames again.
 
 use super::codes::{census, gradients};
+use super::repetition::REACH;
 use crate::area::Area;
 use crate::image::{Dims, Gray, Span};
 use crate::kernel::{FLAT, STRIP, Strip, census_code, portable, reverse_row};
@@ -76,7 +77,7 @@ impl WindowExtent {
             dims.height,
         );
         let (first, end) = (i32::from(left) - WINDOW_COLUMNS, i32::from(right) + WINDOW_COLUMNS);
-        let columns = [(first, end), (first - max, end - min)];
+        let columns = [(first - REACH, end + REACH), (first - max, end - min)];
         Self { rows, columns: columns.map(|(first, end)| span(first, end, dims.width)) }
     }
 }

@@ -29,7 +29,7 @@ use super::band::{Band, SampledRows};
 use super::feature::{self, SteepLine};
 use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8,
-    MatchContext, Workspace,
+    MatchContext, Workspace, repetition,
 };
 use crate::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
 use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
@@ -158,10 +158,13 @@ pub(crate) fn match_near_vertical(
         hypothesis(shared, &right, &left, census_right, at, windows.rows, 256)
             .filter(|_| may_own(1)),
     ];
-    let mut sides = work.rate(&evidence, [line_q6; 2], context.models.of(false));
-    if sides.iter().all(Option::is_none) {
+    if evidence.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }
+    if repetition::repeats(&extent.line, extent.rows, band, joint) {
+        return Err(Rejection::WindowNotUnique);
+    }
+    let mut sides = work.rate(&evidence, [line_q6; 2], context.models.of(false));
     join_sides(&mut sides, [left.disparity_q6, right.disparity_q6], SIDES_APART, line_q6);
     Ok(Candidate::new(*segment, sides, window.disparity_q6, census.disparity_q6, feature_q6))
 }

@@ -4,3 +4,4 @@ mod compare;
 mod eval;
 mod faults;
 mod support;
+mod thin;

@@ -98,7 +98,13 @@ pub(super) fn account(
 /// Marks the test that the core rejected it by. Of a near-vertical segment nothing comes after it;
 /// of another one the other side may.
 fn end_at(reason: Rejection, near_horizontal: bool, steps: &mut Vec<Step>) {
+    let passed =
+        |name: &str| steps.iter().any(|step| step.name == name && step.passed == Some(true));
     let name = match reason {
+        Rejection::WindowNotUnique if !near_horizontal && passed("window") => {
+            let words = "the left image shows it at four or more places at equal distances";
+            return steps.push(Step::test("repetition", false, words.to_owned()));
+        }
         Rejection::WindowNotUnique => "window",
         Rejection::CensusNotUnique => "census",
         Rejection::TechniquesDisagree => "agreement",
@@ -373,7 +379,7 @@ pub fn meaning(reason: Rejection) -> &'static str {
             "too close to the left or right border to compare enough disparities"
         }
         Rejection::WindowNotUnique => {
-            "a second place in the right image looks nearly as much like its window"
+            "a second place in the right image looks nearly as much like its window, or the left image repeats it at equal distances"
         }
         Rejection::CensusNotUnique => {
             "a second place in the right image has nearly the same order of grey levels"
