@@ -61,6 +61,15 @@ pub struct HealthLimits {
     /// The same where too few of them can say how far rows are apart, and support points do not
     /// show that rows are right. Default 140; the least of such captured pairs is 159.
     pub unwitnessed_permille: u16,
+    /// Share of the places of the support grid with a probability of at least 0.9, per thousand,
+    /// from which few matched segments are no fault, if most of these points agree about the rows.
+    /// Default 150: dim rooms in which segments hardly match have 250 and more; pairs with images
+    /// exchanged, mirrored, turned over or five rows apart at most 110, and those turned by 1.5
+    /// degrees or more, up to 300, do not agree.
+    pub credible_permille: u16,
+    /// Share of such points on the ground plane that shows the same without rows. Default 200: 210
+    /// and more in these rooms, at most 165 in pairs that are turned.
+    pub credible_ground_permille: u16,
     /// Least possible disparity, 1/64 px: minus the rig's offset, minus a tolerance. Default -64
     /// (-1 px).
     pub least_disparity_q6: i16,
@@ -98,6 +107,8 @@ impl HealthLimits {
         row_pairs: (8, 256),
         matched_permille: 60,
         unwitnessed_permille: 140,
+        credible_permille: 150,
+        credible_ground_permille: 200,
         least_disparity_q6: -64,
         min_beyond_range: 3,
         beyond_range_permille: 20,

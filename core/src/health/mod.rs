@@ -51,7 +51,7 @@ use crate::image::Gray;
 use crate::result::{Counts, Match, Rejection};
 pub use crate::support::RangeCheck;
 use crate::support::Support;
-use crate::units::quotient;
+use crate::units::{Confidence, quotient};
 pub use camera::CameraHealth;
 use evenness::Evenness;
 pub use flags::HealthFlags;
@@ -216,7 +216,9 @@ impl HealthMonitor {
             tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY;
             let rows_are_known =
                 health.rows.is_some() || by_points.is_some_and(Evenness::is_witness);
-            now |= HealthFlags::FEW_MATCHES.when(are_few(found.counts, limits, rows_are_known));
+            let are_few = are_few(found.counts, limits, rows_are_known)
+                && !are_credible(found.support, by_points, limits);
+            now |= HealthFlags::FEW_MATCHES.when(are_few);
             health.least_disparity_q6 = third_least_q6(found.matches);
             let beyond = health.least_disparity_q6.is_some_and(|d| d < limits.least_disparity_q6);
             now |= HealthFlags::BEYOND_INFINITY.when(beyond);
@@ -405,6 +407,21 @@ fn are_few(counts: &Counts, limits: &HealthLimits, rows_are_known: bool) -> bool
         && u32::from(counts.matched) * 1000 < u32::from(compared) * u32::from(least)
 }
 
+/// True when support points show that the images are a pair, whatever segments say: enough are
+/// credible, and most of a sample agree about the rows, or enough lie on the ground.
+fn are_credible(support: Support<'_>, by_points: Option<Evenness>, limits: &HealthLimits) -> bool {
+    let (mut credible, mut on_ground) = (0_u32, 0_u32);
+    for (_, point) in support.iter().filter(|(_, point)| point.confidence() >= CREDIBLE) {
+        credible += u32::from(point.is_matched());
+        on_ground += u32::from(point.is_beside_ground());
+    }
+    let is_share =
+        |points: u32, permille: u16| points * 1000 > support.len() as u32 * u32::from(permille);
+    is_share(credible, limits.credible_permille)
+        && (by_points.is_some_and(Evenness::mostly_agrees)
+            || is_share(on_ground, limits.credible_ground_permille))
+}
+
 /// Width of the images that limits in pixels are said for, px.
 const QVGA_WIDTH: u16 = 320;
 
@@ -413,6 +430,9 @@ const QVGA_WIDTH: u16 = 320;
 fn at_width(limit: i32, width: u16) -> i32 {
     quotient(limit * i32::from(width.max(QVGA_WIDTH)), QVGA_WIDTH.into())
 }
+
+/// Probability of a credible support point.
+const CREDIBLE: Confidence = Confidence::from_bits(58982);
 
 /// Least number of matches whose differences of rows can be uneven.
 const LEAST_SAMPLES: u8 = 4;

@@ -246,6 +246,13 @@ fn what_is_matched_has_limits_that_raise_flags_beyond_them() {
         HealthFlags::BEYOND_INFINITY
     );
     assert_eq!(now(HealthLimits { unwitnessed_permille: 31, ..limits }), HealthFlags::FEW_MATCHES);
+    let are_credible = |credible_permille, agree: Option<u8>| {
+        let by_points =
+            agree.map(|agree| Evenness { offset_q8: 0, spread_q8: 0, samples: 50, agree });
+        super::are_credible(support, by_points, &HealthLimits { credible_permille, ..limits })
+    };
+    assert!(are_credible(999, Some(35)) && !are_credible(1000, Some(35)));
+    assert!(!are_credible(999, Some(34)) && !are_credible(999, None), "rows do not agree");
     let small = HealthLimits { beyond_range_permille: 50, ..limits };
     assert_eq!(now(small), HealthFlags::RANGE_SMALL);
     assert_eq!(
