@@ -198,12 +198,23 @@ impl<'a> Matched<'a> {
         self.support().credible(self.plan.params.min_confidence).filter(move |_| is_fit)
     }
 
-    /// The support points that [`Obstacles`](crate::obstacles::Obstacles) take, whatever
-    /// [`Params::min_confidence`](crate::Params::min_confidence) is: many of little confidence that
-    /// agree are an obstacle too.
+    /// What [`Obstacles`](crate::obstacles::Obstacles) take beside matches: three points of each
+    /// bar and of each credible side of a segment that is not among the matches, then the support
+    /// points, whatever [`Params::min_confidence`](crate::Params::min_confidence) is: many of
+    /// little confidence that agree are an obstacle too.
     pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.summary.is_fit();
-        self.support().credible(crate::obstacles::LEAST_CONFIDENCE).filter(move |_| is_fit)
+        let least_q16 = self.plan.params.min_confidence.to_bits();
+        let bars = self.bars().iter().flat_map(Bar::three_points);
+        let unlisted = self.candidates().iter().filter(|candidate| candidate.listed.is_none());
+        let sides = unlisted.flat_map(move |candidate| {
+            let credible = candidate.sides.iter().flatten();
+            let credible =
+                credible.filter(move |side| !side.rejected && side.probability_q16 >= least_q16);
+            credible.flat_map(|side| side.three_points(&candidate.segment))
+        });
+        let support = self.support().credible(crate::obstacles::LEAST_CONFIDENCE);
+        bars.chain(sides).chain(support).filter(move |_| is_fit)
     }
 
     /// Bars, thin things in front of what is around them.

@@ -18,6 +18,7 @@ use crate::bars::{self, Bar, Edge};
 use crate::confidence::{Model, Models};
 use crate::evidence::SegmentKind;
 use crate::image::Dims;
+use crate::lines::Segment;
 use crate::matching::consistency::{Neighbour, for_each_contradiction};
 use crate::matching::{Candidate, Side};
 use crate::params::Params;
@@ -264,6 +265,24 @@ fn rate(candidate: &mut Candidate, models: &Models) {
 }
 
 impl Side {
+    /// The ends and the middle of its segment, with its disparity.
+    pub(crate) fn three_points(&self, segment: &Segment) -> [Point; 3] {
+        let (x0, y0, x1, y1) = segment.ends_q5();
+        let [d0, d1] = self.disparity_q6.map(i32::from);
+        let of = |x_q5: i32, y_q5: i32, d_q6: i32| {
+            let whole = |q5: i32| u16::try_from(q5 >> 5).unwrap_or(0);
+            Point {
+                x: whole(x_q5),
+                y: whole(y_q5),
+                disparity: disparity_from_q6(d_q6),
+                confidence: Confidence::from_bits(self.probability_q16),
+                source: Source::Side,
+            }
+        };
+        let middle = of((x0 + x1) / 2, (y0 + y1) / 2, (d0 + d1) / 2);
+        [of(x0, y0, d0), middle, of(x1, y1, d1)]
+    }
+
     /// Log-odds of its first pixel, neighbours included, Q8.
     fn rated_q8(&self, model: &Model) -> i32 {
         let score = model.with_nearby_q8(self.score_q8, self.nearby_q8);

@@ -230,7 +230,29 @@ fn three_support_points_that_agree_are_an_obstacle() {
     assert_eq!(ahead(3, Source::Support), Some(reference(160.0, 30.0, 0.0, 72).1 as u16));
     assert_eq!(ahead(2, Source::Support), None, "neighbours are wrong together");
     // Those of segments are counted as matches.
-    assert_eq!((ahead(20, Source::Segment(0)), ahead(20, Source::Side)), (None, None));
+    assert_eq!(ahead(20, Source::Segment(0)), None);
+}
+
+#[test]
+fn a_bar_is_one_witness() {
+    let plan = plan_of(|_| {});
+    let ahead = |disparities: &[f64], confidence: f64| {
+        let point = |(y, &disparity): (u16, &f64)| Point {
+            x: 160,
+            y,
+            disparity: Disparity::from_num(disparity),
+            confidence: Confidence::from_num(confidence),
+            source: Source::Side,
+        };
+        let mut obstacles = Obstacles::new();
+        let points = (100..).zip(disparities).map(point);
+        obstacles.update(&plan, &[], points, HealthFlags::GOOD, 0);
+        distance(obstacles.sector(&plan, 0, 0))
+    };
+    let at = Some(reference(160.0, 30.0, 0.0, 72).1 as u16);
+    assert_eq!(ahead(&[30.0], 0.995), at);
+    assert_eq!(ahead(&[30.0; 20], 0.98), None, "twenty points of one bar");
+    assert_eq!(ahead(&[30.0, 10.0, 30.0], 0.98), at, "two bars");
 }
 
 #[test]

@@ -50,7 +50,7 @@ use crate::lines::Segment;
 use crate::matching::MatchContext;
 use crate::matching::Workspace;
 use crate::matching::band::Band;
-use crate::result::ImagePosition;
+use crate::result::{ImagePosition, Point, Source};
 use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::{Confidence, Disparity, Position, narrow, quotient};
@@ -124,6 +124,21 @@ impl Bar {
         self.rows.map(|row| {
             let x = u16::try_from(self.x_at_q5(row.into())).unwrap_or(0);
             ImagePosition { x: Position::from_bits(x), y: Position::from_bits(row << 5) }
+        })
+    }
+
+    /// Its middle at the first, the middle and the last row.
+    pub(crate) fn three_points(&self) -> [Point; 3] {
+        let [first, last] = self.rows;
+        [first, u16::midpoint(first, last), last].map(|y| {
+            let columns = self.columns(y);
+            Point {
+                x: u16::midpoint(columns.start, columns.end),
+                y,
+                disparity: Disparity::from_bits(narrow(self.disparity_at_q6(y.into()))),
+                confidence: self.confidence(),
+                source: Source::Side,
+            }
         })
     }
 
