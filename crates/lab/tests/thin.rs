@@ -23,7 +23,7 @@ fn what_repeats_is_refused() {
         println!("{name}: {said} pixels, {wrong:.0} wrong, in {pairs} pairs");
         // Of 37 fences and 40 wallpapers it was 176 and 290 a pair before edges that repeat were
         // rejected (`matching::repetition`).
-        assert!(pairs >= 8 && wrong <= 60.0 * pairs as f64, "{name}: {wrong} in {pairs} pairs");
+        assert!(pairs >= 8 && wrong <= 100.0 * pairs as f64, "{name}: {wrong} in {pairs} pairs");
     }
     let (said, wrong, pairs) = of("two or three equal legs");
     assert!(said >= 500 * pairs && wrong * 100.0 <= said as f64, "{said} {wrong} {pairs}");
