@@ -12,7 +12,6 @@
 //! the memory of the frames again.
 
 use super::codes::{census, gradients};
-use super::repetition::REACH;
 use crate::area::Area;
 use crate::image::{Dims, Gray, Span};
 use crate::kernel::{FLAT, STRIP, Strip, census_code, portable, reverse_row};
@@ -29,6 +28,9 @@ const WINDOW_REACH: i32 = 6;
 /// Reach of windows beside their segment, 10 px, and two columns whose values at the end of a row
 /// are not valid.
 const WINDOW_COLUMNS: i32 = 12;
+
+/// Reach beside a segment within which the left image may repeat it, px.
+pub(crate) const REPEAT_REACH: i32 = 96;
 
 /// One quantity of both images.
 struct Planes<'a> {
@@ -77,7 +79,7 @@ impl WindowExtent {
             dims.height,
         );
         let (first, end) = (i32::from(left) - WINDOW_COLUMNS, i32::from(right) + WINDOW_COLUMNS);
-        let columns = [(first - REACH, end + REACH), (first - max, end - min)];
+        let columns = [(first - REPEAT_REACH, end + REPEAT_REACH), (first - max, end - min)];
         Self { rows, columns: columns.map(|(first, end)| span(first, end, dims.width)) }
     }
 }

@@ -4,9 +4,9 @@
 //! In: an edge on whole pixels, the band that holds its rows. Out: whether it repeats.
 //!
 //! ```text
-//! cost of eight columns around the edge at three of its rows, everywhere up to REACH px away
+//! cost of eight columns around the edge at three of its rows, everywhere up to 96 px away
 //! alike: a minimum of at most 0.4 of the edge's own gradients
-//! RUN places in a row at one distance from each other, the edge itself among them: it repeats
+//! four places in a row at one distance from each other, the edge itself among them: it repeats
 //! ```
 //!
 //! The right image cannot tell which of them is which: where the true disparity lies between two
@@ -15,16 +15,14 @@
 //! # Cost
 //! Three strips over 193 places: 4000 instructions.
 
-use super::band::{Band, SampledRows};
+use super::band::{Band, REPEAT_REACH as REACH, SampledRows};
 use super::feature::SteepLine;
 use crate::curve::{Curve, low_of};
 use crate::kernel::{FLAT, STRIP, Strip, sad_curve};
 use crate::row_memory::PAD;
 use heapless::Vec;
 
-/// Farthest place, px.
-pub(crate) const REACH: i32 = 96;
-/// Nearest one, px: an edge is alike to itself up to there.
+/// Nearest place, px: up to there an edge is alike to itself.
 const NEAREST: i32 = 4;
 /// Rows that are compared.
 const ROWS: i32 = 3;
@@ -102,11 +100,15 @@ impl Places {
 
     /// True where the edge is one of [`RUN`] places at equal distances.
     fn repeat(self) -> bool {
-        (NEAREST..=REACH).any(|distance| {
-            let length =
-                |sign: i32| (1..RUN).take_while(|k| self.has(sign * k * distance)).count() as i32;
-            self.has_exactly(distance) && length(1) + length(-1) + 1 >= RUN
-        })
+        // Most edges have hardly any.
+        let places = (self.before.count_ones() + self.after.count_ones()) as i32;
+        places >= RUN - 1
+            && (NEAREST..=REACH).any(|distance| {
+                let length = |sign: i32| {
+                    (1..RUN).take_while(|k| self.has(sign * k * distance)).count() as i32
+                };
+                self.has_exactly(distance) && length(1) + length(-1) + 1 >= RUN
+            })
     }
 
     fn has_exactly(self, distance: i32) -> bool {

@@ -2,8 +2,9 @@
 //! it.
 //!
 //! In: an [`ObstaclePlan`] (the view as sectors, computed once), the matches, bars and support
-//! points of a pair, its health and time of capture. Out: [`Obstacles`], the state of each [`Sector`] of a
-//! full turn around the vehicle: an obstacle at a distance, free, unknown, or outside the view.
+//! points of a pair, its health and time of capture. Out: [`Obstacles`], the state of each
+//! [`Sector`] of a full turn around the vehicle: an obstacle at a distance, free, unknown, or
+//! outside the view.
 //!
 //! ```text
 //! per match, in each sector that it crosses, per bar or side of a segment beside those that agree
