@@ -18,7 +18,7 @@
 //! let mut memory = Memory::new(); // in a static on a board
 //!
 //! # let grey = |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) as u8;
-//! # let image = |disparity| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect() };
+//! # let image = |d| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + d, i / 160)).collect() };
 //! # let (left, right) = (image(0), image(12));
 //! // For each pair: grey pixels, row by row.
 //! let left = Gray::new(&left, DIMS, 160)?;

@@ -198,8 +198,8 @@ impl<'a> Matched<'a> {
         self.support().credible(self.plan.params.min_confidence).filter(move |_| is_fit)
     }
 
-    /// What [`Obstacles`](crate::obstacles::Obstacles) take beside matches: three points of each
-    /// bar and of each credible side of a segment that is not among the matches, then the support
+    /// Points for [`Obstacles`](crate::obstacles::Obstacles) beside the matches: three of each bar
+    /// and of each credible side of a segment that is not among the matches, then the support
     /// points, whatever [`Params::min_confidence`](crate::Params::min_confidence) is: many of
     /// little confidence that agree are an obstacle too.
     pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {

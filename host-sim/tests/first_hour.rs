@@ -301,7 +301,8 @@ fn every_pair_has_the_scene_file_beside_it() {
 fn one_set_of_layouts_for_all_commands() {
     let folder = pair();
     let at = folder.path();
-    let calib = "cam0=[300 0 160; 0 300 120; 0 0 1]\ncam1=[300 0 160; 0 300 120; 0 0 1]\ndoffs=0\nbaseline=100\nndisp=64\n";
+    let calib = "cam0=[300 0 160; 0 300 120; 0 0 1]\n\
+                 cam1=[300 0 160; 0 300 120; 0 0 1]\ndoffs=0\nbaseline=100\nndisp=64\n";
     let stamps = [
         ["1403715273262142976.png", "1403715273262542976.png"],
         ["1403715273312142976.png", "1403715273312542976.png"],

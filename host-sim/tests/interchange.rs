@@ -576,7 +576,8 @@ fn harmful_files_are_refused() {
     assert!(matches!(bad(&[&laughs]), (Some(_), Problem::TooManyValues)));
     let itself = bad(&["a: &a [1, *a]\n"]);
     assert!(matches!(itself, (Some(1), Problem::Syntax(_))), "{itself:?}");
-    let entities = "<?xml version=\"1.0\"?>\n<!DOCTYPE a [<!ENTITY x \"xxx\">]>\n<opencv_storage><a>&x;</a></opencv_storage>";
+    let entities = "<?xml version=\"1.0\"?>\n<!DOCTYPE a [<!ENTITY x \"xxx\">]>\n\
+                    <opencv_storage><a>&x;</a></opencv_storage>";
     assert!(matches!(bad(&[entities]), (Some(2), Problem::Syntax(_))));
     let deep =
         format!("<opencv_storage>{}{}</opencv_storage>", "<a>".repeat(50), "</a>".repeat(50));

@@ -571,7 +571,11 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
     let (view, same) = (View::start(at, &["rec", "--rate", "100"]), View::start(at, &["same"]));
     let address = |view: &View| format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
     let is_answered = "/ m ± /.test(document.getElementById('objects').innerText)";
-    let steps = json!([{"until": "linestereo.line().name === '3'"}, {"box": [50, 50, 150, 150]}, {"until": is_answered}]);
+    let steps = json!([
+        {"until": "linestereo.line().name === '3'"},
+        {"box": [50, 50, 150, 150]},
+        {"until": is_answered},
+    ]);
     let Some((found, logged)) = visit(&address(&view), &steps) else { return };
     let expected = format!(
         "{z:.3} m ± {z_sigma:.3} m, nearest {nearest:.3} m; {d:.2} ± {sigma:.2} px, within 1 px \

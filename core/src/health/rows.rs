@@ -31,7 +31,7 @@
 //! # Cost
 //! Per match at most 8 * 34 pixels and 13 * 7 products; at most [`MOST_MEASURED`] matches. 48
 //! samples at 12 columns each cost 0.5 M instructions a pair; the largest error against known
-//! offsets was 0.062 px then, and is 0.078 px now.
+//! offsets would be 0.062 px with them, and is 0.078 px.
 //!
 //! # Source
 //! Normalised correlation with a sub-pixel vertex is standard. A parabola's vertex is biased

@@ -379,7 +379,8 @@ pub fn meaning(reason: Rejection) -> &'static str {
             "too close to the left or right border to compare enough disparities"
         }
         Rejection::WindowNotUnique => {
-            "a second place in the right image looks nearly as much like its window, or the left image repeats it at equal distances"
+            "a second place in the right image looks nearly as much like its window, or the \
+             left image repeats it at equal distances"
         }
         Rejection::CensusNotUnique => {
             "a second place in the right image has nearly the same order of grey levels"

@@ -33,7 +33,12 @@ fn seconds_of_a_portenta() {
         (600_000, Request::Photograph), // 1.7 s of the UART
         (2_500_000, Request::SetRig(rig_bytes())),
     ];
-    let scenario = json!({ "until_us": 3_200_000, "host": host(&requests), "faults": bad_frames(&FAULTS), "erase_us": 2e5 });
+    let scenario = json!({
+        "until_us": 3_200_000,
+        "host": host(&requests),
+        "faults": bad_frames(&FAULTS),
+        "erase_us": 2e5,
+    });
     let Some(run) = execute(scenario) else { return };
     run.assert_whole();
     assert_eq!(run.reset_causes(), [Some(ResetCause::PowerOn)]);

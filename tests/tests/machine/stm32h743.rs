@@ -109,7 +109,7 @@ fn ten_seconds_of_a_board() {
     run.assert_whole();
 
     let frames = run.frames_in_order();
-    // 66 before bars were matched, 58 with them.
+    // 58 with the present core.
     assert!(frames.len() > 50, "{}", frames.len());
 
     // Each bad frame by its name, and it costs that frame alone.

@@ -156,7 +156,8 @@ mod tests {
 
     #[test]
     fn constants_are_read_as_rust_has_them() {
-        let source = "pub const A: u64 = 32 << 20;\nconst B: usize = 100_000;\nconst C: Duration = Duration::from_secs(15);";
+        let source = "pub const A: u64 = 32 << 20;\nconst B: usize = 100_000;\n\
+                      const C: Duration = Duration::from_secs(15);";
         assert_eq!(
             ["A", "B", "C"].map(|name| constant(source, name).unwrap()),
             [32 << 20, 100_000, 15]

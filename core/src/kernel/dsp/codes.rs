@@ -93,7 +93,10 @@ macro_rules! two_rows {
 /// middle two and its last two rows. Leaves those sums of its last two.
 #[rustfmt::skip] // an instruction a line
 macro_rules! row_of_codes {
-    ($rows:literal, $sums:literal, $a0:literal, $a1:literal, $c0:literal, $c1:literal, $h:literal, $next:literal) => {
+    (
+        $rows:literal, $sums:literal, $a0:literal, $a1:literal, $c0:literal, $c1:literal,
+        $h:literal, $next:literal
+    ) => {
         concat!(
             two_rows!($rows, $c0, $c1, $next),
             "qadd8 {", $h, "}, {", $h, "}, {", $next, "}\n",

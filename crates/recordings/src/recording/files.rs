@@ -217,7 +217,8 @@ mod tests {
             "",
             "it holds a.mcap, b.mcap without a metadata.yaml; give one of them",
         );
-        let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
+        let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - \
+                      bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
         says(&["bag_0.mcap"], listed, "its metadata.yaml names bag_1.mcap, which is not there");
         assert!(paths(Path::new("x.mcap.zstd")).unwrap_err().to_string().contains("zstd -d"));
         assert!(
