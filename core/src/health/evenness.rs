@@ -7,7 +7,8 @@
 //! sample   a credible point with detail down the rows: 8 x 4 gradients down the rows, left and
 //!          right, compared with the right ones moved by -2 ..= 2 rows; sub-pixel minimum
 //! offset   median of all samples
-//! spread   largest less smallest median of the samples in each of 3 x 3 parts of the image
+//! spread   largest less smallest median of the samples in each of 3 x 3 parts of the image; where
+//!          70 % of all agree, of those parts whose samples agree
 //! ```
 //! A point is matched by texture that the rows need not fit to the pixel, and its depth is still
 //! right. Where rows are apart by more, what is matched are look-alikes: the samples of these are
@@ -135,24 +136,39 @@ pub(super) fn measure(
         return None;
     }
     sort_by_key(&mut samples, |&(_, offset_q8)| offset_q8);
-    let median = |part: Option<u8>| {
-        let of_part =
-            || samples.iter().filter(move |sample| part.is_none_or(|part| sample.0 == part));
-        let count = of_part().count();
-        of_part()
-            .nth(count / 2)
-            .filter(|_| count >= FEWEST_OF_PART)
-            .map(|&(_, offset_q8)| offset_q8)
+    let (offset_q8, _, agree) = median(&samples, None)?;
+    let even = |spread_q8| Evenness {
+        offset_q8,
+        spread_q8,
+        samples: samples.len() as u8,
+        agree: agree as u8,
     };
-    let offset_q8 = median(None)?;
+    // Samples of look-alikes in one part say nothing of rows that are right elsewhere.
+    let needs_agreement = even(0).mostly_agrees();
     let (mut parts, mut least, mut most) = (0, i16::MAX, i16::MIN);
-    for offset_q8 in (0..(PARTS * PARTS) as u8).filter_map(|part| median(Some(part))) {
-        (parts, least, most) = (parts + 1, least.min(offset_q8), most.max(offset_q8));
+    for part in 0..(PARTS * PARTS) as u8 {
+        if let Some((offset_q8, count, agree)) = median(&samples, Some(part))
+            && count >= FEWEST_OF_PART
+        {
+            parts += 1;
+            if !needs_agreement || 2 * agree >= count {
+                (least, most) = (least.min(offset_q8), most.max(offset_q8));
+            }
+        }
     }
-    let agree =
-        samples.iter().filter(|sample| sample.1.abs_diff(offset_q8) <= AGREE_Q8).count() as u8;
-    let (spread_q8, samples) = (most.abs_diff(least), samples.len() as u8);
-    (parts >= FEWEST_PARTS).then_some(Evenness { offset_q8, spread_q8, samples, agree })
+    (parts >= FEWEST_PARTS).then(|| even(if least > most { 0 } else { most.abs_diff(least) }))
+}
+
+/// Median of the samples of a part or of all, in order; their number, and the number of those that
+/// agree with it.
+fn median(samples: &[Sample], part: Option<u8>) -> Option<(i16, usize, usize)> {
+    let of_part = || {
+        let is_inside = move |sample: &&Sample| part.is_none_or(|part| sample.0 == part);
+        samples.iter().filter(is_inside).map(|sample| sample.1)
+    };
+    let count = of_part().count();
+    let median = of_part().nth(count / 2)?;
+    Some((median, count, of_part().filter(|at| at.abs_diff(median) <= AGREE_Q8).count()))
 }
 
 /// Part of the image in which a pixel lies.

@@ -1,10 +1,10 @@
-//! Nearest obstacle in each direction, by matched segments and support points, as autopilots take
-//! it.
+//! Nearest obstacle and nearest drop-off in each direction, by matched segments and support points,
+//! as autopilots take it.
 //!
 //! In: an [`ObstaclePlan`] (the view as sectors, computed once), the matches, bars and support
 //! points of a pair, its health and time of capture. Out: [`Obstacles`], the state of each
 //! [`Sector`] of a full turn around the vehicle: an obstacle at a distance, free, unknown, or
-//! outside the view.
+//! outside the view; and the nearest [`DropOff`] in it.
 //!
 //! ```text
 //! per match, in each sector that it crosses, per bar or side of a segment beside those that agree
@@ -12,6 +12,8 @@
 //!     correlated):
 //!   within the range and the height band     one of the nearest hypotheses of the sector
 //!   behind them                              a hypothesis that the sector is free
+//!   2 px and more behind the ground plane    a hypothesis of a drop-off, where the plane is seen
+//!       at the lower end of the point
 //! per sector, from the nearest hypothesis on:
 //!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it
 //!       (up to 1 px and 1/16 of the nearness behind it), from
@@ -21,6 +23,8 @@
 //!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in a
 //!   quarter of the rows, have a product below the limit: free
 //!   otherwise no result
+//!   drop-off: the product falls to the limit over hypotheses up to a quarter of the nearness
+//!       behind the nearest of them, which is told
 //! a result replaces the state of the sector, unless that is an obstacle nearer by more than
 //!     1/8, which stays until it is too old
 //! ```
@@ -43,6 +47,11 @@
 //!   never free; nor are those near the left border,
 //!   where near points are outside the right camera's view.
 //!
+//! - **Drop-off**: the floor is missing from this distance on: a step down, stairs, the edge of a
+//!   table. A ray that goes on through the ground plane proves it, so the lower floor has to be
+//!   seen; a dark or blank pit has no hypotheses, and its sector is unknown. A sector with a
+//!   drop-off within the range is never free. Without a ground plane nothing is said.
+//!
 //! # Measured
 //! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an
 //! obstacle (segments alone: 149), one of them nearer than all that is there by 10 %; 9 (37) are
@@ -58,12 +67,14 @@
 //! # Cost
 //! 300 bytes of state, 3 KB of stack. Instructions: `xtask/board-numbers.toml`.
 
+mod hypotheses;
 mod plan;
 
 use crate::health::HealthFlags;
 use crate::result::{Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
+use hypotheses::{Hypotheses, Ray, STRONG_Q16, agree_q6, drop_agree_q6};
 use plan::{Ground, PARTS};
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 
@@ -73,19 +84,12 @@ pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 /// 26 %, doorway 33 and 62 %; on a ramp, whose ghosts rise from 4 to 29 %, 48 and 41 %.
 pub const LEAST_CONFIDENCE: Confidence = Confidence::from_bits(0x8000);
 
-/// Number of hypotheses kept of a sector, the nearest ones.
-const KEPT: usize = 16;
-/// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
-const AGREE_Q6: i32 = 64;
-/// Least probability that all hypotheses within the range are wrong, for a sector to be free, Q16.
-const WEAK_Q16: u16 = 1 << 14;
-/// Largest error probability of a support point that is seen behind the range, and of a hypothesis
-/// between the range and 5/4 of it that forbids a free sector, Q16: 0.1. Surfaces behind the range
-/// are there as well.
-const STRONG_Q16: u16 = 6554;
-
 /// Largest distance from the ground of what may be a part of it, 1/64 px.
 const GROUND_Q6: i32 = 48;
+/// Least distance behind the ground of what lies below it, 1/64 px. Chosen on `robot_world` and
+/// `robot_sequences`: 1, 1.5 and 2 px tell 53, 50 and 51 % of the drop-offs within 2 m, and 3.6, 1.5
+/// and 1.1 % false ones.
+const BELOW_Q6: i32 = 128;
 
 /// Least error probability of a support point, Q16: 0.2, since errors of neighbours, which share
 /// paths, are correlated.
@@ -93,9 +97,6 @@ const LEAST_POINT_ERROR_Q16: u16 = 13107;
 
 /// Number of parts that the rows are divided into.
 const PARTS_OF_ROWS: i32 = 8;
-/// Least number of parts with a hypothesis behind the range for a sector to be free.
-const CLEAR_PARTS: u32 = 2;
-
 /// State of one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -123,6 +124,18 @@ pub enum Sector {
     },
 }
 
+/// The floor ends: a step down, stairs, the edge of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct DropOff {
+    /// Distance along the ground to its edge, cm; 1 or more, below the range.
+    pub distance_cm: u16,
+    /// Probability that not all hypotheses of it are wrong.
+    pub confidence: Confidence,
+    /// Time since it was seen, ms.
+    pub age_ms: u32,
+}
+
 /// Stored state of one direction, eight bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Known {
@@ -138,6 +151,18 @@ const FREE: u16 = u16::MAX;
 
 impl Known {
     const NONE: Self = Self { distance_cm: NOTHING, confidence_q16: 0, seen_ms: 0 };
+
+    /// Takes the result of a pair: a nearness (1/64 px, `None`: free) and its error probability.
+    fn update(&mut self, plan: &ObstaclePlan, now_ms: u32, result: Option<(Option<i32>, u16)>) {
+        if self.distance_cm != NOTHING && now_ms.wrapping_sub(self.seen_ms) > plan.keep_ms {
+            *self = Self::NONE;
+        }
+        let Some((nearness_q6, error_q16)) = result else { return };
+        let distance_cm = nearness_q6.map_or(FREE, |nearness_q6| plan.distance_cm(nearness_q6));
+        if !keeps_previous(self.distance_cm, distance_cm) {
+            *self = Self { distance_cm, confidence_q16: u16::MAX - error_q16, seen_ms: now_ms };
+        }
+    }
 }
 
 /// State of every direction, kept between pairs.
@@ -157,6 +182,7 @@ impl Known {
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     known: [Known; MAX_IN_VIEW],
+    drop_offs: [Known; MAX_IN_VIEW],
     is_fit: bool,
 }
 
@@ -170,7 +196,8 @@ impl Obstacles {
     /// All sectors unknown.
     #[must_use]
     pub const fn new() -> Self {
-        Self { known: [Known::NONE; MAX_IN_VIEW], is_fit: false }
+        let none = [Known::NONE; MAX_IN_VIEW];
+        Self { known: none, drop_offs: none, is_fit: false }
     }
 
     /// Updates the sectors by the matches of a pair and by the support points, bars and sides
@@ -201,20 +228,16 @@ impl Obstacles {
             }
             plan.add_points(points, &mut found);
         }
-        for ((known, hypotheses), sector) in self.known.iter_mut().zip(&found).zip(0_u32..) {
+        let states = self.known.iter_mut().zip(&mut self.drop_offs);
+        for (((known, drop_off), hypotheses), sector) in states.zip(&found).zip(0_u32..) {
             let can_be_free = plan.complete >> sector & 1 == 1;
-            let age_ms = now_ms.wrapping_sub(known.seen_ms);
-            if known.distance_cm != NOTHING && age_ms > plan.keep_ms {
-                *known = Known::NONE;
-            }
-            let Some((nearness_q6, error_q16)) = hypotheses.evaluate(plan, can_be_free) else {
-                continue;
-            };
-            let distance_cm = nearness_q6.map_or(FREE, |nearness_q6| plan.distance_cm(nearness_q6));
-            if !keeps_previous(known.distance_cm, distance_cm) {
-                *known =
-                    Known { distance_cm, confidence_q16: u16::MAX - error_q16, seen_ms: now_ms };
-            }
+            known.update(plan, now_ms, hypotheses.obstacle(plan, can_be_free));
+            let below = hypotheses.below.group(plan.error_q16, drop_agree_q6);
+            drop_off.update(
+                plan,
+                now_ms,
+                below.map(|group| (Some(group.nearest_q6), group.error_q16)),
+            );
         }
     }
 
@@ -241,9 +264,21 @@ impl Obstacles {
         match known.distance_cm {
             NOTHING => Sector::Unknown,
             _ if age_ms > plan.keep_ms => Sector::Unknown,
+            FREE if self.drop_off(plan, index, time_us).is_some() => Sector::Unknown,
             FREE => Sector::Free { confidence, age_ms },
             distance_cm => Sector::Obstacle { distance_cm, confidence, age_ms },
         }
+    }
+
+    /// The nearest drop-off in a direction, counted as for [`Obstacles::sector`]; `None` where none
+    /// is known.
+    #[must_use]
+    pub fn drop_off(&self, plan: &ObstaclePlan, index: u8, time_us: u64) -> Option<DropOff> {
+        let known = self.drop_offs.get(plan.in_view(index)?)?;
+        let age_ms = milliseconds(time_us).wrapping_sub(known.seen_ms);
+        let is_known = known.distance_cm != NOTHING && age_ms <= plan.keep_ms;
+        let confidence = Confidence::from_bits(known.confidence_q16);
+        is_known.then_some(DropOff { distance_cm: known.distance_cm, confidence, age_ms })
     }
 
     /// Every direction of the turn, from ahead on, clockwise.
@@ -268,19 +303,11 @@ fn milliseconds(time_us: u64) -> u32 {
     (time_us / 1000) as u32
 }
 
-/// Result of a match or a support point for one sector: its nearness, or the rows that are free
-/// before it.
-#[derive(Clone, Copy)]
-enum Ray {
-    /// Within the range and the height band; nearness, 1/64 px.
-    Ends(i32),
-    /// Behind both: the range is free in these parts of the rows, a bit each.
-    Passes(u8),
-}
-
 /// A point of a hypothesis.
 #[derive(Clone, Copy)]
 struct Seen {
+    /// Its column, 1/32 px.
+    x_q5: i32,
     /// Its row, 1/32 px.
     row_q5: i32,
     /// Its row in the image of a level camera, 1/32 px.
@@ -289,88 +316,6 @@ struct Seen {
     d_q6: i32,
     /// Its disparity less that of the ground at its pixel, 1/64 px, where that is known.
     above_q6: Option<i32>,
-}
-
-/// The nearest hypotheses of one sector, and those behind the range.
-#[derive(Clone, Copy)]
-struct Hypotheses {
-    /// Nearness (1/64 px, 0 = none, the largest for all beyond) and error probability of the
-    /// nearest hypotheses, nearest first.
-    near: [(u16, u16); KEPT],
-    /// Probability that all hypotheses behind the range are wrong, Q16.
-    clear_error_q16: u16,
-    /// Parts of the rows with a hypothesis behind the range, a bit each.
-    clear_parts: u8,
-}
-
-impl Hypotheses {
-    const NONE: Self = Self { near: [(0, 0); KEPT], clear_error_q16: u16::MAX, clear_parts: 0 };
-
-    fn add(&mut self, ray: Ray, error_q16: u16) {
-        match ray {
-            Ray::Ends(nearness_q6) => {
-                let mut hypothesis = (u16::try_from(nearness_q6).unwrap_or(u16::MAX), error_q16);
-                if self.near.last().is_some_and(|last| hypothesis <= *last) {
-                    return; // most are not among the nearest
-                }
-                for slot in &mut self.near {
-                    if hypothesis > *slot {
-                        core::mem::swap(slot, &mut hypothesis);
-                    }
-                }
-            }
-            Ray::Passes(parts) => {
-                self.clear_error_q16 = both(self.clear_error_q16, error_q16);
-                self.clear_parts |= parts;
-            }
-        }
-    }
-
-    /// Nearness of the obstacle, 1/64 px, `None` for free, and the error probability, Q16; `None`
-    /// where hypotheses are too few.
-    fn evaluate(&self, plan: &ObstaclePlan, can_be_free: bool) -> Option<(Option<i32>, u16)> {
-        let near = || self.near.iter().map(|&(nearness_q6, error)| (i32::from(nearness_q6), error));
-        let near = || near().take_while(|&(nearness_q6, _)| nearness_q6 > 0);
-        for (first, (nearest_q6, _)) in near().enumerate() {
-            let least_q6 = nearest_q6 - agree_q6(nearest_q6);
-            let (mut error_q16, mut found) = (u16::MAX, None);
-            for (nearness_q6, one_error_q16) in
-                near().skip(first).take_while(|hypothesis| hypothesis.0 >= least_q6)
-            {
-                error_q16 = both(error_q16, one_error_q16);
-                if found.is_none() && error_q16 <= plan.error_q16 {
-                    found = Some(nearness_q6);
-                }
-            }
-            if let Some(nearness_q6) = found {
-                return (nearness_q6 >= plan.far_q6).then_some((found, error_q16));
-            }
-        }
-        let forbids = |&(nearness_q6, error_q16): &(i32, u16)| {
-            nearness_q6 >= plan.far_q6 || error_q16 <= STRONG_Q16
-        };
-        let is_free =
-            near().filter(forbids).fold(u16::MAX, |error, hypothesis| both(error, hypothesis.1))
-                > WEAK_Q16;
-        // On the ground all rows in which something within the range would stand have to be seen
-        // behind it.
-        let is_covered = match plan.ground {
-            Some(ground) => self.clear_parts & ground.parts == ground.parts,
-            None => self.clear_parts.count_ones() >= CLEAR_PARTS,
-        };
-        (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
-            .then_some((None, self.clear_error_q16))
-    }
-}
-
-/// Hypotheses up to so much behind another one agree with it, 1/64 px.
-fn agree_q6(nearness_q6: i32) -> i32 {
-    AGREE_Q6 + nearness_q6 / 16
-}
-
-/// Probability that both are wrong, Q16, of independent hypotheses.
-fn both(one: u16, other: u16) -> u16 {
-    ((u32::from(one) * u32::from(other)) >> 16) as u16
 }
 
 impl ObstaclePlan {
@@ -427,7 +372,9 @@ impl ObstaclePlan {
                 // Doubtful points may be an obstacle, but make nothing free.
                 (Source::Support, Ray::Passes(_)) if error_q16 > STRONG_Q16 => {}
                 (Source::Support, _) => hypotheses.add(ray, error_q16.max(LEAST_POINT_ERROR_Q16)),
-                (Source::Side, Ray::Ends(nearness_q6)) if nearness_q6 >= self.far_q6 => {
+                (Source::Side, Ray::Ends(nearness_q6) | Ray::Falls(nearness_q6))
+                    if nearness_q6 >= self.far_q6 =>
+                {
                     // Points of one thing follow each other, and are one witness.
                     let is_same = |before: i32| {
                         (before - nearness_q6).abs() <= agree_q6(before.max(nearness_q6))
@@ -460,13 +407,13 @@ impl ObstaclePlan {
     /// it.
     fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Seen {
         let Some(Ground { plane, per_row_q16, .. }) = self.ground else {
-            return Seen { row_q5: y_q5, level_q5: y_q5, d_q6, above_q6: None };
+            return Seen { x_q5, row_q5: y_q5, level_q5: y_q5, d_q6, above_q6: None };
         };
         let ground_q6 = plane.at_q6(x_q5 >> 5, y_q5 >> 5) + self.offset_q6;
         // Rows below the horizon, at which a level camera sees the ground at this disparity.
         let level_q5 =
             self.row_q5 + quotient(ground_q6.clamp(-(1 << 15), 1 << 15) << 15, per_row_q16);
-        Seen { row_q5: y_q5, level_q5, d_q6, above_q6: Some(d_q6 - ground_q6) }
+        Seen { x_q5, row_q5: y_q5, level_q5, d_q6, above_q6: Some(d_q6 - ground_q6) }
     }
 
     /// The ray of a hypothesis of this nearness, 1/64 px, between two points.
@@ -479,7 +426,7 @@ impl ObstaclePlan {
             let is_hole = points
                 .iter()
                 .any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
-            return (!is_hole).then(|| Ray::Passes(self.parts(rows)));
+            return if is_hole { self.fall(points) } else { Some(Ray::Passes(self.parts(rows))) };
         }
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
             Some(Ray::Ends(nearness_q6))
@@ -488,6 +435,28 @@ impl ObstaclePlan {
         } else {
             None
         }
+    }
+
+    /// The ray of a hypothesis below the ground; `None` where it is not far enough below it, or
+    /// meets the plane behind the range.
+    fn fall(&self, points: [Seen; 2]) -> Option<Ray> {
+        let (Ground { plane, per_row_q16, .. }, least_q16) = (self.ground?, self.drop_q16?);
+        let is_below = |point: &Seen| {
+            // depth = height * (ground - d) / d, height = baseline / per_row
+            let below_q6 = -point.above_q6.unwrap_or(0);
+            let least = least_q16
+                .saturating_mul(point.d_q6.max(1).into())
+                .saturating_mul(per_row_q16.into());
+            below_q6 >= BELOW_Q6 && (self.baseline_q16 * i64::from(below_q6)) << 16 >= least
+        };
+        let meets = |point: Seen| {
+            let ground_q6 = plane.at_q6(point.x_q5 >> 5, point.row_q5 >> 5) + self.offset_q6;
+            self.nearness_q6(point.x_q5, ground_q6)
+        };
+        let [a, b] = points.map(meets);
+        let nearness_q6 = a.max(b);
+        (points.iter().all(is_below) && nearness_q6 >= self.far_q6)
+            .then_some(Ray::Falls(nearness_q6))
     }
 
     /// Nearness, 1/64 px, of a disparity plus offset (1/64 px) in a column (1/32 px).

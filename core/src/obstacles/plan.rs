@@ -42,6 +42,9 @@ pub struct ObstacleParams {
     /// Lowest and highest height of obstacles, m above the camera; -1000 ..= 1000. One plan and one
     /// [`Obstacles`](super::Obstacles) for each band.
     pub heights_m: [f32; 2],
+    /// Least depth below the ground plane of a drop-off, m; 0 ..= 100. `None` for a vehicle that
+    /// flies: drop-offs do not matter to it.
+    pub drop_m: Option<f32>,
     /// Time for which a state is kept when it is not seen again, ms. Both autopilots keep a message
     /// for half a second themselves.
     pub keep_ms: u16,
@@ -60,12 +63,14 @@ impl Default for ObstacleParams {
 }
 
 impl ObstacleParams {
-    /// The documented defaults: 72 sectors, up to 10 m, all heights, half a second.
+    /// The documented defaults: 72 sectors, up to 10 m, all heights, drop-offs of 5 cm, half a
+    /// second.
     pub const DEFAULT: Self = Self {
         yaw_deg: 0.0,
         sectors: MAX_SECTORS,
         range_m: 10.0,
         heights_m: [-1000.0, 1000.0],
+        drop_m: Some(0.05),
         keep_ms: 500,
         error_probability: 0.01,
         unfit: HealthFlags::UNFIT,
@@ -86,6 +91,9 @@ impl ObstacleParams {
         let [low, high] = self.heights_m;
         check("lowest height (m)", low, -1000.0, 1000.0)?;
         check("highest height (m)", high, low, 1000.0)?;
+        if let Some(drop_m) = self.drop_m {
+            check("depth of a drop-off (m)", drop_m, 0.0, 100.0)?;
+        }
         check("error probability", self.error_probability, 0.000_02, 0.5)?;
         let view = View::new(self, &rig, dims)?;
 
@@ -113,6 +121,7 @@ impl ObstacleParams {
             focal_baseline_q16: rig.focal_baseline_q16(),
             baseline_q16: nearest(focal_baseline / view.focal),
             heights_q16: [nearest(65536.0 * low), nearest(65536.0 * high)],
+            drop_q16: self.drop_m.map(|drop_m| nearest(65536.0 * drop_m)),
             range_cm,
             near_cm: near.min(i64::from(range_cm) - 1).max(1) as u16,
             keep_ms: self.keep_ms.into(),
@@ -239,6 +248,8 @@ pub struct ObstaclePlan {
     pub(super) baseline_q16: i64,
     /// Lowest and highest height of obstacles, m above the camera.
     pub(super) heights_q16: [i64; 2],
+    /// Least depth of a drop-off, m.
+    pub(super) drop_q16: Option<i64>,
     pub(super) range_cm: u16,
     pub(super) near_cm: u16,
     pub(super) keep_ms: u32,

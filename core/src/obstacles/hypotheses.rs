@@ -1,0 +1,164 @@
+//! Hypotheses of one sector, and what they say together.
+//!
+//! In: rays with their error probabilities. Out: the nearest obstacle, or that the sector is free,
+//! and the nearest drop-off.
+
+use super::plan::ObstaclePlan;
+
+/// Number of hypotheses kept of a sector, the nearest ones.
+const KEPT: usize = 16;
+/// The same of drop-offs.
+const KEPT_BELOW: usize = 8;
+/// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
+const AGREE_Q6: i32 = 64;
+/// Least probability that all hypotheses within the range are wrong, for a sector to be free, Q16.
+const WEAK_Q16: u16 = 1 << 14;
+/// Largest error probability of a support point that is seen behind the range, and of a hypothesis
+/// between the range and 5/4 of it that forbids a free sector, Q16: 0.1. Surfaces behind the range
+/// are there as well.
+pub(super) const STRONG_Q16: u16 = 6554;
+
+/// Least number of parts with a hypothesis behind the range for a sector to be free.
+const CLEAR_PARTS: u32 = 2;
+
+/// Result of a match or a support point for one sector: its nearness, or the rows that are free
+/// before it.
+#[derive(Clone, Copy)]
+pub(super) enum Ray {
+    /// Within the range and the height band; nearness, 1/64 px.
+    Ends(i32),
+    /// Behind both: the range is free in these parts of the rows, a bit each.
+    Passes(u8),
+    /// Through the ground plane, which it meets at this nearness, 1/64 px, within the range.
+    Falls(i32),
+}
+
+/// The nearest of many hypotheses: nearness (1/64 px, 0 = none) and error probability (Q16), nearest
+/// first.
+#[derive(Clone, Copy)]
+pub(super) struct Nearest<const KEPT: usize>([(u16, u16); KEPT]);
+
+/// Hypotheses that agree.
+pub(super) struct Group {
+    /// Nearness of the first of them, 1/64 px.
+    pub(super) nearest_q6: i32,
+    /// Nearness at which the product of the error probabilities falls to the limit, 1/64 px.
+    nearness_q6: i32,
+    /// Product of all, Q16.
+    pub(super) error_q16: u16,
+}
+
+impl<const KEPT: usize> Nearest<KEPT> {
+    pub(super) const NONE: Self = Self([(0, 0); KEPT]);
+
+    pub(super) fn add(&mut self, nearness_q6: i32, error_q16: u16) {
+        let mut hypothesis = (u16::try_from(nearness_q6).unwrap_or(u16::MAX), error_q16);
+        if self.0.last().is_some_and(|last| hypothesis <= *last) {
+            return; // most are not among the nearest
+        }
+        for slot in &mut self.0 {
+            if hypothesis > *slot {
+                core::mem::swap(slot, &mut hypothesis);
+            }
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (i32, u16)> + Clone {
+        let all = self.0.iter().map(|&(nearness_q6, error)| (i32::from(nearness_q6), error));
+        all.take_while(|&(nearness_q6, _)| nearness_q6 > 0)
+    }
+
+    /// The nearest group whose error probabilities have a product of at most `limit_q16`;
+    /// `agree_q6` says how far behind its nearest one hypotheses agree.
+    pub(super) fn group(&self, limit_q16: u16, agree_q6: fn(i32) -> i32) -> Option<Group> {
+        self.iter().enumerate().find_map(|(first, (nearest_q6, _))| {
+            let least_q6 = nearest_q6 - agree_q6(nearest_q6);
+            let (mut error_q16, mut found) = (u16::MAX, None);
+            for (nearness_q6, one_error_q16) in
+                self.iter().skip(first).take_while(|hypothesis| hypothesis.0 >= least_q6)
+            {
+                error_q16 = both(error_q16, one_error_q16);
+                if found.is_none() && error_q16 <= limit_q16 {
+                    found = Some(nearness_q6);
+                }
+            }
+            found.map(|nearness_q6| Group { nearest_q6, nearness_q6, error_q16 })
+        })
+    }
+}
+
+/// The nearest hypotheses of one sector, and those behind the range.
+#[derive(Clone, Copy)]
+pub(super) struct Hypotheses {
+    /// Obstacles: those within the range and all behind it.
+    near: Nearest<KEPT>,
+    /// Drop-offs, by the nearness of the ground that is missing.
+    pub(super) below: Nearest<KEPT_BELOW>,
+    /// Probability that all hypotheses behind the range are wrong, Q16.
+    clear_error_q16: u16,
+    /// Parts of the rows with a hypothesis behind the range, a bit each.
+    clear_parts: u8,
+}
+
+impl Hypotheses {
+    pub(super) const NONE: Self = Self {
+        near: Nearest::NONE,
+        below: Nearest::NONE,
+        clear_error_q16: u16::MAX,
+        clear_parts: 0,
+    };
+
+    pub(super) fn add(&mut self, ray: Ray, error_q16: u16) {
+        match ray {
+            Ray::Ends(nearness_q6) => self.near.add(nearness_q6, error_q16),
+            Ray::Falls(nearness_q6) => self.below.add(nearness_q6, error_q16),
+            Ray::Passes(parts) => {
+                self.clear_error_q16 = both(self.clear_error_q16, error_q16);
+                self.clear_parts |= parts;
+            }
+        }
+    }
+
+    /// Nearness of the obstacle, 1/64 px, `None` for free, and the error probability, Q16; `None`
+    /// where hypotheses are too few.
+    pub(super) fn obstacle(
+        &self,
+        plan: &ObstaclePlan,
+        can_be_free: bool,
+    ) -> Option<(Option<i32>, u16)> {
+        if let Some(Group { nearness_q6, error_q16, .. }) =
+            self.near.group(plan.error_q16, agree_q6)
+        {
+            return (nearness_q6 >= plan.far_q6).then_some((Some(nearness_q6), error_q16));
+        }
+        let forbids = |&(nearness_q6, error_q16): &(i32, u16)| {
+            nearness_q6 >= plan.far_q6 || error_q16 <= STRONG_Q16
+        };
+        let doubts = self.near.iter().filter(forbids);
+        let is_free =
+            doubts.fold(u16::MAX, |error, hypothesis| both(error, hypothesis.1)) > WEAK_Q16;
+        // On the ground all rows in which something within the range would stand have to be seen
+        // behind it.
+        let is_covered = match plan.ground {
+            Some(ground) => self.clear_parts & ground.parts == ground.parts,
+            None => self.clear_parts.count_ones() >= CLEAR_PARTS,
+        };
+        (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)
+            .then_some((None, self.clear_error_q16))
+    }
+}
+
+/// Hypotheses up to so much behind another one agree with it, 1/64 px.
+pub(super) fn agree_q6(nearness_q6: i32) -> i32 {
+    AGREE_Q6 + nearness_q6 / 16
+}
+
+/// The same for drop-offs: the lower floor begins at the edge or behind it.
+pub(super) fn drop_agree_q6(nearness_q6: i32) -> i32 {
+    AGREE_Q6 + nearness_q6 / 4
+}
+
+/// Probability that both are wrong, Q16, of independent hypotheses.
+pub(super) fn both(one: u16, other: u16) -> u16 {
+    ((u32::from(one) * u32::from(other)) >> 16) as u16
+}
