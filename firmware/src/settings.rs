@@ -83,17 +83,34 @@ pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) 
         parts: if parts > 0.0 { Parts::Support } else { Parts::Both },
         ..params
     };
-    let [yaw_deg, range_m, lowest, highest, system, rate_hz, policy, block_cm, distance_sensor] =
-        vehicle;
+    let [
+        yaw_deg,
+        range_m,
+        lowest,
+        highest,
+        system,
+        rate_hz,
+        policy,
+        block_cm,
+        distance_sensor,
+        drop_m,
+    ] = vehicle;
     let policy = Policy::ALL.get(policy as i32 as usize).copied().unwrap_or(Policy::Block);
     let block_cm = (block_cm > 0.0).then_some(block_cm as i32 as u16);
     let (system, rate_hz, distance_sensor) =
         (system as i32 as u8, rate_hz as i32 as u8, distance_sensor > 0.0);
-    let heights_m = [lowest, highest];
-    (
-        params,
-        Vehicle { yaw_deg, range_m, heights_m, system, rate_hz, policy, block_cm, distance_sensor },
-    )
+    let vehicle = Vehicle {
+        yaw_deg,
+        range_m,
+        heights_m: [lowest, highest],
+        drop_m: (drop_m > 0.0).then_some(drop_m),
+        system,
+        rate_hz,
+        policy,
+        block_cm,
+        distance_sensor,
+    };
+    (params, vehicle)
 }
 
 /// Settings that outlive a reset.
@@ -109,7 +126,7 @@ pub struct KeptSettings {
 }
 
 const MAGIC: [u8; 4] = *b"LSST";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 /// A word that says nothing; of a value it would not be a number.
 const NOTHING: u32 = u32::MAX;
 /// Words before those of the settings.

@@ -18,6 +18,8 @@ pub struct Vehicle {
     pub range_m: f32,
     /// Lowest and highest height that matters, m above the camera; -1000 ..= 1000.
     pub heights_m: [f32; 2],
+    /// Least depth of a drop-off, m; 0 ..= 100. `None` for a vehicle that flies.
+    pub drop_m: Option<f32>,
     /// System id of the autopilot.
     pub system: u8,
     /// Distances a second, at most one a pair; 10 ..= 20.
@@ -32,12 +34,13 @@ pub struct Vehicle {
 }
 
 impl Vehicle {
-    /// Cameras that look ahead, obstacles to 10 m at all heights; system 1, 15 distances a second,
-    /// `block` at the near limit.
+    /// Cameras that look ahead, obstacles to 10 m at all heights, drop-offs of 5 cm; system 1, 15
+    /// distances a second, `block` at the near limit.
     pub const DEFAULT: Self = Self {
         yaw_deg: 0.0,
         range_m: 10.0,
         heights_m: [-1000.0, 1000.0],
+        drop_m: ObstacleParams::DEFAULT.drop_m,
         system: AutopilotParams::DEFAULT.system,
         rate_hz: AutopilotParams::DEFAULT.rate_hz,
         policy: AutopilotParams::DEFAULT.policy,
@@ -48,8 +51,8 @@ impl Vehicle {
     /// How the view is cut into directions.
     #[must_use]
     pub fn directions(&self) -> ObstacleParams {
-        let Self { yaw_deg, range_m, heights_m, .. } = *self;
-        ObstacleParams { yaw_deg, range_m, heights_m, ..ObstacleParams::DEFAULT }
+        let Self { yaw_deg, range_m, heights_m, drop_m, .. } = *self;
+        ObstacleParams { yaw_deg, range_m, heights_m, drop_m, ..ObstacleParams::DEFAULT }
     }
 
     /// Parameters of the stream to its autopilot, for these directions.
@@ -70,6 +73,10 @@ impl Vehicle {
             Some(block_cm) => block_cm as f32,
             None => 0.0,
         };
+        let drop_m = match self.drop_m {
+            Some(drop_m) => drop_m,
+            None => 0.0,
+        };
         let (system, policy, distance_sensor) =
             (self.system as f32, self.policy as u8, self.distance_sensor as u8);
         [
@@ -82,12 +89,13 @@ impl Vehicle {
             policy as f32,
             block_cm,
             distance_sensor as f32,
+            drop_m,
         ]
     }
 
     /// Settings that depend on another one: heights in their order, a block within the range.
     pub fn check(&self) -> Result<(), Refusal> {
-        let [_, range_m, lowest, highest, _, _, _, block_cm, _] = self.values();
+        let [_, range_m, lowest, highest, _, _, _, block_cm, ..] = self.values();
         let refusal = |of: usize, value, least, largest| {
             Err(Refusal::Setting { number: (Setting::VEHICLE + of) as u8, value, least, largest })
         };
@@ -112,7 +120,7 @@ impl Vehicle {
             }
             (rest, settings) = (values, others);
         }
-        let [_, range_m, lowest, highest, _, _, _, block_cm, _] = values;
+        let [_, range_m, lowest, highest, _, _, _, block_cm, ..] = values;
         is_ordered(lowest, highest) && is_within(block_cm, range_m)
     }
 }

@@ -192,13 +192,19 @@ impl AutopilotStream {
         let AutopilotParams { min_distance_cm, block_cm, .. } = self.params;
         let is_blocked = self.params.policy == Policy::Block && !obstacles.is_fit();
         let mut distances = [UNKNOWN_CM; 72];
-        for (distance, sector) in distances.iter_mut().zip(obstacles.sectors(plan, now_us)) {
-            *distance = match sector {
+        for (distance, index) in distances.iter_mut().zip(0..plan.sectors()) {
+            // The edge of a drop-off is sent as an obstacle.
+            let edge_cm = obstacles
+                .drop_off(plan, index, now_us)
+                .map_or(UNKNOWN_CM, |drop_off| drop_off.distance_cm.max(min_distance_cm));
+            *distance = match obstacles.sector(plan, index, now_us) {
                 Sector::Outside => UNKNOWN_CM,
                 _ if is_blocked => block_cm,
-                Sector::Obstacle { distance_cm, .. } => distance_cm.max(min_distance_cm),
+                Sector::Obstacle { distance_cm, .. } => {
+                    distance_cm.max(min_distance_cm).min(edge_cm)
+                }
                 Sector::Free { .. } if obstacles.is_fit() => plan.range_cm().saturating_add(1),
-                Sector::Free { .. } | Sector::Unknown => UNKNOWN_CM,
+                Sector::Free { .. } | Sector::Unknown => edge_cm,
             };
         }
         if self.params.widen {

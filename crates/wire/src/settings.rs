@@ -5,13 +5,14 @@
 //!
 //! Every value is an `f32`, which holds each whole number here exactly. `parts` is 0 for both and 1
 //! for support alone, `policy` 0 for silent, 1 for block and 2 for unknown, `block_cm` 0 for the
-//! near limit of the rig, `distance_sensor` 0 for off and 1 for on.
+//! near limit of the rig, `distance_sensor` 0 for off and 1 for on, `drop_m` 0 for a vehicle that
+//! flies, to which drop-offs do not matter.
 
 use crate::rig_fault::RigFault;
 use serde::{Deserialize, Serialize};
 
 /// Number of settings.
-pub const SETTINGS: usize = 18;
+pub const SETTINGS: usize = 19;
 
 /// Values of all settings, in the order of [`Setting::ALL`].
 pub type SettingValues = [f32; SETTINGS];
@@ -52,6 +53,7 @@ impl Setting {
         Self::whole("policy", 0.0, 2.0),
         Self::whole("block_cm", 0.0, 60_000.0),
         Self::whole("distance_sensor", 0.0, 1.0),
+        Self::real("drop_m", 0.0, 100.0),
     ];
 
     /// Number of the first setting of the vehicle.
