@@ -14,7 +14,7 @@ use linestereo_mavlink::Policy;
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Distance per direction")]
 pub(super) struct SectorArgs {
-    /// List the nearest obstacle of each direction, 72 sectors of 5 degrees; needs a rig.
+    /// List the nearest obstacle and drop-off of each direction, 72 sectors of 5 degrees; needs a rig.
     #[arg(long)]
     pub(super) sectors: bool,
     #[command(flatten)]
@@ -39,6 +39,9 @@ pub(super) struct SectorPlanArgs {
     /// Heights of obstacles, above the camera [default: all].
     #[arg(long, num_args = 2, value_names = ["LOW_M", "HIGH_M"], allow_negative_numbers = true)]
     sector_heights: Option<Vec<f32>>,
+    /// Least depth of a drop-off below the floor; 0 for a vehicle that flies [default: 0.05].
+    #[arg(long, value_name = "M")]
+    drop_depth: Option<f32>,
     /// Where the camera looks, degrees clockwise from ahead [default: 0].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     camera_yaw: Option<f32>,
@@ -100,6 +103,9 @@ impl SectorPlanArgs {
         let mut wanted = ObstacleParams::DEFAULT;
         wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);
         wanted.yaw_deg = self.yaw_deg();
+        if let Some(drop_m) = self.drop_depth {
+            wanted.drop_m = (drop_m != 0.0).then_some(drop_m);
+        }
         if let Some([low, high]) = self.sector_heights.as_deref() {
             wanted.heights_m = [*low, *high];
         }
@@ -117,6 +123,7 @@ impl SectorPlanArgs {
 fn option_behind(name: &str) -> &'static str {
     match name.split(' ').next() {
         Some("range") => "--sector-range",
+        Some("depth") => "--drop-depth",
         Some("yaw") => "--camera-yaw",
         Some("lowest" | "highest") => "--sector-heights",
         _ => "the rig",

@@ -7,6 +7,8 @@ use image::RgbImage;
 
 const SIDE: u32 = 900;
 const OBSTACLE: [u8; 3] = [255, 70, 60];
+/// Where the floor ends.
+const DROP_OFF: [u8; 3] = [190, 90, 255];
 const UNKNOWN: [u8; 3] = [110, 110, 118];
 /// Directions of a wedge's outline, per sector.
 const STEPS: u8 = 8;
@@ -14,7 +16,7 @@ const STEPS: u8 = 8;
 const LABELS: f64 = 0.94;
 
 /// The sectors in view as a fan: green is free, red is where an obstacle and what is behind it
-/// stand, grey is unknown.
+/// stand, violet is where the floor has ended, grey is unknown.
 pub fn fan(directions: &Directions) -> RgbImage {
     let mut sheet = Sheet::new([SIDE; 2]);
     let seen: Vec<Direction> =
@@ -33,7 +35,7 @@ pub fn fan(directions: &Directions) -> RgbImage {
     let range = directions.range_m();
     let half = 0.5 * directions.width_deg();
     let mut labels = vec![(place(0.0, 1.03), format!("{range} m"))];
-    for Direction { direction_deg, state, distance_m, .. } in seen {
+    for Direction { direction_deg, state, distance_m, drop_off_m, .. } in seen {
         let mut wedge = |from: f64, to: f64, rgb: [u8; 3], alpha: f32| {
             let angle =
                 |step: u8| direction_deg + half * (2.0 * f64::from(step) / f64::from(STEPS) - 1.0);
@@ -50,6 +52,14 @@ pub fn fan(directions: &Directions) -> RgbImage {
             }
             None if state == "free" => wedge(0.0, 1.0, GOOD, 0.4),
             None => wedge(0.0, 1.0, UNKNOWN, 0.25),
+        }
+        // What lies behind an obstacle does not matter.
+        if let Some(metres) = drop_off_m.filter(|&edge| distance_m.is_none_or(|near| edge < near)) {
+            wedge(metres / range, (metres / range + 0.012).min(1.0), DROP_OFF, 1.0);
+            wedge(metres / range, distance_m.map_or(1.0, |near| near / range), DROP_OFF, 0.3);
+            if distance_m.is_none() {
+                labels.push((place(direction_deg, LABELS), format!("{metres:.2}")));
+            }
         }
     }
     for ((x, y), text) in labels {

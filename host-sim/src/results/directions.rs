@@ -30,6 +30,10 @@ pub struct Direction {
     pub confidence: Option<f64>,
     /// Since it was seen.
     pub age_ms: Option<u32>,
+    /// Along the ground, to the edge of the nearest drop-off.
+    pub drop_off_m: Option<f64>,
+    /// Of the drop-off.
+    pub drop_off_confidence: Option<f64>,
 }
 
 impl Directions {
@@ -60,6 +64,7 @@ impl Directions {
         let width = self.width_deg();
         let direction = |(sector, index): (Sector, u8)| {
             let turned = f64::from(index) * width;
+            let drop_off = self.obstacles.drop_off(&self.plan, index, 0);
             let none = Direction {
                 index,
                 direction_deg: if turned < 180.0 { turned } else { turned - 360.0 },
@@ -67,6 +72,9 @@ impl Directions {
                 distance_m: None,
                 confidence: None,
                 age_ms: None,
+                drop_off_m: drop_off.map(|drop_off| f64::from(drop_off.distance_cm) / 100.0),
+                drop_off_confidence: drop_off
+                    .map(|drop_off| five_decimals(drop_off.confidence.to_num())),
             };
             match sector {
                 Sector::Outside => Direction { state: "outside", ..none },
@@ -101,13 +109,26 @@ impl Directions {
         let mut seen = self.list();
         seen.retain(|direction| direction.state != "outside");
         seen.sort_by(|a, b| a.direction_deg.total_cmp(&b.direction_deg));
-        for Direction { direction_deg, state, distance_m, confidence, .. } in seen {
+        for Direction {
+            direction_deg,
+            state,
+            distance_m,
+            confidence,
+            drop_off_m,
+            drop_off_confidence,
+            ..
+        } in &seen
+        {
             let _ = write!(text, "  {direction_deg:6.1}  ");
             let _ = match (distance_m, confidence) {
-                (Some(metres), Some(p)) => writeln!(text, "{metres:7.2} m  p {p:.3}"),
-                (None, Some(p)) => writeln!(text, "{state:>9}  p {p:.3}"),
-                _ => writeln!(text, "{state:>9}"),
+                (Some(metres), Some(p)) => write!(text, "{metres:7.2} m  p {p:.3}"),
+                (None, Some(p)) => write!(text, "{state:>9}  p {p:.3}"),
+                _ => write!(text, "{state:>9}"),
             };
+            if let (Some(metres), Some(p)) = (drop_off_m, drop_off_confidence) {
+                let _ = write!(text, "  the floor ends at {metres:.2} m  p {p:.3}");
+            }
+            text.push('\n');
         }
         text
     }
