@@ -4,7 +4,7 @@
 
 use super::cells::Hypothesis;
 use super::grid::Grid;
-use super::sectors::{self, Camera, Said};
+use super::sectors::{self, Answer, Camera, Said};
 use anyhow::{Context, Result, bail};
 use linestereo::obstacles::ObstacleParams;
 use linestereo::{CameraPose, Confidence, Dims, Gray, GroundPlane, Params};
@@ -87,8 +87,8 @@ impl Pair {
             .collect())
     }
 
-    /// State of each sector in view; its middle in degrees clockwise from ahead.
-    pub(crate) fn sectors(&self, max_disparity: u16, camera: &Camera) -> Result<Vec<(f64, Said)>> {
+    /// What is told of each sector in view.
+    pub(crate) fn sectors(&self, max_disparity: u16, camera: &Camera) -> Result<Vec<Answer>> {
         let dims = self.dims()?;
         let numbers =
             RigUpdate { focal_px: camera.focal_px, baseline_m: camera.baseline_m, offset_px: 0.0 };
@@ -115,13 +115,14 @@ impl Pair {
             result.health.of_pair(),
         );
         let said = |direction: Direction| {
-            let said = match (direction.state, direction.distance_m) {
+            let obstacle = match (direction.state, direction.distance_m) {
                 ("outside", _) => return None,
                 ("free", _) => Said::Free,
                 (_, Some(distance)) => Said::Obstacle(distance),
                 _ => Said::Unknown,
             };
-            Some((direction.direction_deg, said))
+            let (direction_deg, drop_off_m) = (direction.direction_deg, direction.drop_off_m);
+            Some(Answer { direction_deg, obstacle, drop_off_m })
         };
         Ok(directions.list().into_iter().filter_map(said).collect())
     }

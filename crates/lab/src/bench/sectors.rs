@@ -1,7 +1,8 @@
 //! Obstacles by direction, as a robot needs them.
 //!
 //! An obstacle is what stands 0.05 to 0.4 m above the floor, within 3 m. The truth of a sector of 5
-//! degrees is the tenth nearest such pixel; with fewer the sector is clear.
+//! degrees is the tenth nearest such pixel; with fewer the sector is clear. A drop-off is where rays
+//! of pixels labelled as below the floor meet the floor's plane, again the tenth nearest.
 //!
 //! ```text
 //! pixel, true disparity -> point in the camera's axes -> turned back by roll and pitch
@@ -21,6 +22,8 @@ const HALF_WIDTH_DEG: f64 = 2.5;
 const LEAST_PIXELS: usize = 10;
 /// Distances within this share of the true one are right.
 const TOLERANCE: f64 = 0.25;
+/// Label of what lies below the floor.
+const BELOW_FLOOR: u8 = 6;
 /// Labels of what can stand in the way: walls, furniture, thin and glossy things.
 const SOLID: [u8; 4] = [2, 3, 4, 5];
 
@@ -46,12 +49,23 @@ pub(crate) enum Said {
     Unknown,
 }
 
+/// What is told of a sector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Answer {
+    /// Its middle, clockwise from ahead.
+    pub(crate) direction_deg: f64,
+    pub(crate) obstacle: Said,
+    pub(crate) drop_off_m: Option<f64>,
+}
+
 /// A pixel with truth, as the robot meets it.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     direction_deg: f64,
     distance_m: f64,
     is_obstacle: bool,
+    /// Distance at which its ray goes through the floor's plane, where it does.
+    falls_m: Option<f64>,
 }
 
 /// Sectors in view of all scenes, by what is true and said of them.
@@ -65,6 +79,42 @@ pub(crate) struct Sectors {
     clear_free: usize,
     clear_ghost: usize,
     clear_unknown: usize,
+    drop_offs: DropOffs,
+}
+
+/// Sectors in view by what is true and said of their drop-offs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct DropOffs {
+    right: usize,
+    farther: usize,
+    nearer: usize,
+    not_told: usize,
+    none: usize,
+    ghost: usize,
+}
+
+impl DropOffs {
+    fn add(&mut self, truth_m: Option<f64>, said_m: Option<f64>) {
+        let kind = match (truth_m, said_m) {
+            (Some(truth), _) if truth >= RANGE_M => return,
+            (Some(_), None) => &mut self.not_told,
+            (Some(truth), Some(said)) if (said - truth).abs() <= TOLERANCE * truth => {
+                &mut self.right
+            }
+            (Some(truth), Some(said)) if said > truth => &mut self.farther,
+            (Some(_), Some(_)) => &mut self.nearer,
+            (None, None) => &mut self.none,
+            (None, Some(_)) => &mut self.ghost,
+        };
+        *kind += 1;
+    }
+}
+
+/// The tenth least of these, if there are as many.
+fn tenth(distances: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut distances: Vec<f64> = distances.collect();
+    distances.sort_unstable_by(f64::total_cmp);
+    distances.get(LEAST_PIXELS - 1).copied()
 }
 
 fn seen(truth: &Grid<f64>, labels: &Grid<u8>, camera: &Camera) -> Vec<Seen> {
@@ -86,23 +136,24 @@ fn seen(truth: &Grid<f64>, labels: &Grid<u8>, camera: &Camera) -> Vec<Seen> {
             direction_deg: right.atan2(level_ahead).to_degrees(),
             distance_m,
             is_obstacle: matters && SOLID.contains(&labels.at(x, y)),
+            falls_m: (labels.at(x, y) == BELOW_FLOOR && level_down > 0.0)
+                .then(|| distance_m * camera.height_m / level_down),
         }
     };
     truth.positions().filter(|&(x, y)| truth.at(x, y) > 0.0).map(of).collect()
 }
 
 impl Sectors {
-    /// Adds a scene: for the middle of each sector that was answered, clockwise from ahead, what
-    /// was said of it.
+    /// Adds a scene with what was said of each sector in view.
     pub(crate) fn add(
         &mut self,
         truth: &Grid<f64>,
         labels: &Grid<u8>,
         camera: &Camera,
-        said: impl IntoIterator<Item = (f64, Said)>,
+        said: impl IntoIterator<Item = Answer>,
     ) {
         let seen = seen(truth, labels, camera);
-        for (direction_deg, said) in said {
+        for Answer { direction_deg, obstacle, drop_off_m } in said {
             let within =
                 |pixel: &&Seen| (pixel.direction_deg - direction_deg).abs() <= HALF_WIDTH_DEG;
             let inside: Vec<&Seen> = seen.iter().filter(within).collect();
@@ -110,9 +161,9 @@ impl Sectors {
                 continue; // hardly in view
             }
             let obstacles = inside.iter().filter(|pixel| pixel.is_obstacle);
-            let mut distances: Vec<f64> = obstacles.map(|pixel| pixel.distance_m).collect();
-            distances.sort_unstable_by(f64::total_cmp);
-            *self.kind(distances.get(LEAST_PIXELS - 1).copied(), said) += 1;
+            *self.kind(tenth(obstacles.map(|pixel| pixel.distance_m)), obstacle) += 1;
+            let falls = inside.iter().filter_map(|pixel| pixel.falls_m);
+            self.drop_offs.add(tenth(falls), drop_off_m);
         }
     }
 
@@ -145,13 +196,14 @@ impl Sectors {
             clear_free,
             clear_ghost,
             clear_unknown,
+            drop_offs,
         } = *self;
         let obstacles = right + farther + called_free + ghost_nearer + unknown;
         let clear = clear_free + clear_ghost + clear_unknown;
         let share = |name: &str, better: Better, part: usize, whole: usize| {
             Figure::new(format!("{name}, %"), better, 0, of(percent(part, whole.max(1))))
         };
-        let figures = vec![
+        let mut figures = vec![
             Figure::new("sectors with an obstacle", Better::Neither, 0, of(obstacles as f64))
                 .minor(),
             share("obstacle: told right", Better::Higher, right, obstacles),
@@ -164,6 +216,19 @@ impl Sectors {
             share("clear: a ghost", Better::Lower, clear_ghost, clear),
             share("clear: unknown", Better::Lower, clear_unknown, clear),
         ];
+        let DropOffs { right, farther, nearer, not_told, none, ghost } = drop_offs;
+        let edges = right + farther + nearer + not_told;
+        if edges > 0 {
+            figures.extend([
+                Figure::new("sectors with a drop-off", Better::Neither, 0, of(edges as f64))
+                    .minor(),
+                share("drop-off: told right", Better::Higher, right, edges),
+                share("drop-off: told farther", Better::Lower, farther, edges),
+                share("drop-off: told nearer", Better::Lower, nearer, edges),
+                share("drop-off: not told", Better::Lower, not_told, edges),
+            ]);
+        }
+        figures.push(share("no drop-off: one told", Better::Lower, ghost, none + ghost));
         Group::new("obstacles by direction, 0.05 to 0.4 m high, within 3 m", figures)
     }
 }
@@ -193,27 +258,59 @@ mod tests {
             Said::Free,
             Said::Unknown,
         ];
-        sectors.add(&truth, &wall, &camera, said.map(|said| (0.0, said)));
+        sectors.add(&truth, &wall, &camera, said.map(|said| answer(0.0, said, None)));
         let expected = Sectors {
             right: 1,
             farther: 1,
             ghost_nearer: 1,
             called_free: 1,
             unknown: 1,
+            drop_offs: DropOffs { none: 5, ..DropOffs::default() },
             ..Sectors::default()
         };
         assert_eq!(sectors, expected);
 
         // The floor is no obstacle, and what lies behind the camera is not in view.
         let mut clear = Sectors::default();
-        clear.add(
-            &truth,
-            &wall.map(|_, _| 1),
-            &camera,
-            [(0.0, Said::Obstacle(1.0)), (5.0, Said::Free), (90.0, Said::Free)],
-        );
-        assert_eq!(clear, Sectors { clear_ghost: 1, clear_free: 1, ..Sectors::default() });
-        assert_eq!(clear.group().figures.len(), 10);
+        let said = [(0.0, Said::Obstacle(1.0)), (5.0, Said::Free), (90.0, Said::Free)];
+        let floor = wall.map(|_, _| 1);
+        clear.add(&truth, &floor, &camera, said.map(|(at, said)| answer(at, said, None)));
+        let drop_offs = DropOffs { none: 2, ..DropOffs::default() };
+        let expected = Sectors { clear_ghost: 1, clear_free: 1, drop_offs, ..Sectors::default() };
+        assert_eq!(clear, expected);
+        assert_eq!(clear.group().figures.len(), 11);
+    }
+
+    fn answer(direction_deg: f64, obstacle: Said, drop_off_m: Option<f64>) -> Answer {
+        Answer { direction_deg, obstacle, drop_off_m }
+    }
+
+    /// The same camera, and a lower floor that is seen from row 10 below the axis up: its rays meet
+    /// the plane of the floor at 2 m and farther.
+    #[test]
+    fn a_drop_off_is_where_rays_go_through_the_floor() {
+        let camera = Camera {
+            focal_px: 100.0,
+            baseline_m: 0.1,
+            height_m: 0.2,
+            pitch_deg: 0.0,
+            roll_deg: 0.0,
+            centre: None,
+        };
+        let truth = Grid::new(81, vec![2.0; 81 * 61]);
+        let labels = truth.map(|(_, y), _| if y <= 40 { BELOW_FLOOR } else { 1 });
+        let told = [Some(2.1), Some(2.6), Some(1.4), None];
+        let mut sectors = Sectors::default();
+        sectors.add(&truth, &labels, &camera, told.map(|at| answer(0.0, Said::Unknown, at)));
+        let expected =
+            DropOffs { right: 1, farther: 1, nearer: 1, not_told: 1, ..DropOffs::default() };
+        assert_eq!(sectors.drop_offs, expected);
+
+        // On a floor that goes on, what is told is a ghost.
+        let mut whole = Sectors::default();
+        let floor = labels.map(|_, _| 1);
+        whole.add(&truth, &floor, &camera, told.map(|at| answer(0.0, Said::Unknown, at)));
+        assert_eq!(whole.drop_offs, DropOffs { none: 1, ghost: 3, ..DropOffs::default() });
     }
 
     #[test]
