@@ -10,6 +10,7 @@ mod board_objects;
 mod bounds;
 mod c_library;
 mod determinism;
+mod drop_offs;
 mod edges;
 mod example;
 mod extremes;

@@ -1,0 +1,188 @@
+//! Drop-offs by direction: the rules on single points, drawn floors that end, and a drive towards
+//! an edge.
+
+use crate::slopes::Texture;
+use linestereo::obstacles::{DropOff, ObstacleParams, ObstaclePlan, Obstacles, Sector};
+use linestereo::{
+    Confidence, Dims, Disparity, GroundPlane, HealthFlags, Params, Point, Rig, Source,
+};
+use linestereo_sim::engine::Engine;
+use linestereo_tests::captured;
+
+const DIMS: Dims = Dims { width: 320, height: 240 };
+const FOCAL: f64 = 300.0;
+const BASELINE: f64 = 0.1;
+/// Row of the horizon, px.
+const HORIZON: f64 = 80.0;
+/// Change of the floor's disparity down the rows, px: cameras 0.25 m above it.
+const DOWN: f64 = 0.4;
+const HEIGHT: f64 = BASELINE / DOWN;
+
+fn params() -> Params {
+    let rig = Rig::new(FOCAL as f32, BASELINE as f32, 0.0).unwrap();
+    let rig = rig.with_principal_point([159.5, HORIZON as f32]).unwrap();
+    Params { rig: Some(rig), max_disparity: 80, ..Params::default() }
+}
+
+fn floor() -> GroundPlane {
+    let q16 = |value: f64| (value * 65536.0) as i32;
+    GroundPlane { down_q16: q16(DOWN), across_q16: 0, origin_q16: q16(-DOWN * HORIZON) }
+}
+
+fn plan(drop_m: Option<f32>) -> ObstaclePlan {
+    let wanted = ObstacleParams { drop_m, range_m: 5.0, ..ObstacleParams::DEFAULT };
+    wanted.plan(&params(), DIMS).unwrap()
+}
+
+/// Points ahead at row 120, where the floor has 16 px.
+fn ahead(count: u16, disparity: f64, confidence: f64) -> impl Iterator<Item = Point> {
+    (0..count).map(move |n| Point {
+        x: 150 + 8 * n,
+        y: 120,
+        disparity: Disparity::from_num(disparity),
+        confidence: Confidence::from_num(confidence),
+        source: Source::Support,
+    })
+}
+
+fn told(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Option<DropOff> {
+    after(plan, points).drop_off(plan, 0, 0)
+}
+
+fn after(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Obstacles {
+    let mut obstacles = Obstacles::new();
+    obstacles.update(plan, &[], points, HealthFlags::GOOD, 0);
+    obstacles
+}
+
+#[test]
+fn three_points_that_agree_below_the_floor_are_a_drop_off() {
+    let at_5_cm = plan(Some(0.05)).on_ground(Some(floor()));
+
+    // The ray meets the floor where the point's lower end is: 3 rows below it.
+    let edge_cm = (100.0 * FOCAL * BASELINE / (DOWN * (123.0 - HORIZON))) as u16;
+    let found = told(&at_5_cm, ahead(3, 10.0, 0.95)).unwrap();
+    assert!(found.distance_cm.abs_diff(edge_cm) <= 1, "{found:?} not {edge_cm} cm");
+    assert!(found.confidence >= Confidence::from_num(0.99));
+    assert_eq!(told(&at_5_cm, ahead(2, 10.0, 0.99)), None, "neighbours are wrong together");
+    assert_eq!(told(&at_5_cm, ahead(3, 10.0, 0.6)), None);
+    assert_eq!(told(&at_5_cm, ahead(3, 14.2, 0.95)), None, "less than 2 px below the floor");
+
+    // A step of 4 cm: 0.25 m * 16 / (0.25 + 0.04).
+    let step = DOWN * (120.0 - HORIZON) * HEIGHT / (HEIGHT + 0.04);
+    assert_eq!(told(&at_5_cm, ahead(3, step, 0.95)), None);
+    let at_3_cm = plan(Some(0.03)).on_ground(Some(floor()));
+    assert!(told(&at_3_cm, ahead(3, step, 0.95)).is_some());
+
+    let flying = plan(None).on_ground(Some(floor()));
+    assert_eq!(told(&flying, ahead(3, 10.0, 0.95)), None);
+    assert_eq!(told(&plan(Some(0.05)), ahead(3, 10.0, 0.95)), None, "without a floor");
+    // Beyond the range of 5 m, where the floor has 6 px.
+    let beyond = ahead(3, 2.0, 0.95).map(|point| Point { y: 90, ..point });
+    assert_eq!(told(&at_5_cm, beyond), None);
+}
+
+#[test]
+fn a_drop_off_is_kept_and_its_sector_not_free() {
+    let plan = plan(Some(0.05)).on_ground(Some(floor()));
+    let of_floor = || {
+        (84_u16..236).step_by(8).flat_map(|y| {
+            let disparity = Disparity::from_num(DOWN * (f64::from(y) - HORIZON));
+            ahead(3, 0.0, 0.95).map(move |point| Point { y, disparity, ..point })
+        })
+    };
+    let mut obstacles = after(&plan, of_floor());
+    assert!(matches!(obstacles.sector(&plan, 0, 0), Sector::Free { .. }));
+    obstacles.update(&plan, &[], ahead(3, 10.0, 0.95), HealthFlags::GOOD, 0);
+    assert_eq!(obstacles.sector(&plan, 0, 0), Sector::Unknown);
+    // Seen whole again: what was nearer stays until it is too old.
+    obstacles.update(&plan, &[], of_floor(), HealthFlags::GOOD, 100_000);
+    assert_eq!(obstacles.drop_off(&plan, 0, 100_000).unwrap().age_ms, 100);
+    assert_eq!(obstacles.drop_off(&plan, 0, 501_000), None);
+    assert!(matches!(obstacles.sector(&plan, 0, 501_000), Sector::Free { .. }));
+    assert_eq!(obstacles.drop_off(&plan, 36, 0), None, "outside of the view");
+    assert_eq!(obstacles.drop_off(&plan, 255, 0), None);
+}
+
+/// Middles of sectors whose edge is told within 10 % of `edge_m`, and of those where one is told
+/// elsewhere, of a floor that ends there and goes on 0.3 m lower.
+fn drawn(edge_m: Option<f64>, seed: u64) -> [u32; 2] {
+    let texture = Texture::new(seed);
+    let edge_row = edge_m.map_or(HORIZON, |edge_m| HORIZON + FOCAL * BASELINE / edge_m / DOWN);
+    let disparity = |y: f64| match y.max(HORIZON + 8.0) {
+        y if y >= edge_row => DOWN * (y - HORIZON),
+        y => DOWN * (y - HORIZON) * HEIGHT / (HEIGHT + 0.3),
+    };
+    let paint = |moves: f64| {
+        linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |x, y| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            texture.at(x + moves * disparity(y), y).round() as u8
+        })
+    };
+    let (params, [left, right]) = (params(), [0.0, 1.0].map(paint));
+    let mut engine = Engine::new(&params, DIMS).unwrap();
+    // Of two floors the larger one would be taken: an IMU or the pair before says which it is.
+    engine.expect_ground(Some(floor()));
+    let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    let plan = plan(Some(0.05)).on_ground(result.ground);
+    let mut obstacles = Obstacles::new();
+    let points = result.obstacle_points.iter().copied();
+    obstacles.update(&plan, &result.matches, points, HealthFlags::GOOD, 0);
+    let mut told = [0, 0];
+    for offset in -3_i32..=3 {
+        let Some(found) = obstacles.drop_off(&plan, offset.rem_euclid(72) as u8, 0) else {
+            continue;
+        };
+        // The edge lies across the view.
+        let expected_cm = edge_m.map(|m| 100.0 * m / (5.0 * f64::from(offset)).to_radians().cos());
+        let is_right =
+            expected_cm.is_some_and(|cm| (f64::from(found.distance_cm) - cm).abs() < 0.1 * cm);
+        told[usize::from(!is_right)] += 1;
+    }
+    told
+}
+
+#[test]
+fn drawn_floors_end_where_they_do() {
+    for (edge_m, seed) in [(0.7, 3), (0.9, 4), (1.2, 5), (1.5, 6)] {
+        let [right, wrong] = drawn(Some(edge_m), seed);
+        println!("edge at {edge_m} m: told right in {right}, wrong in {wrong} of 7 sectors");
+        assert!(right >= 6 && wrong == 0, "{edge_m} m: {right} right, {wrong} wrong");
+    }
+    for seed in 7..10 {
+        assert_eq!(drawn(None, seed), [0, 0], "a floor without an end, seed {seed}");
+    }
+}
+
+/// A rendered drive to a drop-off, without an IMU: the 0.4 m before the edge is the least
+/// that a robot needs to stop.
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn a_drive_is_told_of_the_edge_before_it() {
+    let Some(drive) = captured::folder("robot_sequences/drop_off") else { return };
+    let mut asked = 0;
+    for frame in linestereo_frames::find_scenes(&drive).unwrap() {
+        let text = std::fs::read_to_string(frame.join("scene.json")).unwrap();
+        let ahead_m = serde_json::from_str::<serde_json::Value>(&text).unwrap()["drop_ahead_m"]
+            .as_f64()
+            .unwrap();
+        let scene = linestereo_frames::load_scene(&frame, None).unwrap();
+        let mut engine = captured::engine(&scene);
+        let result = engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+        let params = Params { rig: scene.rig, ..Params::default() };
+        let plan = ObstacleParams::DEFAULT.plan(&params, scene.left.dims).unwrap();
+        let plan = plan.on_ground(result.ground);
+        let mut obstacles = Obstacles::new();
+        let points = result.obstacle_points.iter().copied();
+        obstacles.update(&plan, &result.matches, points, result.health.of_pair(), 0);
+        let told = obstacles.drop_off(&plan, 0, 0);
+        println!("{ahead_m} m before the edge: {told:?}");
+        if (0.35..=0.6).contains(&ahead_m) {
+            let told_m = told.map(|found| f64::from(found.distance_cm) / 100.0);
+            let is_right = told_m.is_some_and(|told_m| (told_m - ahead_m).abs() < 0.1 * ahead_m);
+            assert!(is_right, "{ahead_m} m before the edge: {told:?}");
+            asked += 1;
+        }
+    }
+    assert!(asked >= 5, "only {asked} frames near the edge");
+}
