@@ -14,7 +14,8 @@ use linestereo_mavlink::Policy;
 #[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Distance per direction")]
 pub(super) struct SectorArgs {
-    /// List the nearest obstacle and drop-off of each direction, 72 sectors of 5 degrees; needs a rig.
+    /// List the nearest obstacle and drop-off of each direction, 72 sectors of 5 degrees; needs a
+    /// rig.
     #[arg(long)]
     pub(super) sectors: bool,
     #[command(flatten)]
