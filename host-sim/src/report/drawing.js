@@ -95,7 +95,7 @@ export function drawPair(canvas, { width, height, picture }, { points, side, seg
 }
 
 /// Points from above, the camera below: x to the right and z ahead in m. Sectors, where there are
-/// any, as arcs at their distances.
+/// any, as arcs at their distances, edges of drop-offs dashed.
 export function drawTop(canvas, points, span, sectors = []) {
   const context = canvas.getContext("2d"), [middle, base] = [canvas.width / 2, canvas.height - 20];
   context.clearRect(0, 0, canvas.width, canvas.height);
@@ -121,11 +121,13 @@ export function drawTop(canvas, points, span, sectors = []) {
   }
   context.strokeStyle = "#d0339a"; // of no point
   context.lineWidth = 3;
-  for (const { from, to, distance } of sectors) {
+  for (const { from, to, distance, isEdge } of sectors) {
+    context.setLineDash(isEdge ? [4, 4] : []);
     context.beginPath();
     context.arc(middle, base, distance * scale, from - Math.PI / 2, to - Math.PI / 2);
     context.stroke();
   }
+  context.setLineDash([]);
   context.lineWidth = 1;
 }
 

@@ -64,10 +64,14 @@ on("above", ({ points, rig, yaw_deg }) => {
 });
 on("sectors", list => {
   const half = Math.PI / 180 * (list.length > 1 ? 180 / list.length : 2.5);
-  sectors = list.filter(one => one.state === "obstacle").map(({ direction_deg, distance_m }) => {
+  const arc = ({ direction_deg }, distance, isEdge) => {
     const middle = Math.PI / 180 * (direction_deg - yaw);
-    return { from: middle - half, to: middle + half, distance: distance_m };
-  });
+    return { from: middle - half, to: middle + half, distance, isEdge };
+  };
+  sectors = [
+    ...list.filter(one => one.state === "obstacle").map(one => arc(one, one.distance_m, false)),
+    ...list.filter(one => one.drop_off_m !== null).map(one => arc(one, one.drop_off_m, true)),
+  ];
 });
 on("objects", found => { answers = found; });
 on("boxes", list => { boxes = list.map(([left, top, right, bottom]) => ({ left, top, right, bottom })); });

@@ -146,6 +146,9 @@ fn accuracy(stored: &Stored) -> String {
                 "obstacle: a ghost nearer, %",
                 "clear: free, %",
                 "clear: a ghost, %",
+                "drop-off: told right, %",
+                "drop-off: not told, %",
+                "no drop-off: one told, %",
             ];
             let of = |outcome: &str| shown(set.figure("obstacles", outcome)[0], 0);
             [vec![title.to_owned()], outcomes.map(of).to_vec()].concat()
@@ -156,6 +159,9 @@ fn accuracy(stored: &Stored) -> String {
         "called free",
         "ghost nearer",
         "clear: free",
+        "ghost",
+        "drop-off: right",
+        "not told",
         "ghost",
     ];
     let sectors = table(&heads, sectors);
@@ -207,7 +213,8 @@ Depth of each object by its mask. *Thin* objects are narrower than 8 px.
 ### Obstacles by direction
 
 Sectors of 5 degrees, obstacles 0.05 to 0.4 m above the floor within 3 m, with the camera's pose
-given. A *ghost* is an obstacle that is not there. What is missing to 100 is unknown or farther.
+given. A *ghost* is an obstacle or a drop-off that is not there. What is missing to 100 is unknown
+or farther. Drop-offs are those whose edge is within 3 m.
 
 {sectors}
 ### Stated probability
