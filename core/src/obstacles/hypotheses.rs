@@ -33,8 +33,8 @@ pub(super) enum Ray {
     Falls(i32),
 }
 
-/// The nearest of many hypotheses, nearest first: nearness (1/64 px, 0 = none) and error probability
-/// (Q16).
+/// The nearest of many hypotheses, nearest first: nearness (1/64 px, 0 = none) and error
+/// probability (Q16).
 #[derive(Clone, Copy)]
 pub(super) struct Nearest<const KEPT: usize>([(u16, u16); KEPT]);
 

@@ -2,7 +2,9 @@
 //! many of them a serial line carries.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
-use linestereo::{Dims, HealthFlags, Params, Rig};
+use linestereo::{
+    Confidence, Dims, Disparity, GroundPlane, HealthFlags, Params, Point, Rig, Source,
+};
 use linestereo_mavlink::{
     AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink,
     ObstacleDistance, Pace, ParamValue, Policy, Received, Receiver, Sender, StreamError,
@@ -315,6 +317,35 @@ fn nothing_known_is_65535_everywhere() {
     assert_eq!((found.min_distance, found.max_distance), (20, 1000));
     assert_eq!(found.frame, theirs::MavFrame::MAV_FRAME_BODY_FRD);
     assert_eq!(sent[1].1.len(), 179);
+}
+
+/// A floor that ends ahead, and an obstacle before or behind its edge: the nearer one is sent.
+#[test]
+fn the_edge_of_a_drop_off_is_sent_as_an_obstacle() {
+    let floor = GroundPlane { down_q16: 26_214, across_q16: 0, origin_q16: -80 * 26_214 };
+    let plan = plan().on_ground(Some(floor));
+    let point = |x: u16, y: u16, disparity: f64| Point {
+        x,
+        y,
+        disparity: Disparity::from_num(disparity),
+        confidence: Confidence::from_num(0.99),
+        source: Source::Support,
+    };
+    let sent = |obstacle_px: Option<f64>| {
+        let lower = (0..3).map(|n| point(150 + 8 * n, 120, 8.0));
+        let standing =
+            obstacle_px.map(|disparity| (0..3).map(move |n| point(150 + 8 * n, 90, disparity)));
+        let mut obstacles = Obstacles::new();
+        let points = lower.chain(standing.into_iter().flatten());
+        obstacles.update(&plan, &[], points, HealthFlags::GOOD, 0);
+        let params = AutopilotParams { widen: false, ..AutopilotParams::DEFAULT };
+        let stream = AutopilotStream::new(params, &plan).unwrap();
+        stream.distances(&obstacles, &plan, 0).distances[0]
+    };
+    // The floor has 17.2 px at row 123, the lower end of the points, and the rig 30 px m.
+    assert_eq!(sent(None), 174);
+    assert_eq!(sent(Some(30.0)), 100, "an obstacle before the edge");
+    assert_eq!(sent(Some(10.0)), 174, "an obstacle behind it");
 }
 
 /// Messages that a receiver of system 1, component 196 takes of these bytes.

@@ -1,8 +1,8 @@
 //! Obstacles by direction, as a robot needs them.
 //!
 //! An obstacle is what stands 0.05 to 0.4 m above the floor, within 3 m. The truth of a sector of 5
-//! degrees is the tenth nearest such pixel; with fewer the sector is clear. A drop-off is where rays
-//! of pixels labelled as below the floor meet the floor's plane, again the tenth nearest.
+//! degrees is the tenth nearest such pixel; with fewer the sector is clear. A drop-off is where
+//! rays of pixels labelled as below the floor meet the floor's plane, again the tenth nearest.
 //!
 //! ```text
 //! pixel, true disparity -> point in the camera's axes -> turned back by roll and pitch
