@@ -2,13 +2,14 @@
 
 use crate::calibration::{Calibration, Rig};
 use crate::image::{grey, view};
-use crate::memory::Memory;
+use crate::memory::allocate;
 use crate::records::{self, Answer};
 use crate::refused;
-use linestereo::objects::Run;
-use linestereo::scratch::Capacity;
 use linestereo::image::shrink_to_valid;
-use linestereo::{Area, Dims, Disparity, ImagePosition, Pair, Params, Plan, Position, Region, Span, Summary};
+use linestereo::objects::Run;
+use linestereo::{
+    Area, Capacity, Dims, Disparity, ImagePosition, MemorySlice, Pair, Params, Plan, Position, Region, Span, Summary,
+};
 use linestereo_frames::GrayImage;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray2};
@@ -43,9 +44,7 @@ impl Matcher {
         params.max_disparity = max_disparity.unwrap_or(params.max_disparity);
         if let Some(confidence) = min_confidence {
             if !(0.0..1.0).contains(&confidence) {
-                return Err(PyValueError::new_err(format!(
-                    "min_confidence is {confidence} but must be 0.1 to 0.99"
-                )));
+                return Err(PyValueError::new_err(format!("min_confidence is {confidence} but must be 0.1 to 0.99")));
             }
             params.min_confidence = linestereo::Confidence::from_num(confidence);
         }
@@ -104,12 +103,13 @@ impl Matcher {
             }
             self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
         }
-        let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
-        let mut memory =
-            Memory::new(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell }).map_err(refused)?;
+        let Some((_, matcher)) = &mut self.state else {
+            return Err(PyValueError::new_err("no matcher"));
+        };
+        let mut memory = allocate(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell });
         let start = Instant::now();
         let [left, right] = [view(&images[0], &usable[0])?, view(&images[1], &usable[1])?];
-        let mut matched = matcher.run(Pair { left, right, times_us }, None, memory.view(), &mut ()).map_err(refused)?;
+        let mut matched = matcher.run(Pair { left, right, times_us }, &mut memory).map_err(refused)?;
         let mut points = Vec::with_capacity(16384);
         let (mut segments, mut bars) = (Vec::new(), Vec::new());
         matched.points(|point| points.push(point));
@@ -141,7 +141,7 @@ pub(crate) struct Matched {
     summary: Summary,
     images: [GrayImage; 2],
     usable: [Vec<Span>; 2],
-    memory: Memory,
+    memory: Box<MemorySlice>,
     points: Option<Vec<u8>>,
     segments: Option<Vec<u8>>,
     bars: Option<Vec<u8>>,
@@ -194,7 +194,9 @@ impl Matched {
     /// Places of these points in space, three numbers of m each; not a number where there is none.
     fn xyz<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'_, f32>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let Some(rig) = self.plan.rig() else {
-            return Err(PyValueError::new_err("places in space need a rig; give rig=linestereo.Rig(..) to the matcher"));
+            return Err(PyValueError::new_err(
+                "places in space need a rig; give rig=linestereo.Rig(..) to the matcher",
+            ));
         };
         let (rig, points) = (rig.centred(self.plan.dims()), points.as_array());
         let place = |[x, y, disparity]: [f32; 3]| {
@@ -279,7 +281,7 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
 impl Matched {
     fn with<T>(&mut self, ask: impl FnOnce(&mut linestereo::Matched<'_>) -> T) -> PyResult<T> {
         let images = [view(&self.images[0], &self.usable[0])?, view(&self.images[1], &self.usable[1])?];
-        let mut matched = self.plan.resume(&self.summary, images, self.memory.view()).map_err(refused)?;
+        let mut matched = self.plan.resume(&self.summary, images, &mut self.memory).map_err(refused)?;
         Ok(ask(&mut matched))
     }
 

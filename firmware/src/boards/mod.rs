@@ -7,7 +7,14 @@ macro_rules! workspace {
         crate::memory::Workspace<
             { $board.pixels() },
             { $board.raw_width },
-            linestereo::scratch!($board.largest, $board.segments),
+            {
+                linestereo::Capacity {
+                    segments: $board.segments as u16,
+                    ..linestereo::Capacity::new($board.largest)
+                }
+                .words()
+            },
+            { $board.segments },
             crate::memory::CameraRows<
                 { $crate::boards::NODES },
                 { $board.largest.height as usize },

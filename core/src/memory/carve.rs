@@ -1,0 +1,223 @@
+//! Cutting words into slices and lists.
+//!
+//! The head of a memory says what was cut from its words last. It is cleared with a memory, and
+//! only written here: what it says are values is values.
+
+use super::{BAND_ROWS, Buffers, Layout, OBJECT_POINTS, PLANES, RunError, words_of};
+use super::{MOST_BARS, mark_words, most_support_points, row_bytes};
+use crate::image::Dims;
+use crate::lines;
+use crate::list::List;
+use crate::matching::Workspace;
+use crate::matching::consistency::Neighbour;
+use core::fmt;
+use core::mem::MaybeUninit;
+
+/// A word of memory, which everything in it is aligned to.
+pub type Word = MaybeUninit<u64>;
+
+/// Lengths of the lists of candidates, support points, matches and bars.
+pub(super) type Lengths = [u16; 4];
+
+/// What was cut from the words behind it.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Head {
+    /// Capacity of the lists of segments.
+    segments: u16,
+    layout: Layout,
+    lengths: Lengths,
+}
+
+/// Words of the head.
+pub(super) const HEAD: usize = words_of::<Head>(1);
+const _: () = assert!(align_of::<Head>() <= align_of::<Word>());
+
+/// Working memory of any size: what a [`Memory`](crate::Memory) is without its size.
+// The first words, if there are enough of them, are a `Head`, or all 0, which is one too. All other
+// bits are 0 or were written by `cut`'s slices and lists, if the layout is not all 0.
+#[repr(transparent)]
+pub struct MemorySlice([Word]);
+
+impl MemorySlice {
+    /// Memory of these words, cleared; `segments` as in [`Capacity`](crate::Capacity). With fewer
+    /// than [`Capacity::words`](crate::Capacity::words) runs fail.
+    ///
+    /// ```
+    /// use core::mem::MaybeUninit;
+    /// use linestereo::{Capacity, Dims, MemorySlice};
+    /// let capacity = Capacity { segments: 64, ..Capacity::new(Dims { width: 64, height: 48 }) };
+    /// let mut words = vec![MaybeUninit::uninit(); capacity.words()];
+    /// let memory = MemorySlice::new(&mut words, capacity.segments);
+    /// ```
+    pub fn new(words: &mut [Word], segments: u16) -> &mut Self {
+        words.iter_mut().take(HEAD).for_each(|word| *word = MaybeUninit::new(0));
+        Self::of_mut(words, segments)
+    }
+
+    pub(super) fn of(words: &[Word]) -> &Self {
+        // SAFETY: it has the layout of a slice of words, as it is transparent.
+        unsafe { &*(core::ptr::from_ref(words) as *const Self) }
+    }
+
+    /// Memory of words whose head is one.
+    #[inline]
+    pub(super) fn of_mut(words: &mut [Word], segments: u16) -> &mut Self {
+        // SAFETY: as above.
+        let memory = unsafe { &mut *(core::ptr::from_mut(words) as *mut Self) };
+        if let Some((head, _)) = memory.split() {
+            head.segments = segments;
+        }
+        memory
+    }
+
+    fn split(&mut self) -> Option<(&mut Head, &mut [Word])> {
+        let (head, rest) = self.0.split_at_mut_checked(HEAD)?;
+        // SAFETY: there is room for a head, aligned as asserted above, and it is one.
+        Some((unsafe { &mut *head.as_mut_ptr().cast() }, rest))
+    }
+
+    /// The buffers of a run on images of this size. The lists of results are those of the run
+    /// before, if that had the same layout, else empty.
+    pub(crate) fn cut(&mut self, dims: Dims, cell: u16) -> Result<Buffers<'_>, RunError> {
+        let given = self.0.len();
+        let error = |needed| RunError::MemoryTooSmall { needed, given };
+        let segments = self.split().map_or(0, |(head, _)| head.segments);
+        let layout = Layout::of_run(dims, cell, segments, given).map_err(error)?;
+        self.cut_as(&layout).ok_or(error(layout.words()))
+    }
+
+    fn cut_as(&mut self, layout: &Layout) -> Option<Buffers<'_>> {
+        let (head, words) = self.split()?;
+        let words = words.get_mut(..layout.words().checked_sub(HEAD)?)?;
+        if head.layout != *layout {
+            words.fill(MaybeUninit::new(0));
+            (head.layout, head.lengths) = (*layout, Lengths::default());
+        }
+        let [candidates, support, matches, bars] = head.lengths;
+        let Layout { dims, segments, candidates: most } = *layout;
+        let (segments, most) = (segments.into(), most.into());
+        let mut rest = Rest(words);
+        // SAFETY: the words are 0, or were cut into the same before; the lengths are those that the
+        // lists had then, or 0.
+        unsafe {
+            Some(Buffers {
+                marks: rest.values(mark_words(dims))?,
+                chain: rest.values(lines::MAX_POSITIONS)?,
+                strengths: rest.values(lines::MAX_POSITIONS)?,
+                rows: rest.values(row_bytes(dims.width) * BAND_ROWS * PLANES)?,
+                left: rest.list(segments, 0)?,
+                right: rest.list(segments, 0)?,
+                candidates: rest.list(most, candidates)?,
+                neighbours: rest.values(most + OBJECT_POINTS)?,
+                order: rest.list(most + OBJECT_POINTS, 0)?,
+                support: rest.list(most_support_points(dims), support)?,
+                matches: rest.list(most, matches)?,
+                bars: rest.list(MOST_BARS, bars)?,
+                work: rest.values(1)?.first_mut()?,
+                lengths: &mut head.lengths,
+            })
+        }
+    }
+}
+
+impl fmt::Debug for MemorySlice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "memory of {} words", self.0.len())
+    }
+}
+
+/// # Safety
+/// All bits 0 are a value, and no alignment is larger than that of a [`Word`].
+unsafe trait Zeroed {}
+
+// SAFETY: integers.
+unsafe impl Zeroed for u8 {}
+// SAFETY: as above.
+unsafe impl Zeroed for u16 {}
+// SAFETY: as above.
+unsafe impl Zeroed for u32 {}
+// SAFETY: integers and a bool.
+unsafe impl Zeroed for Neighbour {}
+// SAFETY: integers.
+unsafe impl Zeroed for Workspace {}
+
+/// Words that are not cut yet.
+struct Rest<'a>(&'a mut [Word]);
+
+impl<'a> Rest<'a> {
+    /// The next words, which are nobody else's; `None` beyond the memory.
+    #[inline(never)] // a dozen calls
+    fn take(&mut self, words: usize) -> Option<&'a mut [Word]> {
+        let (taken, rest) = core::mem::take(&mut self.0).split_at_mut_checked(words)?;
+        self.0 = rest;
+        Some(taken)
+    }
+
+    /// The next values.
+    ///
+    /// # Safety
+    /// The words are 0, or were such values before.
+    unsafe fn values<T: Zeroed>(&mut self, count: usize) -> Option<&'a mut [T]> {
+        const { assert!(align_of::<T>() <= align_of::<Word>()) };
+        let start = self.take(words_of::<T>(count))?.as_mut_ptr().cast();
+        // SAFETY: `words_of` has room for so many, aligned as the assertion says, which nobody else
+        // has, and which are values as the caller says.
+        Some(unsafe { core::slice::from_raw_parts_mut(start, count) })
+    }
+
+    /// The next list.
+    ///
+    /// # Safety
+    /// The first `len` elements are values.
+    unsafe fn list<T>(&mut self, capacity: usize, len: u16) -> Option<List<'a, T>> {
+        const { assert!(align_of::<T>() <= align_of::<Word>()) };
+        let start = self.take(words_of::<T>(capacity))?.as_mut_ptr().cast();
+        // SAFETY: as above; they need not be values.
+        let slots = unsafe { core::slice::from_raw_parts_mut(start, capacity) };
+        // SAFETY: as the caller says.
+        Some(unsafe { List::of_len(slots, len.into()) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::super::Capacity;
+    use super::*;
+    use std::vec;
+
+    const DIMS: Dims = Dims { width: 64, height: 48 };
+
+    #[test]
+    fn a_memory_is_cut_into_what_its_capacity_says() {
+        let capacity = Capacity { dims: DIMS, segments: 70, cell: 9 };
+        let mut words = vec![MaybeUninit::uninit(); capacity.words()];
+        let memory = MemorySlice::new(&mut words, 70);
+        let buffers = memory.cut(DIMS, 9).unwrap();
+        let found = [&buffers.left, &buffers.right].map(|list| list.capacity());
+        assert_eq!((found, buffers.candidates.capacity()), ([70, 70], 8 * 6));
+        // A word less holds a candidate less, down to those of the default cell.
+        let short = words.len() - 1;
+        let buffers = MemorySlice::new(&mut words[..short], 70);
+        assert_eq!(buffers.cut(DIMS, 9).unwrap().candidates.capacity(), 47);
+        let needed = Capacity { cell: 20, ..capacity }.words();
+        for (cell, given) in [(9, needed - 1), (20, needed - 1), (20, 2), (20, 0)] {
+            let error = MemorySlice::new(&mut words[..given], 70).cut(DIMS, cell).err();
+            assert_eq!(error, Some(RunError::MemoryTooSmall { needed, given }));
+        }
+        let buffers = MemorySlice::new(&mut words[..needed], 70);
+        assert_eq!(buffers.cut(DIMS, 9).unwrap().candidates.capacity(), 4 * 3);
+    }
+
+    #[test]
+    fn lists_outlive_their_buffers_until_the_layout_changes() {
+        let mut memory = crate::Memory::<{ Capacity::new(DIMS).words() }>::new();
+        let mut buffers = memory.cut(DIMS, 20).unwrap();
+        buffers.support.push(crate::SupportPoint::none()).unwrap();
+        buffers.keep();
+        assert_eq!(memory.cut(DIMS, 20).unwrap().support.len(), 1);
+        assert_eq!(memory.cut(DIMS, 24).unwrap().support.len(), 0);
+        assert_eq!(memory.cut(DIMS, 20).unwrap().support.len(), 0);
+    }
+}

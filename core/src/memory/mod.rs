@@ -1,0 +1,259 @@
+//! Working memory of a run: words of the caller, cut into slices and lists.
+//!
+//! In: words, the size of the images, the number of segments. Out: the buffers of every stage.
+//!
+//! ```text
+//! words   | head | marks | chain | strengths | rows | segments | candidates | ... |
+//! head    the number of segments, the last layout, the lengths of the lists that results are in
+//! ```
+//!
+//! # Cost
+//! Some 300 instructions a run. Words are cleared before the first run and where the size of the
+//! images, or [`Params::cell`], changes: an instruction for each.
+
+#[allow(unsafe_code, reason = "slices and lists in words of the caller")]
+mod carve;
+
+use crate::bars::{Bar, MOST_BARS};
+use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH};
+use crate::lines::{self, Segment, mark_words};
+use crate::list::List;
+use crate::matching::consistency::Neighbour;
+use crate::matching::{Candidate, Workspace};
+use crate::params::Params;
+use crate::report::Ranked;
+use crate::result::Match;
+use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
+use crate::support::{SupportPoint, most_support_points};
+pub use carve::{MemorySlice, Word};
+use core::fmt;
+use core::mem::MaybeUninit;
+use core::ops::{Deref, DerefMut};
+
+/// A pair that cannot be matched as planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum RunError {
+    /// An image has another size than planned.
+    #[error("planned for {planned}, the frame is {given}")]
+    SizeMismatch {
+        /// Size planned for.
+        planned: Dims,
+        /// Size given.
+        given: Dims,
+    },
+    /// The working memory was made for smaller images or fewer segments.
+    #[error("the memory has {given} words, these images need {needed}")]
+    MemoryTooSmall {
+        /// Words needed ([`Capacity::words`]).
+        needed: usize,
+        /// Words given.
+        given: usize,
+    },
+}
+
+/// Most support points among the hypotheses of an object.
+pub(crate) const OBJECT_POINTS: usize = 24;
+
+/// Segments listed in each image by default.
+const DEFAULT_SEGMENTS: usize = 640;
+
+/// What a working memory has room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capacity {
+    /// Size of the largest images, px; at most 1280x1280, more counts as that.
+    pub dims: Dims,
+    /// Number of segments listed in each image, 1 ..= 4096; others count as the nearest of these.
+    pub segments: u16,
+    /// The smallest [`Params::cell`], px; below 8 counts as 8. With a smaller one the squares grow
+    /// until their segments fit.
+    pub cell: u16,
+}
+
+impl Capacity {
+    /// Room for images of this size, 640 segments in each, and the default [`Params::cell`].
+    #[must_use]
+    pub const fn new(dims: Dims) -> Self {
+        Self { dims, segments: DEFAULT_SEGMENTS as u16, cell: Params::DEFAULT.cell }
+    }
+
+    /// Number of words of a memory with this capacity, the same on every machine.
+    ///
+    /// ```
+    /// use linestereo::{Capacity, Dims};
+    /// let qvga = Capacity::new(Dims { width: 320, height: 240 });
+    /// assert!(qvga.words() * 8 < 110 * 1024);
+    /// ```
+    #[must_use]
+    pub const fn words(&self) -> usize {
+        self.layout().words()
+    }
+
+    const fn layout(&self) -> Layout {
+        let Dims { width, height } = self.dims;
+        let dims = Dims {
+            width: if width > MAX_WIDTH { MAX_WIDTH } else { width },
+            height: if height > MAX_HEIGHT { MAX_HEIGHT } else { height },
+        };
+        let most = lines::MAX_SEGMENTS as u16;
+        let segments = match self.segments {
+            0 => 1,
+            segments if segments > most => most,
+            segments => segments,
+        };
+        let cell = if self.cell < 8 { 8 } else { self.cell };
+        // One per square. A fine grid of squares would take most of the memory for candidates that
+        // images do not have.
+        let squares = dims.width.div_ceil(cell) as u32 * dims.height.div_ceil(cell) as u32;
+        let candidates = if squares > most as u32 { most } else { squares as u16 };
+        Layout { dims, segments, candidates }
+    }
+}
+
+/// Numbers of elements; all 0 in words that nothing was cut from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Layout {
+    dims: Dims,
+    segments: u16,
+    candidates: u16,
+}
+
+impl Layout {
+    /// The layout of a run; the number of words needed if there are fewer.
+    fn of_run(dims: Dims, cell: u16, segments: u16, words: usize) -> Result<Self, usize> {
+        let layout = |cell| Capacity { dims, segments, cell }.layout();
+        let (mut found, least) = (layout(cell), layout(cell.max(Params::DEFAULT.cell)));
+        while let Some(missing) = found.words().checked_sub(words).filter(|&missing| missing > 0) {
+            if found.candidates <= least.candidates {
+                return Err(least.words());
+            }
+            // Never too many: what is rounded up to words is less than a candidate.
+            let dropped = (missing * size_of::<Word>() / CANDIDATE_BYTES).max(1);
+            found.candidates =
+                found.candidates.saturating_sub(dropped as u16).max(least.candidates);
+        }
+        Ok(found)
+    }
+
+    const fn words(&self) -> usize {
+        let Self { dims, segments, candidates } = *self;
+        let (segments, candidates) = (segments as usize, candidates as usize);
+        carve::HEAD
+            + words_of::<u32>(mark_words(dims))
+            + words_of::<u16>(lines::MAX_POSITIONS)
+            + words_of::<u8>(lines::MAX_POSITIONS)
+            + words_of::<u8>(row_bytes(dims.width) * BAND_ROWS * PLANES)
+            + 2 * words_of::<Segment>(segments)
+            + words_of::<Candidate>(candidates)
+            + words_of::<Neighbour>(candidates + OBJECT_POINTS)
+            + words_of::<Ranked>(candidates + OBJECT_POINTS)
+            + words_of::<SupportPoint>(most_support_points(dims))
+            + words_of::<Match>(candidates)
+            + words_of::<Bar>(MOST_BARS)
+            + words_of::<Workspace>(1)
+    }
+}
+
+/// Bytes of a candidate in all buffers that have one each.
+const CANDIDATE_BYTES: usize =
+    size_of::<Candidate>() + size_of::<Neighbour>() + size_of::<Ranked>() + size_of::<Match>();
+
+const fn words_of<T>(count: usize) -> usize {
+    (size_of::<T>() * count).div_ceil(size_of::<Word>())
+}
+
+/// Working memory of a run, in a static or on the heap, of [`Capacity::words`]; `SEGMENTS` is
+/// [`Capacity::segments`]. Its content before a run does not influence a result.
+///
+/// ```
+/// use linestereo::{Capacity, Dims};
+///
+/// const DIMS: Dims = Dims { width: 320, height: 240 };
+/// type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
+/// static MEMORY: Memory = Memory::new(); // all zero: it takes no flash
+///
+/// const MANY: Capacity = Capacity { segments: 1024, ..Capacity::new(DIMS) };
+/// type Larger = linestereo::Memory<{ MANY.words() }, 1024>;
+/// assert!(size_of::<Larger>() > size_of::<Memory>());
+/// ```
+#[repr(transparent)]
+pub struct Memory<const WORDS: usize, const SEGMENTS: usize = { DEFAULT_SEGMENTS }>([Word; WORDS]);
+
+impl<const WORDS: usize, const SEGMENTS: usize> Memory<WORDS, SEGMENTS> {
+    /// Size, bytes.
+    pub const BYTES: usize = size_of::<Self>();
+
+    /// Cleared memory.
+    #[must_use]
+    pub const fn new() -> Self {
+        const { assert!(0 < SEGMENTS && SEGMENTS <= lines::MAX_SEGMENTS, "1 to 4096 segments") };
+        Self([MaybeUninit::new(0); WORDS])
+    }
+}
+
+impl<const WORDS: usize, const SEGMENTS: usize> Default for Memory<WORDS, SEGMENTS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const WORDS: usize, const SEGMENTS: usize> fmt::Debug for Memory<WORDS, SEGMENTS> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (**self).fmt(f)
+    }
+}
+
+impl<const WORDS: usize, const SEGMENTS: usize> Deref for Memory<WORDS, SEGMENTS> {
+    type Target = MemorySlice;
+
+    fn deref(&self) -> &MemorySlice {
+        MemorySlice::of(&self.0)
+    }
+}
+
+impl<const WORDS: usize, const SEGMENTS: usize> DerefMut for Memory<WORDS, SEGMENTS> {
+    fn deref_mut(&mut self) -> &mut MemorySlice {
+        MemorySlice::of_mut(&mut self.0, SEGMENTS as u16)
+    }
+}
+
+/// The buffers of a run.
+#[derive(Debug)]
+pub(crate) struct Buffers<'a> {
+    pub(crate) marks: &'a mut [u32],
+    pub(crate) chain: &'a mut [u16],
+    pub(crate) strengths: &'a mut [u8],
+    pub(crate) rows: &'a mut [u8],
+    pub(crate) left: List<'a, Segment>,
+    pub(crate) right: List<'a, Segment>,
+    pub(crate) candidates: List<'a, Candidate>,
+    pub(crate) neighbours: &'a mut [Neighbour],
+    pub(crate) order: List<'a, Ranked>,
+    pub(crate) support: List<'a, SupportPoint>,
+    pub(crate) matches: List<'a, Match>,
+    pub(crate) bars: List<'a, Bar>,
+    pub(crate) work: &'a mut Workspace,
+    lengths: &'a mut carve::Lengths,
+}
+
+impl Buffers<'_> {
+    /// Clears all lists.
+    pub(crate) fn clear(&mut self) {
+        self.left.clear();
+        self.right.clear();
+        self.support.clear();
+        self.candidates.clear();
+        self.matches.clear();
+        self.bars.clear();
+        self.keep();
+    }
+
+    /// Writes the lengths of the lists of results into the memory, for [`Plan::resume`].
+    ///
+    /// [`Plan::resume`]: crate::Plan::resume
+    pub(crate) fn keep(&mut self) {
+        let Self { candidates, support, matches, bars, .. } = self;
+        *self.lengths =
+            [candidates.len(), support.len(), matches.len(), bars.len()].map(|len| len as u16);
+    }
+}
