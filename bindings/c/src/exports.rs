@@ -277,7 +277,11 @@ pub unsafe extern "C" fn linestereo_segment(matcher: *mut Matcher, index: usize,
 /// Bar `index` of the last pair, from 0, by its first row. `LinestereoHealth.bars` says how many
 /// there are.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_bar(matcher: *mut Matcher, index: usize, bar: *mut Bar) -> Status {
+pub unsafe extern "C" fn linestereo_bar(
+    matcher: *mut Matcher,
+    index: usize,
+    bar: *mut Bar,
+) -> Status {
     let work = |engine: &mut Engine, room: &mut MaybeUninit<Bar>| {
         room.write(engine.bar(index)?);
         Ok(())

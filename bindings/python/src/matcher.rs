@@ -44,7 +44,9 @@ impl Matcher {
         params.max_disparity = max_disparity.unwrap_or(params.max_disparity);
         if let Some(confidence) = min_confidence {
             if !(0.0..1.0).contains(&confidence) {
-                return Err(PyValueError::new_err(format!("min_confidence is {confidence} but must be 0.1 to 0.99")));
+                return Err(PyValueError::new_err(format!(
+                    "min_confidence is {confidence} but must be 0.1 to 0.99"
+                )));
             }
             params.min_confidence = linestereo::Confidence::from_num(confidence);
         }
@@ -103,9 +105,7 @@ impl Matcher {
             }
             self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
         }
-        let Some((_, matcher)) = &mut self.state else {
-            return Err(PyValueError::new_err("no matcher"));
-        };
+        let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
         let mut memory = allocate(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell });
         let start = Instant::now();
         let [left, right] = [view(&images[0], &usable[0])?, view(&images[1], &usable[1])?];
@@ -194,9 +194,7 @@ impl Matched {
     /// Places of these points in space, three numbers of m each; not a number where there is none.
     fn xyz<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'_, f32>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let Some(rig) = self.plan.rig() else {
-            return Err(PyValueError::new_err(
-                "places in space need a rig; give rig=linestereo.Rig(..) to the matcher",
-            ));
+            return Err(PyValueError::new_err("places in space need a rig; give rig=linestereo.Rig(..) to the matcher"));
         };
         let (rig, points) = (rig.centred(self.plan.dims()), points.as_array());
         let place = |[x, y, disparity]: [f32; 3]| {

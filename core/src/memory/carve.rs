@@ -202,10 +202,12 @@ mod tests {
         let buffers = MemorySlice::new(&mut words[..short], 70);
         assert_eq!(buffers.cut(DIMS, 9).unwrap().candidates.capacity(), 47);
         let needed = Capacity { cell: 20, ..capacity }.words();
-        for (cell, given) in [(9, needed - 1), (20, needed - 1), (20, 2), (20, 0)] {
+        for (cell, given) in [(9, needed - 1), (20, needed - 1), (20, HEAD)] {
             let error = MemorySlice::new(&mut words[..given], 70).cut(DIMS, cell).err();
             assert_eq!(error, Some(RunError::MemoryTooSmall { needed, given }));
         }
+        assert!(MemorySlice::new(&mut words[..HEAD - 1], 70).cut(DIMS, 20).is_err());
+        assert!(MemorySlice::new(&mut [], 70).cut(DIMS, 20).is_err());
         let buffers = MemorySlice::new(&mut words[..needed], 70);
         assert_eq!(buffers.cut(DIMS, 9).unwrap().candidates.capacity(), 4 * 3);
     }
