@@ -3,13 +3,17 @@
 //! The head of a memory says what was cut from its words last. It is cleared with a memory, and
 //! only written here: what it says are values is values.
 
-use super::{BAND_ROWS, Buffers, Layout, OBJECT_POINTS, PLANES, RunError, words_of};
-use super::{MOST_BARS, mark_words, most_support_points, row_bytes};
+use super::{Buffers, OBJECT_POINTS, RunError};
+use crate::bars::{Bar, MOST_BARS};
 use crate::image::Dims;
-use crate::lines;
+use crate::lines::{self, Segment, mark_words};
 use crate::list::List;
-use crate::matching::Workspace;
 use crate::matching::consistency::Neighbour;
+use crate::matching::{Candidate, Workspace};
+use crate::report::Ranked;
+use crate::result::Match;
+use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
+use crate::support::{SupportPoint, most_support_points};
 use core::fmt;
 use core::mem::MaybeUninit;
 
@@ -27,6 +31,38 @@ struct Head {
     segments: u16,
     layout: Layout,
     lengths: Lengths,
+}
+
+/// Numbers of elements; all 0 in words that nothing was cut from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub(super) dims: Dims,
+    pub(super) segments: u16,
+    pub(super) candidates: u16,
+}
+
+impl Layout {
+    /// Words of all that [`MemorySlice::cut_as`] takes, and of the head.
+    pub(super) const fn words(&self) -> usize {
+        let Self { dims, segments, candidates } = *self;
+        let (segments, candidates) = (segments as usize, candidates as usize);
+        HEAD + words_of::<u32>(mark_words(dims))
+            + words_of::<u16>(lines::MAX_POSITIONS)
+            + words_of::<u8>(lines::MAX_POSITIONS)
+            + words_of::<u8>(row_bytes(dims.width) * BAND_ROWS * PLANES)
+            + 2 * words_of::<Segment>(segments)
+            + words_of::<Candidate>(candidates)
+            + words_of::<Neighbour>(candidates + OBJECT_POINTS)
+            + words_of::<Ranked>(candidates + OBJECT_POINTS)
+            + words_of::<SupportPoint>(most_support_points(dims))
+            + words_of::<Match>(candidates)
+            + words_of::<Bar>(MOST_BARS)
+            + words_of::<Workspace>(1)
+    }
+}
+
+const fn words_of<T>(count: usize) -> usize {
+    (size_of::<T>() * count).div_ceil(size_of::<Word>())
 }
 
 /// Words of the head.
@@ -98,23 +134,23 @@ impl MemorySlice {
         let Layout { dims, segments, candidates: most } = *layout;
         let (segments, most) = (segments.into(), most.into());
         let mut rest = Rest(words);
-        // SAFETY: the words are 0, or were cut into the same before; the lengths are those that the
-        // lists had then, or 0.
+        // SAFETY: `Layout::words` counts the same values and lists. The words are 0, or were cut
+        // into the same before; the lengths are those that the lists had then, or 0.
         unsafe {
             Some(Buffers {
-                marks: rest.values(mark_words(dims))?,
-                chain: rest.values(lines::MAX_POSITIONS)?,
-                strengths: rest.values(lines::MAX_POSITIONS)?,
-                rows: rest.values(row_bytes(dims.width) * BAND_ROWS * PLANES)?,
-                left: rest.list(segments, 0)?,
-                right: rest.list(segments, 0)?,
-                candidates: rest.list(most, candidates)?,
-                neighbours: rest.values(most + OBJECT_POINTS)?,
-                order: rest.list(most + OBJECT_POINTS, 0)?,
-                support: rest.list(most_support_points(dims), support)?,
-                matches: rest.list(most, matches)?,
-                bars: rest.list(MOST_BARS, bars)?,
-                work: rest.values(1)?.first_mut()?,
+                marks: rest.values(mark_words(dims)),
+                chain: rest.values(lines::MAX_POSITIONS),
+                strengths: rest.values(lines::MAX_POSITIONS),
+                rows: rest.values(row_bytes(dims.width) * BAND_ROWS * PLANES),
+                left: rest.list(segments, 0),
+                right: rest.list(segments, 0),
+                candidates: rest.list(most, candidates),
+                neighbours: rest.values(most + OBJECT_POINTS),
+                order: rest.list(most + OBJECT_POINTS, 0),
+                support: rest.list(most_support_points(dims), support),
+                matches: rest.list(most, matches),
+                bars: rest.list(MOST_BARS, bars),
+                work: rest.values(1).first_mut()?,
                 lengths: &mut head.lengths,
             })
         }
@@ -146,37 +182,36 @@ unsafe impl Zeroed for Workspace {}
 struct Rest<'a>(&'a mut [Word]);
 
 impl<'a> Rest<'a> {
-    /// The next words, which are nobody else's; `None` beyond the memory.
-    #[inline(never)] // a dozen calls
-    fn take(&mut self, words: usize) -> Option<&'a mut [Word]> {
-        let (taken, rest) = core::mem::take(&mut self.0).split_at_mut_checked(words)?;
+    /// The next `count` places for a `T`.
+    ///
+    /// # Safety
+    /// There are as many words as [`words_of`] says.
+    unsafe fn slots<T>(&mut self, count: usize) -> &'a mut [MaybeUninit<T>] {
+        const { assert!(align_of::<T>() <= align_of::<Word>()) };
+        // SAFETY: as the caller says.
+        let (taken, rest) =
+            unsafe { core::mem::take(&mut self.0).split_at_mut_unchecked(words_of::<T>(count)) };
         self.0 = rest;
-        Some(taken)
+        // SAFETY: there is room for so many, aligned as the assertion says, which nobody else has.
+        unsafe { core::slice::from_raw_parts_mut(taken.as_mut_ptr().cast(), count) }
     }
 
     /// The next values.
     ///
     /// # Safety
-    /// The words are 0, or were such values before.
-    unsafe fn values<T: Zeroed>(&mut self, count: usize) -> Option<&'a mut [T]> {
-        const { assert!(align_of::<T>() <= align_of::<Word>()) };
-        let start = self.take(words_of::<T>(count))?.as_mut_ptr().cast();
-        // SAFETY: `words_of` has room for so many, aligned as the assertion says, which nobody else
-        // has, and which are values as the caller says.
-        Some(unsafe { core::slice::from_raw_parts_mut(start, count) })
+    /// As of [`Rest::slots`]; the words are 0, or were such values before.
+    unsafe fn values<T: Zeroed>(&mut self, count: usize) -> &'a mut [T] {
+        // SAFETY: as the caller says.
+        unsafe { self.slots(count).assume_init_mut() }
     }
 
     /// The next list.
     ///
     /// # Safety
-    /// The first `len` elements are values.
-    unsafe fn list<T>(&mut self, capacity: usize, len: u16) -> Option<List<'a, T>> {
-        const { assert!(align_of::<T>() <= align_of::<Word>()) };
-        let start = self.take(words_of::<T>(capacity))?.as_mut_ptr().cast();
-        // SAFETY: as above; they need not be values.
-        let slots = unsafe { core::slice::from_raw_parts_mut(start, capacity) };
+    /// As of [`Rest::slots`]; the first `len` elements are values.
+    unsafe fn list<T>(&mut self, capacity: usize, len: u16) -> List<'a, T> {
         // SAFETY: as the caller says.
-        Some(unsafe { List::of_len(slots, len.into()) })
+        unsafe { List::of_len(self.slots(capacity), len.into()) }
     }
 }
 

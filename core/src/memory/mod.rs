@@ -14,17 +14,17 @@
 #[allow(unsafe_code, reason = "slices and lists in words of the caller")]
 mod carve;
 
-use crate::bars::{Bar, MOST_BARS};
+use crate::bars::Bar;
 use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH};
-use crate::lines::{self, Segment, mark_words};
+use crate::lines::{self, Segment};
 use crate::list::List;
 use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Workspace};
 use crate::params::Params;
 use crate::report::Ranked;
 use crate::result::Match;
-use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
-use crate::support::{SupportPoint, most_support_points};
+use crate::support::SupportPoint;
+use carve::Layout;
 pub use carve::{MemorySlice, Word};
 use core::fmt;
 use core::mem::MaybeUninit;
@@ -110,14 +110,6 @@ impl Capacity {
     }
 }
 
-/// Numbers of elements; all 0 in words that nothing was cut from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Layout {
-    dims: Dims,
-    segments: u16,
-    candidates: u16,
-}
-
 impl Layout {
     /// The layout of a run; the number of words needed if there are fewer.
     fn of_run(dims: Dims, cell: u16, segments: u16, words: usize) -> Result<Self, usize> {
@@ -134,33 +126,11 @@ impl Layout {
         }
         Ok(found)
     }
-
-    const fn words(&self) -> usize {
-        let Self { dims, segments, candidates } = *self;
-        let (segments, candidates) = (segments as usize, candidates as usize);
-        carve::HEAD
-            + words_of::<u32>(mark_words(dims))
-            + words_of::<u16>(lines::MAX_POSITIONS)
-            + words_of::<u8>(lines::MAX_POSITIONS)
-            + words_of::<u8>(row_bytes(dims.width) * BAND_ROWS * PLANES)
-            + 2 * words_of::<Segment>(segments)
-            + words_of::<Candidate>(candidates)
-            + words_of::<Neighbour>(candidates + OBJECT_POINTS)
-            + words_of::<Ranked>(candidates + OBJECT_POINTS)
-            + words_of::<SupportPoint>(most_support_points(dims))
-            + words_of::<Match>(candidates)
-            + words_of::<Bar>(MOST_BARS)
-            + words_of::<Workspace>(1)
-    }
 }
 
 /// Bytes of a candidate in all buffers that have one each.
 const CANDIDATE_BYTES: usize =
     size_of::<Candidate>() + size_of::<Neighbour>() + size_of::<Ranked>() + size_of::<Match>();
-
-const fn words_of<T>(count: usize) -> usize {
-    (size_of::<T>() * count).div_ceil(size_of::<Word>())
-}
 
 /// Working memory of a run, in a static or on the heap, of [`Capacity::words`]; `SEGMENTS` is
 /// [`Capacity::segments`]. Its content before a run does not influence a result.
