@@ -161,8 +161,7 @@ impl Engine {
 
     pub fn bar(&mut self, index: usize) -> Result<Bar, Status> {
         let rig = self.matcher.plan().rig();
-        let found = self.matched()?.bars().get(index).ok_or(Status::NoSuchBar)?;
-        Ok(Bar::new(found, rig))
+        self.matched()?.bars().get(index).map(|found| Bar::new(found, rig)).ok_or(Status::NoSuchBar)
     }
 
     pub fn points(&mut self, mut each: impl FnMut(Point)) -> Result<(), Status> {
