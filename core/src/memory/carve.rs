@@ -23,12 +23,18 @@ pub type Word = MaybeUninit<u64>;
 /// Lengths of the lists of candidates, support points, matches and bars.
 pub(super) type Lengths = [u16; 4];
 
+/// Capacities of the lists of segments, and the most candidates.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Limits {
+    pub(super) segments: u16,
+    pub(super) candidates: u16,
+}
+
 /// What was cut from the words behind it.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Head {
-    /// Capacity of the lists of segments.
-    segments: u16,
+    limits: Limits,
     layout: Layout,
     lengths: Lengths,
 }
@@ -88,7 +94,7 @@ impl MemorySlice {
     /// ```
     pub fn new(words: &mut [Word], segments: u16) -> &mut Self {
         words.iter_mut().take(HEAD).for_each(|word| *word = MaybeUninit::new(0));
-        Self::of_mut(words, segments)
+        Self::of_mut(words, Limits { segments, candidates: lines::MAX_SEGMENTS as u16 })
     }
 
     pub(super) fn of(words: &[Word]) -> &Self {
@@ -98,11 +104,11 @@ impl MemorySlice {
 
     /// Memory of words whose head is one.
     #[inline]
-    pub(super) fn of_mut(words: &mut [Word], segments: u16) -> &mut Self {
+    pub(super) fn of_mut(words: &mut [Word], limits: Limits) -> &mut Self {
         // SAFETY: as above.
         let memory = unsafe { &mut *(core::ptr::from_mut(words) as *mut Self) };
         if let Some((head, _)) = memory.split() {
-            head.segments = segments;
+            head.limits = limits;
         }
         memory
     }
@@ -118,8 +124,8 @@ impl MemorySlice {
     pub(crate) fn cut(&mut self, dims: Dims, cell: u16) -> Result<Buffers<'_>, RunError> {
         let given = self.0.len();
         let error = |needed| RunError::MemoryTooSmall { needed, given };
-        let segments = self.split().map_or(0, |(head, _)| head.segments);
-        let layout = Layout::of_run(dims, cell, segments, given).map_err(error)?;
+        let limits = self.split().map_or(Limits::default(), |(head, _)| head.limits);
+        let layout = Layout::of_run(dims, cell, limits, given).map_err(error)?;
         self.cut_as(&layout).ok_or(error(layout.words()))
     }
 

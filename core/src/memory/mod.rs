@@ -24,7 +24,7 @@ use crate::params::Params;
 use crate::report::Ranked;
 use crate::result::Match;
 use crate::support::SupportPoint;
-use carve::Layout;
+use carve::{Layout, Limits};
 pub use carve::{MemorySlice, Word};
 use core::fmt;
 use core::mem::MaybeUninit;
@@ -89,6 +89,12 @@ impl Capacity {
         self.layout().words()
     }
 
+    /// Largest number of segments matched: one per square of `cell`, at most 4096.
+    #[must_use]
+    pub const fn candidates(&self) -> usize {
+        self.layout().candidates as usize
+    }
+
     const fn layout(&self) -> Layout {
         let Dims { width, height } = self.dims;
         let dims = Dims {
@@ -112,8 +118,11 @@ impl Capacity {
 
 impl Layout {
     /// The layout of a run; the number of words needed if there are fewer.
-    fn of_run(dims: Dims, cell: u16, segments: u16, words: usize) -> Result<Self, usize> {
-        let layout = |cell| Capacity { dims, segments, cell }.layout();
+    fn of_run(dims: Dims, cell: u16, limits: Limits, words: usize) -> Result<Self, usize> {
+        let layout = |cell| {
+            let layout = Capacity { dims, segments: limits.segments, cell }.layout();
+            Self { candidates: layout.candidates.min(limits.candidates), ..layout }
+        };
         let (mut found, least) = (layout(cell), layout(cell.max(Params::DEFAULT.cell)));
         while let Some(missing) = found.words().checked_sub(words).filter(|&missing| missing > 0) {
             if found.candidates <= least.candidates {
@@ -133,7 +142,7 @@ const CANDIDATE_BYTES: usize =
     size_of::<Candidate>() + size_of::<Neighbour>() + size_of::<Ranked>() + size_of::<Match>();
 
 /// Working memory of a run, in a static or on the heap, of [`Capacity::words`]; `SEGMENTS` is
-/// [`Capacity::segments`]. Its content before a run does not influence a result.
+/// [`Capacity::segments`], and no more than `CANDIDATES` of them are matched. Its content before a run does not influence a result.
 ///
 /// ```
 /// use linestereo::{Capacity, Dims};
@@ -147,9 +156,15 @@ const CANDIDATE_BYTES: usize =
 /// assert!(size_of::<Larger>() > size_of::<Memory>());
 /// ```
 #[repr(transparent)]
-pub struct Memory<const WORDS: usize, const SEGMENTS: usize = { DEFAULT_SEGMENTS }>([Word; WORDS]);
+pub struct Memory<
+    const WORDS: usize,
+    const SEGMENTS: usize = { DEFAULT_SEGMENTS },
+    const CANDIDATES: usize = { lines::MAX_SEGMENTS },
+>([Word; WORDS]);
 
-impl<const WORDS: usize, const SEGMENTS: usize> Memory<WORDS, SEGMENTS> {
+impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize>
+    Memory<WORDS, SEGMENTS, CANDIDATES>
+{
     /// Size, bytes.
     pub const BYTES: usize = size_of::<Self>();
 
@@ -157,23 +172,30 @@ impl<const WORDS: usize, const SEGMENTS: usize> Memory<WORDS, SEGMENTS> {
     #[must_use]
     pub const fn new() -> Self {
         const { assert!(0 < SEGMENTS && SEGMENTS <= lines::MAX_SEGMENTS, "1 to 4096 segments") };
+        const { assert!(CANDIDATES <= lines::MAX_SEGMENTS, "at most 4096 candidates") };
         Self([MaybeUninit::new(0); WORDS])
     }
 }
 
-impl<const WORDS: usize, const SEGMENTS: usize> Default for Memory<WORDS, SEGMENTS> {
+impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize> Default
+    for Memory<WORDS, SEGMENTS, CANDIDATES>
+{
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const WORDS: usize, const SEGMENTS: usize> fmt::Debug for Memory<WORDS, SEGMENTS> {
+impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize> fmt::Debug
+    for Memory<WORDS, SEGMENTS, CANDIDATES>
+{
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         (**self).fmt(f)
     }
 }
 
-impl<const WORDS: usize, const SEGMENTS: usize> Deref for Memory<WORDS, SEGMENTS> {
+impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize> Deref
+    for Memory<WORDS, SEGMENTS, CANDIDATES>
+{
     type Target = MemorySlice;
 
     fn deref(&self) -> &MemorySlice {
@@ -181,9 +203,12 @@ impl<const WORDS: usize, const SEGMENTS: usize> Deref for Memory<WORDS, SEGMENTS
     }
 }
 
-impl<const WORDS: usize, const SEGMENTS: usize> DerefMut for Memory<WORDS, SEGMENTS> {
+impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize> DerefMut
+    for Memory<WORDS, SEGMENTS, CANDIDATES>
+{
     fn deref_mut(&mut self) -> &mut MemorySlice {
-        MemorySlice::of_mut(&mut self.0, SEGMENTS as u16)
+        let (segments, candidates) = (SEGMENTS as u16, CANDIDATES as u16);
+        MemorySlice::of_mut(&mut self.0, Limits { segments, candidates })
     }
 }
 

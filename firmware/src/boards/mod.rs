@@ -7,14 +7,9 @@ macro_rules! workspace {
         crate::memory::Workspace<
             { $board.pixels() },
             { $board.raw_width },
-            {
-                linestereo::Capacity {
-                    segments: $board.segments as u16,
-                    ..linestereo::Capacity::new($board.largest)
-                }
-                .words()
-            },
+            { $crate::memory::capacity(&$board).words() },
             { $board.segments },
+            { $crate::memory::capacity(&$board).candidates() },
             crate::memory::CameraRows<
                 { $crate::boards::NODES },
                 { $board.largest.height as usize },

@@ -11,8 +11,15 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
-use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
+use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, Pair, Span};
+use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
+
+/// What the core's memory of a board has room for.
+#[must_use]
+pub const fn capacity(board: &Board) -> Capacity {
+    Capacity { segments: board.segments as u16, ..Capacity::new(board.largest) }
+}
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes
 /// no flash.
@@ -22,11 +29,12 @@ pub struct Workspace<
     const RAW_ROW: usize,
     const WORDS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     R,
 > {
     left: [u8; PIXELS],
     right: [u8; PIXELS],
-    core: linestereo::Memory<WORDS, SEGMENTS>,
+    core: linestereo::Memory<WORDS, SEGMENTS, CANDIDATES>,
     rectifiers: [R; 2],
     /// A raw row between its camera and the band; as wide as the rig's raw images.
     raw_row: [u8; RAW_ROW],
@@ -112,13 +120,14 @@ impl<
     const RAW_ROW: usize,
     const WORDS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     R: Rectifier,
-> Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, R>
+> Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
     /// Of these, bytes that the core works in.
-    pub const CORE: usize = linestereo::Memory::<WORDS, SEGMENTS>::BYTES;
+    pub const CORE: usize = linestereo::Memory::<WORDS, SEGMENTS, CANDIDATES>::BYTES;
 
     /// Cleared memory.
     #[must_use]
@@ -140,8 +149,9 @@ impl<
     const RAW_ROW: usize,
     const WORDS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     R: Rectifier,
-> Default for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, R>
+> Default for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     fn default() -> Self {
         Self::new()
@@ -153,8 +163,9 @@ impl<
     const RAW_ROW: usize,
     const WORDS: usize,
     const SEGMENTS: usize,
+    const CANDIDATES: usize,
     R: Rectifier,
-> Memory for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, R>
+> Memory for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     fn fits(&self, dims: Dims) -> bool {
         usize::from(dims.width) * usize::from(dims.height) <= PIXELS
