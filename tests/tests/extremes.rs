@@ -1,6 +1,7 @@
 //! Sizes, contents, capacities and parameters at their limits. The test profile checks every
 //! integer overflow.
 
+use core::mem::MaybeUninit;
 use linestereo::{
     Capacity, Confidence, Depth, Dims, Disparity, Gray, Margin, Memory, MemorySlice, ParamError,
     Params, Rejection, Rig, RunError,
@@ -11,7 +12,6 @@ use linestereo_sim::results::health::is_fit;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, painted, rendered};
 use std::collections::HashSet;
-use std::mem::MaybeUninit;
 
 /// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in
 /// range and credible enough.

@@ -1,11 +1,11 @@
 //! The detector on drawn images: single edges of every direction, and images made to hurt it.
 
+use core::mem::MaybeUninit;
 use linestereo::diagnostics::List;
 use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect, mark_words};
 use linestereo::{Dims, Gray};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
-use std::mem::MaybeUninit;
 
 const PARAMS: LineParams =
     LineParams { anchor: 40, edge: 24, min_extent: 6, row_scan: Some(6), column_scan: Some(6) };
