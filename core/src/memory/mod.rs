@@ -141,8 +141,9 @@ impl Layout {
 const CANDIDATE_BYTES: usize =
     size_of::<Candidate>() + size_of::<Neighbour>() + size_of::<Ranked>() + size_of::<Match>();
 
-/// Working memory of a run, in a static or on the heap, of [`Capacity::words`]; `SEGMENTS` is
-/// [`Capacity::segments`], and no more than `CANDIDATES` of them are matched. Its content before a run does not influence a result.
+/// Working memory of a run, in a static or on the heap, of [`Capacity::words`]. `SEGMENTS` is
+/// [`Capacity::segments`]; no more than `CANDIDATES` of them are matched. Its content before a run
+/// does not influence a result.
 ///
 /// ```
 /// use linestereo::{Capacity, Dims};
