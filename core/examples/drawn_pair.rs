@@ -1,12 +1,12 @@
 //! Depth in a drawn pair: a wall 1 m away, a detected object, a pixel. `cargo run --release -p
 //! linestereo --example drawn_pair`
-use linestereo::{Area, Depth, Dims, Gray, Pair, Params, Region, Rig, scratch};
+use linestereo::{Area, Capacity, Depth, Dims, Gray, Pair, Params, Region, Rig};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = scratch!(DIMS, 256);
+type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    let mut scratch = Memory::new(); // in a static on a board
+    let mut memory = Memory::new(); // in a static on a board
     // 200 px * 0.06 m / 12 px = 1 m.
     let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
     let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         times_us: None,
     };
 
-    let mut matched = matcher.run(pair, None, scratch.view(), &mut ())?;
+    let mut matched = matcher.run(pair, &mut memory)?;
     assert!(matched.health().flags.is_fit());
     let is_near_a_metre = |depth: Depth| (depth.to_num::<f64>() - 1.0).abs() < 0.03;
     assert!(matched.segments().len() > 10);

@@ -43,6 +43,7 @@ pub(crate) struct Minimum {
 
 impl Curve {
     /// No disparities.
+    #[cfg(test)]
     pub(crate) const EMPTY: Self = Self { costs: [0; MAX_DISPARITIES], first: 0, len: 0 };
 
     /// Sums costs over `len` disparities from `first` on; `add` is given whole blocks.

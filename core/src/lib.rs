@@ -6,11 +6,11 @@
 //! # Example
 //!
 //! ```
-//! use linestereo::{Area, Dims, Gray, Pair, Params, Region, Rig, scratch};
+//! use linestereo::{Area, Capacity, Dims, Gray, Pair, Params, Region, Rig};
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! const DIMS: Dims = Dims { width: 160, height: 120 };
-//! type Memory = scratch!(DIMS, 256);
+//! type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 //!
 //! // Once: a focal length of 200 px and a baseline of 0.06 m; parameters are checked here.
 //! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
@@ -24,7 +24,7 @@
 //! let left = Gray::new(&left, DIMS, 160)?;
 //! let right = Gray::new(&right, DIMS, 160)?;
 //! let pair = Pair { left, right, times_us: None };
-//! let mut matched = matcher.run(pair, None, memory.view(), &mut ())?;
+//! let mut matched = matcher.run(pair, &mut memory)?;
 //!
 //! if matched.health().flags.is_fit() {
 //!     for segment in matched.segments() {
@@ -49,15 +49,13 @@
 //! # Matching
 //!
 //! [`Matcher::run`] takes a [`Pair`] of [`Gray`] images and gives a [`Matched`]. A matcher keeps
-//! the health of the rig and the row offset from pair to pair. Areas as the second argument limit
-//! the work to the surroundings of detected objects ([`Focus`]). The last argument observes the
-//! stages; `&mut ()` observes nothing.
+//! the health of the rig and the row offset from pair to pair. [`Matcher::run_with`] limits the
+//! work to the surroundings of detected objects ([`Focus`]) and observes the stages.
 //!
 //! # Memory
 //!
-//! All memory is the caller's: one [`Scratch`], whose type [`scratch!`] names for a size and a
-//! number of segments. [`mod@scratch`] says what each capacity costs. [`ScratchView::carve`] takes
-//! sizes that are known at run time.
+//! All memory is the caller's: one [`Memory`], an array of words. [`Capacity::words`] is its length
+//! for a size of images. [`MemorySlice::new`] takes words whose number is known at run time.
 //!
 //! # Results
 //!
@@ -122,9 +120,12 @@ pub mod image;
 pub mod kernel;
 #[doc(hidden)] // re-exported in `diagnostics`
 pub mod lines;
+#[allow(unsafe_code, reason = "elements beyond the length are not initialised")]
+mod list;
 mod matched;
 mod matcher;
 mod matching;
+mod memory;
 pub mod objects;
 mod observe;
 pub mod obstacles;
@@ -136,7 +137,6 @@ mod report;
 mod result;
 mod rig;
 mod row_memory;
-pub mod scratch;
 mod side_pixels;
 mod sort;
 mod support;
@@ -151,13 +151,13 @@ pub use image::{Dims, Gray, Span};
 pub use kernel::KERNELS;
 pub use matched::{Matched, Summary};
 pub use matcher::{Matcher, Pair};
+pub use memory::{Capacity, Memory, MemorySlice, RunError, Word};
 pub use objects::{NoDepth, ObjectDepth, Region, RegionError};
 pub use params::{Margin, ParamError, Params, Parts};
 pub use plan::Plan;
 pub use query::{PixelDepth, PixelRejection};
 pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source};
 pub use rig::{Rig, RigError};
-pub use scratch::{RunError, Scratch, ScratchView};
 pub use support::{Support, SupportPoint};
 pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 
@@ -169,6 +169,7 @@ pub mod diagnostics {
     pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
     pub use crate::lines::Segment;
+    pub use crate::list::List;
     pub use crate::matching::{
         Candidate, CurveKind, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6,
         MAX_WINDOW_RATIO_Q8, SegmentCurves, Side,

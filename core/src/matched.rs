@@ -13,17 +13,17 @@ use crate::bars::{self, Bar};
 use crate::ground::GroundPlane;
 use crate::health::{Findings, HealthFlags, PairHealth};
 use crate::image::{Dims, Gray};
+use crate::list::List;
 use crate::matching::Candidate;
+use crate::memory::Buffers;
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::query::{self, PixelDepth, PixelEvidence, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
-use crate::scratch::ScratchView;
 use crate::side_pixels::ValidPixels;
 use crate::support::{RangeCheck, Support};
-use heapless::vec::VecView;
 
 /// Least row offset by which rows are moved, 1/32 px: that by edges is known within some 0.2 px,
 /// and most pairs are rectified to less than half a pixel.
@@ -96,7 +96,7 @@ impl Summary {
 pub struct Matched<'a> {
     pub(crate) plan: Plan,
     pub(crate) images: [Gray<'a>; 2],
-    pub(crate) scratch: ScratchView<'a>,
+    pub(crate) buffers: Buffers<'a>,
     pub(crate) summary: Summary,
 }
 
@@ -112,13 +112,6 @@ impl<'a> Matched<'a> {
     #[must_use]
     pub fn dims(&self) -> Dims {
         self.plan.dims
-    }
-
-    /// The memory of the run, for the next one: for callers that keep the pair and no borrow of its
-    /// memory, such as another language.
-    #[must_use]
-    pub fn into_scratch(self) -> ScratchView<'a> {
-        self.scratch
     }
 
     /// Counts, row offset and health of the run.
@@ -142,8 +135,9 @@ impl<'a> Matched<'a> {
 
     /// Leaves the support points alone.
     pub(crate) fn drop_segments(&mut self) {
-        self.scratch.candidates.clear();
-        self.scratch.matches.clear();
+        self.buffers.candidates.clear();
+        self.buffers.matches.clear();
+        self.buffers.keep();
         self.summary.counts = Counts::default();
     }
 
@@ -156,14 +150,14 @@ impl<'a> Matched<'a> {
     /// Matched segments, most confident first.
     #[must_use]
     pub fn segments(&self) -> &[Match] {
-        if self.summary.is_fit() { self.scratch.matches } else { &[] }
+        if self.summary.is_fit() { &self.buffers.matches } else { &[] }
     }
 
     /// Matches, counts and support points by which the health of the pair is judged.
     #[must_use]
     pub fn findings(&self) -> Findings<'_> {
         Findings {
-            matches: self.scratch.matches,
+            matches: &self.buffers.matches,
             counts: self.counts(),
             support: self.support(),
             range: self.summary.range,
@@ -176,7 +170,7 @@ impl<'a> Matched<'a> {
     /// are fitted on.
     #[must_use]
     pub fn candidates(&self) -> &[Candidate] {
-        self.scratch.candidates
+        &self.buffers.candidates
     }
 
     /// The grid of support points.
@@ -185,7 +179,7 @@ impl<'a> Matched<'a> {
         Support::new(
             &self.plan.params,
             self.plan.dims,
-            self.scratch.support,
+            &self.buffers.support,
             self.summary.detail_q8,
         )
         .with_plane(self.summary.plane)
@@ -220,7 +214,7 @@ impl<'a> Matched<'a> {
     /// Bars, thin things in front of what is around them.
     #[must_use]
     pub fn bars(&self) -> &[Bar] {
-        if self.summary.is_fit() { bars::in_front(self.scratch.bars) } else { &[] }
+        if self.summary.is_fit() { bars::in_front(&self.buffers.bars) } else { &[] }
     }
 
     /// Calls `each` with every point: those of bars, of segments, most probable sides first, then
@@ -231,7 +225,7 @@ impl<'a> Matched<'a> {
     pub fn points(&mut self, mut each: impl FnMut(Point)) {
         if self.summary.is_fit() {
             let (mut report, _) =
-                Report::new(&self.plan, self.images, &mut self.scratch, self.summary.detail_q8);
+                Report::new(&self.plan, self.images, &mut self.buffers, self.summary.detail_q8);
             report.list_points(&mut each);
         }
     }
@@ -247,8 +241,7 @@ impl<'a> Matched<'a> {
             };
             return regions.iter().map(refused).for_each(each);
         }
-        let ScratchView { candidates, support, neighbours, order, marks, bars, .. } =
-            &mut self.scratch;
+        let Buffers { candidates, support, neighbours, order, marks, bars, .. } = &mut self.buffers;
         let Plan { params, dims, models, .. } = &self.plan;
         let mut query = ObjectQuery {
             candidates,
@@ -258,7 +251,7 @@ impl<'a> Matched<'a> {
             dims: *dims,
             rig: params.rig,
             neighbours,
-            order,
+            order: order.lent(),
             marks,
             bars,
         };
@@ -284,7 +277,7 @@ impl<'a> Matched<'a> {
     ) -> Result<PixelDepth, PixelRejection> {
         let is_fit = self.summary.is_fit();
         let answer = self.query(is_fit, |query| query.answer(pixel, region));
-        query::on_bars(self.scratch.bars, pixel, answer, self.plan.params.rig)
+        query::on_bars(&self.buffers.bars, pixel, answer, self.plan.params.rig)
     }
 
     /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability and of any
@@ -306,7 +299,7 @@ impl<'a> Matched<'a> {
         if !is_answered {
             return Err(PixelRejection::UnhealthyPair);
         }
-        let ScratchView { candidates, support, rows, work, .. } = &mut self.scratch;
+        let Buffers { candidates, support, rows, work, .. } = &mut self.buffers;
         let Plan { params, dims, pixel_model, .. } = &self.plan;
         evaluate(Query {
             params,
@@ -325,21 +318,20 @@ impl<'a> Matched<'a> {
 
 impl<'r> Report<'r> {
     /// The report of a run, and the list that it fills.
-    pub(crate) fn new(
+    pub(crate) fn new<'m>(
         plan: &'r Plan,
         [left, right]: [Gray<'r>; 2],
-        scratch: &'r mut ScratchView<'_>,
+        buffers: &'r mut Buffers<'m>,
         detail_q8: i16,
-    ) -> (Self, &'r mut VecView<Match>) {
-        let ScratchView { candidates, neighbours, order, support, marks, matches, bars, .. } =
-            scratch;
+    ) -> (Self, &'r mut List<'m, Match>) {
+        let Buffers { candidates, neighbours, order, support, marks, matches, bars, .. } = buffers;
         let report = Self {
             params: &plan.params,
             models: plan.models,
             views: ValidPixels::of(left, right),
             candidates,
             neighbours,
-            order,
+            order: order.lent(),
             support: Support::new(&plan.params, plan.dims, support, detail_q8),
             marks,
             bars,

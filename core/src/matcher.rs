@@ -20,10 +20,10 @@ use crate::ground::{GroundPlane, GroundSearch};
 use crate::health::{Findings, HealthLimits, HealthMonitor, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
+use crate::memory::{MemorySlice, RunError};
 use crate::observe::{Observer, StageEvent};
 use crate::params::{ParamError, Params, Parts};
 use crate::plan::Plan;
-use crate::scratch::{RunError, ScratchView};
 
 /// A rectified pair.
 #[derive(Clone, Copy, Debug)]
@@ -113,39 +113,49 @@ impl Matcher {
         self.row_offset_q5.is_some()
     }
 
-    /// Matches the next pair; with `areas` these parts of the left image alone, with the row offset
-    /// of the last whole pair, or, before the first, one estimated in them.
+    /// Matches the next pair.
     ///
     /// # Errors
     /// As [`Plan::run`]; such a pair does not change the state.
     pub fn run<'a>(
         &mut self,
         pair: Pair<'a>,
+        memory: &'a mut MemorySlice,
+    ) -> Result<Matched<'a>, RunError> {
+        self.run_observed(pair, memory, None, &mut ())
+    }
+
+    /// [`Matcher::run`]; with `areas` in these parts of the left image alone, with the row offset
+    /// of the last whole pair, or, before the first, one estimated in them. Calls `observer` at
+    /// every step.
+    pub fn run_with<'a>(
+        &mut self,
+        pair: Pair<'a>,
+        memory: &'a mut MemorySlice,
         areas: Option<&[Area]>,
-        scratch: ScratchView<'a>,
         observer: &mut impl Observer,
     ) -> Result<Matched<'a>, RunError> {
-        self.run_observed(pair, areas, scratch, observer)
+        self.run_observed(pair, memory, areas, observer)
     }
 
     #[inline(never)]
     fn run_observed<'a>(
         &mut self,
         pair: Pair<'a>,
+        memory: &'a mut MemorySlice,
         areas: Option<&[Area]>,
-        scratch: ScratchView<'a>,
         observer: &mut dyn Observer,
     ) -> Result<Matched<'a>, RunError> {
         let Pair { left, right, times_us } = pair;
-        let mut scratch = self.plan.checked([left, right], scratch)?;
+        let mut buffers = self.plan.buffers([left, right], memory)?;
         let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
         observer.on_event(StageEvent::Health(&health));
         if health.is_refused() {
-            scratch.clear();
+            buffers.clear();
             return Ok(Matched {
                 plan: self.plan,
                 images: [left, right],
-                scratch,
+                buffers,
                 summary: Summary { health, ..Summary::default() },
             });
         }
@@ -162,7 +172,7 @@ impl Matcher {
             (None, None, _) => GroundSearch::Off,
         };
         let focus = Focus { areas, row_offset_q5, ground };
-        let mut matched = self.plan.run_stages([left, right], (&focus, parts), scratch, observer);
+        let mut matched = self.plan.run_stages([left, right], (&focus, parts), buffers, observer);
         self.ground = matched.summary.plane;
         self.unsearched = match ground {
             GroundSearch::Off => self.unsearched.saturating_sub(1),

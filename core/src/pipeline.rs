@@ -12,12 +12,12 @@ use crate::matching::consistency;
 use crate::matching::{
     self, FullSearches, MatchContext, Search, SegmentCurves, Workspace, row_offset, surroundings,
 };
+use crate::memory::{Buffers, MemorySlice, RunError};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::report::Report;
 use crate::result::{Counts, Rejection};
-use crate::scratch::{RunError, ScratchView, mark_words};
 use crate::support::{self, Grid, RangeCheck, Support};
 
 /// Columns between two scans for the near-horizontal edges of the right image, not all of which are
@@ -30,13 +30,13 @@ impl Plan {
     ///
     /// # Errors
     /// Images of another size than planned, and a memory that is too small for it (see
-    /// [`Scratch`](crate::Scratch)).
+    /// [`Capacity`](crate::Capacity)).
     pub fn run<'a>(
         &self,
         images: [Gray<'a>; 2],
-        scratch: ScratchView<'a>,
+        memory: &'a mut MemorySlice,
     ) -> Result<Matched<'a>, RunError> {
-        self.run_on(images, &Focus::WHOLE, scratch, &mut ())
+        self.run_on(images, &Focus::WHOLE, memory, &mut ())
     }
 
     /// [`Plan::run`] in and just around some areas of the left image; calls `observer` at every
@@ -53,25 +53,25 @@ impl Plan {
         &self,
         images: [Gray<'a>; 2],
         focus: &Focus<'_>,
-        scratch: ScratchView<'a>,
+        memory: &'a mut MemorySlice,
         observer: &mut impl Observer,
     ) -> Result<Matched<'a>, RunError> {
         Ok(self.run_stages(
             images,
             (focus, self.params.parts),
-            self.checked(images, scratch)?,
+            self.buffers(images, memory)?,
             observer,
         ))
     }
 
-    /// Runs every stage, in memory that was [checked](Self::checked) for these images. The observer
+    /// Runs every stage, in [the buffers](Self::buffers) for these images. The observer
     /// is a trait object: compiled here, once, and not for each kind of observer in the package
     /// that has it, at that one's level of optimization. `parts` overrides those of the parameters.
     pub(crate) fn run_stages<'a>(
         &self,
         images: [Gray<'a>; 2],
         (focus, parts): (&Focus<'_>, Parts),
-        mut m: ScratchView<'a>,
+        mut m: Buffers<'a>,
         observer: &mut dyn Observer,
     ) -> Matched<'a> {
         m.clear();
@@ -100,18 +100,19 @@ impl Plan {
             );
         }
         support::rate(
-            m.support,
+            &mut m.support,
             Grid::new(&self.params, self.dims),
             (summary.detail_q8, summary.plane),
             self.support_models.of_size(self.dims.is_large(), summary.plane.is_some()),
         );
-        observer.on_event(StageEvent::Consistency(m.candidates, m.support));
+        observer.on_event(StageEvent::Consistency(&m.candidates, &m.support));
         self.place_bars(images, (row_offset, summary.detail_q8), &mut m, observer);
 
         let (mut report, matches) = Report::new(self, images, &mut m, summary.detail_q8);
         report.run(matches, &mut summary.counts);
         observer.on_event(StageEvent::Report(matches));
-        Matched { plan: *self, images, scratch: m, summary }
+        m.keep();
+        Matched { plan: *self, images, buffers: m, summary }
     }
 
     /// The matched pair of an earlier run with this plan, these images and this memory, unchanged
@@ -124,28 +125,26 @@ impl Plan {
         &self,
         summary: &Summary,
         images: [Gray<'a>; 2],
-        scratch: ScratchView<'a>,
+        memory: &'a mut MemorySlice,
     ) -> Result<Matched<'a>, RunError> {
         Ok(Matched {
             plan: *self,
             images,
-            scratch: self.checked(images, scratch)?,
+            buffers: self.buffers(images, memory)?,
             summary: *summary,
         })
     }
 
-    /// The memory, if it and the images have the planned sizes.
-    pub(crate) fn checked<'a>(
+    /// The buffers of a run, if the memory and the images have the planned sizes.
+    pub(crate) fn buffers<'a>(
         &self,
         images: [Gray<'a>; 2],
-        scratch: ScratchView<'a>,
-    ) -> Result<ScratchView<'a>, RunError> {
+        memory: &'a mut MemorySlice,
+    ) -> Result<Buffers<'a>, RunError> {
         if let Some(image) = images.iter().find(|image| image.dims() != self.dims) {
             return Err(RunError::SizeMismatch { planned: self.dims, given: image.dims() });
         }
-        scratch.check(self.dims)?;
-        let marks = scratch.marks.get_mut(..mark_words(self.dims)).unwrap_or(&mut []);
-        Ok(ScratchView { marks, ..scratch })
+        memory.cut(self.dims, self.params.cell)
     }
 
     /// Detects the segments of both images and keeps the prominent ones of the left. Returns the
@@ -155,7 +154,7 @@ impl Plan {
         &self,
         [left, right]: [Gray<'_>; 2],
         (focus, regions): (&Focus<'_>, &SearchRegions),
-        m: &mut ScratchView<'_>,
+        m: &mut Buffers<'_>,
         counts: &mut Counts,
         observer: &mut dyn Observer,
     ) -> Option<i16> {
@@ -170,29 +169,35 @@ impl Plan {
         let right_lines =
             LineParams { row_scan: None, column_scan: Some(RIGHT_SCAN_STEP), ..lines };
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
-        let found =
-            lines::detect(left, regions.left(self.params.cell).as_deref(), &lines, scratch, m.left);
+        let found = lines::detect(
+            left,
+            regions.left(self.params.cell).as_deref(),
+            &lines,
+            scratch,
+            &mut m.left,
+        );
         (counts.segments_left_dropped, counts.edges_cut) = (found.segments, found.edges);
         counts.edge_units = found.units;
-        observer.on_event(StageEvent::LinesLeft(m.left));
+        observer.on_event(StageEvent::LinesLeft(&m.left));
         if self.has_bars && regions.areas().is_none() {
-            bars::find(left, m.left, m.bars);
+            bars::find(left, &m.left, &mut m.bars);
         }
         let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
         if focus.row_offset_q5.is_none() {
-            let regions = regions.right(m.left, &self.params);
-            let found = lines::detect(right, regions.as_deref(), &right_lines, scratch, m.right);
+            let regions = regions.right(&m.left, &self.params);
+            let found =
+                lines::detect(right, regions.as_deref(), &right_lines, scratch, &mut m.right);
             counts.segments_right_dropped = found.segments;
             counts.edges_cut = counts.edges_cut.saturating_add(found.edges);
             counts.edge_units += found.units;
-            lines::sort_by_top(m.right);
+            lines::sort_by_top(&mut m.right);
         }
-        observer.on_event(StageEvent::LinesRight(m.right));
+        observer.on_event(StageEvent::LinesRight(&m.right));
         counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
         let row_offset_q5 = given_rows(focus).or_else(|| {
             let (offset_q5, cut) = row_offset::estimate(
-                m.left,
-                m.right,
+                &m.left,
+                &m.right,
                 self.disparities(),
                 Area::of(self.dims).pixels(),
             );
@@ -200,16 +205,16 @@ impl Plan {
             offset_q5
         });
         let lost = lines::keep_prominent(
-            m.left,
+            &mut m.left,
             (self.params.cell.into(), m.candidates.capacity()),
             self.dims.width.into(),
             m.marks,
         );
         m.left.retain(|segment| regions.contains(segment));
-        lines::sort_by_top(m.left);
+        lines::sort_by_top(&mut m.left);
         counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         counts.reject_many(Rejection::LessProminent, lost);
-        observer.on_event(StageEvent::Selection(row_offset_q5.unwrap_or(0).into(), m.left));
+        observer.on_event(StageEvent::Selection(row_offset_q5.unwrap_or(0).into(), &m.left));
         row_offset_q5
     }
 
@@ -222,7 +227,7 @@ impl Plan {
         images: [Gray<'_>; 2],
         (row_offset, regions): (i32, &SearchRegions),
         plane: Option<GroundPlane>,
-        m: &mut ScratchView<'_>,
+        m: &mut Buffers<'_>,
         observer: &mut dyn Observer,
     ) -> (i16, RangeCheck) {
         let grid = Grid::new(&self.params, self.dims);
@@ -230,11 +235,12 @@ impl Plan {
         let (half, noise) = (Grid::of_halves(&self.params, self.dims), support::Noise::of(images));
         let models = self.support_models;
         let matching = support::Matching { images, grid, half, row_offset, noise, plane, models };
-        let found = matching.run(regions.areas(), m.rows, m.support, |index, seen| match seen {
-            support::Seen::Curves(curves) => observer.support_curves(index, &curves),
-            support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
-        });
-        observer.on_event(StageEvent::Support(m.support));
+        let found =
+            matching.run(regions.areas(), m.rows, &mut m.support, |index, seen| match seen {
+                support::Seen::Curves(curves) => observer.support_curves(index, &curves),
+                support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
+            });
+        observer.on_event(StageEvent::Support(&m.support));
         found
     }
 
@@ -245,13 +251,14 @@ impl Plan {
         &self,
         images: [Gray<'_>; 2],
         (row_offset, detail_q8, regions, plane): (i32, i16, &SearchRegions, Option<GroundPlane>),
-        m: &mut ScratchView<'_>,
+        m: &mut Buffers<'_>,
         counts: &mut Counts,
         observer: &mut dyn Observer,
     ) {
-        let support = Support::new(&self.params, self.dims, m.support, detail_q8).with_plane(plane);
+        let support =
+            Support::new(&self.params, self.dims, &m.support, detail_q8).with_plane(plane);
         let context = MatchContext::new(&self.params, self.models, self.dims, support);
-        let extents = regions.extents(m.left, self.disparities());
+        let extents = regions.extents(&m.left, self.disparities());
         let Some(mut band) = Band::new(images, row_offset, extents.as_deref(), m.rows) else {
             return;
         };
@@ -296,12 +303,12 @@ impl Plan {
             }
         }
         match_bars(i32::MAX, &mut band, m.work, observer);
-        let cut = consistency::accumulate_support(m.candidates, m.neighbours);
+        let cut = consistency::accumulate_support(&mut m.candidates, m.neighbours);
         counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
         surroundings::evaluate_sides(
-            m.candidates,
+            &mut m.candidates,
             (Grid::new(&self.params, self.dims), plane),
-            m.support,
+            &mut m.support,
         );
     }
 
@@ -312,17 +319,17 @@ impl Plan {
         &self,
         images: [Gray<'_>; 2],
         (row_offset, detail_q8): (i32, i16),
-        m: &mut ScratchView<'_>,
+        m: &mut Buffers<'_>,
         observer: &mut dyn Observer,
     ) {
-        let support = Support::new(&self.params, self.dims, m.support, detail_q8);
+        let support = Support::new(&self.params, self.dims, &m.support, detail_q8);
         let least = self.params.min_confidence.max(bars::LEAST_BAR);
-        bars::rate(m.bars, support, least, |index, bar, nearby_q8| {
+        bars::rate(&mut m.bars, support, least, |index, bar, nearby_q8| {
             observer.bar(index, bar, nearby_q8)
         });
-        bars::grow(m.bars, images, row_offset, least);
-        bars::sort(m.bars);
-        bars::take_points(m.support, Grid::new(&self.params, self.dims), m.bars);
+        bars::grow(&mut m.bars, images, row_offset, least);
+        bars::sort(&mut m.bars);
+        bars::take_points(&mut m.support, Grid::new(&self.params, self.dims), &m.bars);
     }
 
     /// First disparity, and the one after the last, px.

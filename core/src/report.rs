@@ -19,6 +19,7 @@ use crate::confidence::{Model, Models};
 use crate::evidence::SegmentKind;
 use crate::image::Dims;
 use crate::lines::Segment;
+use crate::list::List;
 use crate::matching::consistency::{Neighbour, for_each_contradiction};
 use crate::matching::{Candidate, Side};
 use crate::params::Params;
@@ -28,7 +29,6 @@ use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
-use heapless::vec::VecView;
 
 /// Difference between two sides' disparities, summed over both ends, above which they are two
 /// surfaces, 1/64 px.
@@ -53,14 +53,14 @@ pub(crate) struct Report<'a> {
     pub(crate) views: ValidPixels<'a>,
     pub(crate) candidates: &'a mut [Candidate],
     pub(crate) neighbours: &'a [Neighbour],
-    pub(crate) order: &'a mut VecView<Ranked>,
+    pub(crate) order: List<'a, Ranked>,
     pub(crate) support: Support<'a>,
     pub(crate) marks: &'a mut [u32],
     pub(crate) bars: &'a [Bar],
 }
 
 impl Report<'_> {
-    pub(crate) fn run(&mut self, matches: &mut VecView<Match>, counts: &mut Counts) {
+    pub(crate) fn run(&mut self, matches: &mut List<'_, Match>, counts: &mut Counts) {
         for candidate in self.candidates.iter_mut() {
             rate(candidate, self.models);
         }
@@ -129,10 +129,10 @@ impl Report<'_> {
     /// Most probable first.
     #[inline(never)]
     fn sort_order(&mut self) {
-        sort_by_key(self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
+        sort_by_key(&mut self.order, |r| (u16::MAX - r.probability_q16, r.candidate));
     }
 
-    fn list_matches(&mut self, matches: &mut VecView<Match>, counts: &mut Counts) {
+    fn list_matches(&mut self, matches: &mut List<'_, Match>, counts: &mut Counts) {
         let least = self.least();
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {

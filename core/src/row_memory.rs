@@ -12,6 +12,6 @@ pub(crate) const PAD: usize = 44;
 
 /// Size of one padded row, bytes.
 #[must_use]
-pub const fn row_bytes(width: u16) -> usize {
+pub(crate) const fn row_bytes(width: u16) -> usize {
     width as usize + 2 * PAD
 }

@@ -2,11 +2,10 @@
 
 use linestereo::diagnostics::{Models, Observer, SupportModels};
 use linestereo::image::ViewError;
-use linestereo::scratch::{mark_words, most_support_points, row_bytes};
 use linestereo::{
-    Area, Bar, Dims, Gray, GroundPlane, HealthFlags, HealthLimits, Match, Matched, Matcher,
-    ObjectDepth, Pair, ParamError, Params, PixelDepth, PixelRejection, Plan, Point, Region,
-    Rejection, RunError, Scratch, Span, Summary,
+    Area, Bar, Capacity, Dims, Gray, GroundPlane, HealthFlags, HealthLimits, Match, Matched,
+    Matcher, Memory, ObjectDepth, Pair, ParamError, Params, PixelDepth, PixelRejection, Plan,
+    Point, Region, Rejection, RunError, Span, Summary,
 };
 use linestereo_wire::{Counts, Health, PairReport};
 
@@ -16,13 +15,10 @@ pub const MAX_MATCHES: usize = 4096;
 
 const LARGEST: Dims = Dims { width: 1280, height: 1280 };
 
-type PcScratch = Scratch<
-    { row_bytes(LARGEST.width) },
-    { mark_words(LARGEST) },
-    MAX_MATCHES,
-    MAX_MATCHES,
-    { most_support_points(LARGEST) },
->;
+/// Room for the finest squares as well.
+const CAPACITY: Capacity = Capacity { dims: LARGEST, segments: MAX_MATCHES as u16, cell: 8 };
+
+type PcMemory = Memory<{ CAPACITY.words() }, MAX_MATCHES>;
 
 /// Least share of the compared segments that are matched for the exchanged pair not to be tried,
 /// how many times as many it has to match to be the right one, and how many at least.
@@ -94,9 +90,9 @@ pub struct FittedModels {
 /// pair.
 pub struct Engine {
     matcher: Matcher,
-    scratch: Box<PcScratch>,
+    memory: Box<PcMemory>,
     /// Memory of pairs that are tried; none before the first.
-    trial: Option<Box<PcScratch>>,
+    trial: Option<Box<PcMemory>>,
     /// Pairs that are not fit to be used are answered.
     answers_unfit: bool,
     /// Where pairs are matched; everywhere without.
@@ -138,7 +134,7 @@ impl Engine {
         };
         Ok(Self {
             matcher,
-            scratch: Box::new(PcScratch::new()),
+            memory: Box::new(PcMemory::new()),
             trial: None,
             answers_unfit: false,
             areas: None,
@@ -209,7 +205,7 @@ impl Engine {
         let (summary, images) = &self.last;
         let [left, right] =
             images.each_ref().map(|image| image.view(plan.dims()).expect("as it was matched"));
-        plan.resume(summary, [left, right], self.scratch.view()).expect("as it was matched")
+        plan.resume(summary, [left, right], &mut self.memory).expect("as it was matched")
     }
 
     /// The depth of each region in the pair that was matched last.
@@ -235,7 +231,7 @@ impl Engine {
         left: Gray<'a>,
         right: Gray<'a>,
     ) -> Result<Matched<'a>, RunError> {
-        self.matcher.plan().run([left, right], self.scratch.view())
+        self.matcher.plan().run([left, right], &mut self.memory)
     }
 
     /// Runs the core on one rectified pair that stands alone: its health knows of no other.
@@ -264,7 +260,7 @@ impl Engine {
     ) -> Result<FrameResult, RunError> {
         let pair = Pair { left, right, times_us };
         let mut matched =
-            self.matcher.run(pair, self.areas.as_deref(), self.scratch.view(), observer)?;
+            self.matcher.run_with(pair, &mut self.memory, self.areas.as_deref(), observer)?;
         let exchanged =
             try_exchanged(&matched, [right, left], *self.matcher.plan(), &mut self.trial);
         if exchanged.is_some() {
@@ -273,7 +269,7 @@ impl Engine {
         let health = *matched.health();
         if self.answers_unfit && !matched.summary().is_fit() {
             // A plan that runs alone knows no health.
-            matched = self.matcher.plan().run([left, right], matched.into_scratch())?;
+            matched = self.matcher.plan().run([left, right], &mut self.memory)?;
         }
         let mut points = Vec::new();
         matched.points(|point| points.push(point));
@@ -307,7 +303,7 @@ fn try_exchanged(
     matched: &Matched<'_>,
     exchanged: [Gray<'_>; 2],
     plan: Plan,
-    trial: &mut Option<Box<PcScratch>>,
+    trial: &mut Option<Box<PcMemory>>,
 ) -> Option<[u16; 2]> {
     let (enough, times, least) = EXCHANGE;
     let compared = |counts: &linestereo::Counts| {
@@ -319,8 +315,8 @@ fn try_exchanged(
     {
         return None;
     }
-    let trial = trial.get_or_insert_with(|| Box::new(PcScratch::new()));
-    let other = plan.run(exchanged, trial.view()).ok()?;
+    let trial = trial.get_or_insert_with(|| Box::new(PcMemory::new()));
+    let other = plan.run(exchanged, trial).ok()?;
     let found = other.counts();
     (found.matched >= least.max(times * counts.matched)).then(|| [found.matched, compared(found)])
 }

@@ -10,7 +10,7 @@
 use core::f64::consts::TAU;
 use core::time::Duration;
 use linestereo::diagnostics::{Observer, Segment, StageEvent};
-use linestereo::{Area, Counts, Dims, Focus, Match, Pair, Params, Rejection};
+use linestereo::{Area, Capacity, Counts, Dims, Focus, Match, Pair, Params, Rejection};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Scene, find_scenes, load_scene};
 use linestereo_sim::draw::gray_png;
@@ -23,9 +23,12 @@ use std::{env, fs};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// As on boards.
-type Memory = linestereo::scratch!(Dims { width: 320, height: 320 }, 640);
+type Memory = linestereo::Memory<{ Capacity::new(Dims { width: 320, height: 320 }).words() }>;
 
-type Large = linestereo::scratch!(Dims { width: 1280, height: 960 }, 4096);
+type Large = linestereo::Memory<
+    { Capacity { segments: 4096, ..Capacity::new(Dims { width: 1280, height: 960 }) }.words() },
+    4096,
+>;
 
 /// Part of a pair that is matched.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +148,7 @@ fn run(memory: &mut Memory, [left, right]: [&GrayImage; 2], part: Part) -> (f64,
     // Areas are matched with the row offset of a whole pair.
     let focus =
         Focus { areas: areas.as_deref(), row_offset_q5: areas.as_ref().map(|_| 0), ..Focus::WHOLE };
-    let matched = plan.run_on(images, &focus, memory.view(), &mut steps).unwrap();
+    let matched = plan.run_on(images, &focus, memory, &mut steps).unwrap();
     (steps.cost(part, matched.counts()), *matched.counts())
 }
 
@@ -376,7 +379,7 @@ fn a_grating_is_cut_in_every_part_alike() {
     let mut seen = LeftSegments::default();
     let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
     let mut matcher = Params::default().matcher(DIMS).unwrap();
-    matcher.run(pair, None, memory.view(), &mut seen).unwrap();
+    matcher.run_with(pair, &mut memory, None, &mut seen).unwrap();
     let mut parts = [0; 16];
     for segment in &seen.0 {
         let [a, b] = segment.ends;
@@ -397,7 +400,7 @@ fn the_budget_grows_with_the_image() {
         let mut memory = Box::new(Large::new());
         let params = Params::default().plan(image.dims).unwrap();
         let view = image.view().unwrap();
-        let matched = params.run([view, view], memory.view()).unwrap();
+        let matched = params.run([view, view], &mut memory).unwrap();
         (matched.counts().edge_units(), matched.counts().edges_cut)
     };
     let (small, large) = (units(320, 240), units(1280, 960));
@@ -432,7 +435,7 @@ fn nothing_is_left_out_of_a_scene() {
             let pair =
                 Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
             let counts =
-                *matcher.run(pair, areas.as_deref(), memory.view(), &mut ()).unwrap().counts();
+                *matcher.run_with(pair, &mut memory, areas.as_deref(), &mut ()).unwrap().counts();
             assert_eq!((counts.edges_cut, counts.comparisons_cut), (0, 0), "{name}, {areas:?}");
         }
         // The work of a scene is what it is said to be.
@@ -464,7 +467,7 @@ fn nothing_is_left_out_of_scenes_of_other_sizes() {
             let scene = load_scene(&folder, None).unwrap();
             let plan = Params::default().plan(scene.left.dims).unwrap();
             let matched = plan
-                .run([scene.left.view().unwrap(), scene.right.view().unwrap()], memory.view())
+                .run([scene.left.view().unwrap(), scene.right.view().unwrap()], &mut memory)
                 .unwrap();
             let counts = matched.counts();
             assert_eq!((counts.edges_cut, counts.comparisons_cut), (0, 0), "{set}, {}", scene.name);

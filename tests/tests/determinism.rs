@@ -2,12 +2,12 @@
 //! the profile.
 
 use linestereo::diagnostics::{Stage, StageDigests};
-use linestereo::{Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig};
+use linestereo::{Capacity, Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig};
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{rendered, with_padding};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = linestereo::scratch!(DIMS, 512);
+type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 
 /// Digests of the values of all matches and points of [`scenes`], names left out. A change that is
 /// meant to change the output changes them: run the test and take the numbers it prints. Debug and
@@ -31,7 +31,7 @@ fn plan() -> Plan {
 }
 
 fn run(memory: &mut Memory, left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
-    let mut matched = plan().run([left, right], memory.view()).unwrap();
+    let mut matched = plan().run([left, right], memory).unwrap();
     let mut points = Vec::new();
     matched.points(|point| points.push(point));
     (matched.segments().to_vec(), points)
@@ -67,7 +67,7 @@ fn debug_and_release_give_the_blessed_bits() {
             let images = [rendering.left.view().unwrap(), rendering.right.view().unwrap()];
             let mut digests = StageDigests::new();
             let mut matched =
-                plan().run_on(images, &Focus::WHOLE, memory.view(), &mut digests).unwrap();
+                plan().run_on(images, &Focus::WHOLE, &mut memory, &mut digests).unwrap();
             matched.points(|point| digests.add_point(&point));
             digests.of(Stage::Report)
         })

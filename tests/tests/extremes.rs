@@ -1,10 +1,10 @@
 //! Sizes, contents, capacities and parameters at their limits. The test profile checks every
 //! integer overflow.
 
-use linestereo::scratch::{mark_words, most_support_points, row_bytes};
+use core::mem::MaybeUninit;
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, Gray, Margin, ParamError, Params, Rejection, Rig, RunError,
-    Scratch,
+    Capacity, Confidence, Depth, Dims, Disparity, Gray, Margin, Memory, MemorySlice, ParamError,
+    Params, Rejection, Rig, RunError,
 };
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -109,18 +109,15 @@ fn boxes() -> scene::Rendering {
 fn with_few_places_segments_come_from_larger_squares_and_all_are_counted() {
     let rendering = boxes();
     let images = [rendering.left.view().unwrap(), rendering.right.view().unwrap()];
-    let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
-    const ROW: usize = row_bytes(DIMS.width);
-    const MARKS: usize = mark_words(DIMS);
-    const SUPPORT: usize = most_support_points(DIMS);
-    let (mut many, mut few) = (
-        Box::new(Scratch::<ROW, MARKS, 512, 512, SUPPORT>::new()),
-        Box::new(Scratch::<ROW, MARKS, 512, 9, SUPPORT>::new()),
-    );
-    let (all, some) =
-        (plan.run(images, many.view()).unwrap(), plan.run(images, few.view()).unwrap());
+    let plan = Params { max_disparity: 48, cell: 8, ..Params::default() }.plan(DIMS).unwrap();
+    let fine = Capacity { cell: 8, ..Capacity::new(DIMS) };
+    let coarse = Capacity::new(DIMS);
+    let [mut many, mut few] =
+        [fine, coarse].map(|capacity| vec![MaybeUninit::uninit(); capacity.words()]);
+    let [many, few] = [&mut many, &mut few].map(|words| MemorySlice::new(words, coarse.segments));
+    let (all, some) = (plan.run(images, many).unwrap(), plan.run(images, few).unwrap());
     assert!(
-        all.segments().len() > 10 && !some.segments().is_empty() && some.candidates().len() <= 9
+        all.candidates().len() > 48 && !some.segments().is_empty() && some.candidates().len() <= 48
     );
     // Every segment is listed or rejected, and each for the reason that was counted.
     for matched in [&all, &some] {
@@ -203,22 +200,16 @@ fn wrong_sizes_and_too_little_memory_are_refused() {
     let rendering = boxes();
     let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     let plan = Params::default().plan(DIMS).unwrap();
-    let mut memory = Box::new(Scratch::<
-        { row_bytes(DIMS.width) },
-        { mark_words(DIMS) },
-        64,
-        64,
-        { most_support_points(DIMS) },
-    >::new());
+    let mut memory = Box::new(Memory::<{ Capacity::new(DIMS).words() }>::new());
     let other = Dims { width: 160, height: 119 };
     let small = Gray::new(&rendering.left.pixels, other, 160).unwrap();
     let refused = Err(RunError::SizeMismatch { planned: DIMS, given: other });
-    assert_eq!(plan.run([small, right], memory.view()).map(|_| ()), refused);
-    assert_eq!(plan.run([left, small], memory.view()).map(|_| ()), refused);
-    assert!(plan.run([left, right], memory.view()).is_ok());
+    assert_eq!(plan.run([small, right], &mut memory).map(|_| ()), refused);
+    assert_eq!(plan.run([left, small], &mut memory).map(|_| ()), refused);
+    assert!(plan.run([left, right], &mut memory).is_ok());
 
-    let mut tiny = Box::new(Scratch::<64, 16, 4, 4, 4>::new());
-    let needed = row_bytes(DIMS.width);
-    let refused = Err(RunError::ScratchTooSmall { name: "ROW", needed, given: 64 });
-    assert_eq!(plan.run([left, right], tiny.view()).map(|_| ()), refused);
+    const LESS: usize = Capacity::new(DIMS).words() - 1;
+    let mut tiny = Box::new(Memory::<LESS>::new());
+    let refused = Err(RunError::MemoryTooSmall { needed: LESS + 1, given: LESS });
+    assert_eq!(plan.run([left, right], &mut tiny).map(|_| ()), refused);
 }

@@ -4,13 +4,14 @@
 //! project).
 
 use linestereo::diagnostics::{Candidate, Segment};
-use linestereo::{Area, Dims, Focus, Matched, Params, Plan};
+use linestereo::{Area, Capacity, Dims, Focus, Matched, Params, Plan};
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::object_cases;
 use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };
-type Scratch = linestereo::scratch!(LARGEST, 4096);
+type Scratch =
+    linestereo::Memory<{ Capacity { segments: 4096, ..Capacity::new(LARGEST) }.words() }, 4096>;
 
 fn plan(scene: &Scene) -> Plan {
     Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }
@@ -29,7 +30,7 @@ fn run<'a>(
     memory: &'a mut Scratch,
 ) -> Matched<'a> {
     let images = [scene.left.view().unwrap(), scene.right.view().unwrap()];
-    plan.run_on(images, focus, memory.view(), &mut ()).unwrap()
+    plan.run_on(images, focus, memory, &mut ()).unwrap()
 }
 
 fn row_offset_q5(matched: &Matched<'_>) -> Option<i16> {

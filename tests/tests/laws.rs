@@ -9,7 +9,7 @@
 //! other at up to 20 % of the points; at most a tenth of that is allowed here. Upside down it is
 //! 2.1 % of the corridor's points (paths of costs run down alone): no law.
 
-use linestereo::{Dims, Match, Params, Point};
+use linestereo::{Capacity, Dims, Match, Params, Point};
 use linestereo_frames::GrayImage;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::drawn::{painted, rendered};
@@ -18,7 +18,7 @@ use std::collections::HashMap;
 const DIMS: Dims = Dims { width: 240, height: 160 };
 /// Rendered, so that images can be cut out at several places.
 const WHOLE: Dims = Dims { width: DIMS.width + 40, height: DIMS.height + 40 };
-type Memory = linestereo::scratch!(DIMS, 768);
+type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 type Pair = [GrayImage; 2];
 
 fn scenes() -> impl Iterator<Item = Pair> {
@@ -42,8 +42,7 @@ fn run([left, right]: &Pair, max_disparity: u16) -> (Vec<Match>, Vec<Point>) {
     let params = Params { max_disparity, ..Params::default() };
     let mut memory = Box::new(Memory::new());
     let plan = params.plan(left.dims).unwrap();
-    let mut matched =
-        plan.run([left.view().unwrap(), right.view().unwrap()], memory.view()).unwrap();
+    let mut matched = plan.run([left.view().unwrap(), right.view().unwrap()], &mut memory).unwrap();
     let mut points = Vec::new();
     matched.points(|point| points.push(point));
     (matched.segments().to_vec(), points)

@@ -1,7 +1,8 @@
 //! The detector on drawn images: single edges of every direction, and images made to hurt it.
 
-use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect};
-use linestereo::scratch::mark_words;
+use core::mem::MaybeUninit;
+use linestereo::diagnostics::List;
+use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect, mark_words};
 use linestereo::{Dims, Gray};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
@@ -13,7 +14,8 @@ fn segments<const N: usize>(image: Gray<'_>, fill: u32) -> (Vec<Segment>, u16) {
     let mut marks = vec![fill; mark_words(image.dims())];
     let mut chain = vec![fill as u16; 1280];
     let mut strengths = [0; 640];
-    let mut list = heapless::Vec::<Segment, N>::new();
+    let mut slots = [const { MaybeUninit::uninit() }; N];
+    let mut list = List::<Segment>::new(&mut slots);
     let scratch = LineScratch { marks: &mut marks, chain: &mut chain, strengths: &mut strengths };
     let found = detect(image, None, &PARAMS, scratch, &mut list);
     (list.to_vec(), found.segments)

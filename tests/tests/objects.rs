@@ -2,7 +2,7 @@
 //! geometry, and on whatever a detector may say.
 
 use linestereo::objects::{LabelRows, Run};
-use linestereo::{Area, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
+use linestereo::{Area, Capacity, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::{
     ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects,
@@ -299,14 +299,14 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
 #[test]
 fn objects_leave_the_points_of_the_run_as_they_are() {
     use linestereo::Matched;
-    type Memory = linestereo::scratch!(DIMS, 1024, cell: 16);
+    type Memory = linestereo::Memory<{ Capacity { cell: 16, ..Capacity::new(DIMS) }.words() }>;
     let pair = pair();
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
     let (_, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));
     let (left, right) = (drawn.left.view().unwrap(), drawn.right.view().unwrap());
     let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
     let mut memory = Box::new(Memory::new());
-    let mut matched = plan.run([left, right], memory.view()).unwrap();
+    let mut matched = plan.run([left, right], &mut memory).unwrap();
     let points = |matched: &mut Matched<'_>| {
         let mut points = Vec::new();
         matched.points(|point| points.push(point));

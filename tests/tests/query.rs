@@ -2,8 +2,8 @@
 
 use linestereo::diagnostics::FITTED_PIXEL;
 use linestereo::{
-    Area, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection, Region, Rig,
-    RunError, Span,
+    Area, Capacity, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection,
+    Region, Rig, RunError, Span,
 };
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Perturbation, Scene};
@@ -200,7 +200,7 @@ fn a_hidden_strip_has_no_wrong_depth() {
 }
 
 /// Memory for a small pair.
-type Small = linestereo::scratch!(DIMS, 512, cell: 16);
+type Small = linestereo::Memory<{ Capacity { cell: 16, ..Capacity::new(DIMS) }.words() }>;
 
 #[test]
 fn what_cannot_be_answered_is_named() {
@@ -208,7 +208,7 @@ fn what_cannot_be_answered_is_named() {
     let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
     let mut small = Box::new(Small::new());
     let (l, r) = (left.view().unwrap(), right.view().unwrap());
-    let mut matched = plan.run([l, r], small.view()).unwrap();
+    let mut matched = plan.run([l, r], &mut small).unwrap();
     let mut at = |pixel, region: Option<&Region<'_>>| matched.pixel(pixel, region);
     assert_eq!(at((DIMS.width, 5), None), Err(PixelRejection::Outside));
     assert_eq!(at((5, DIMS.height), None), Err(PixelRejection::Outside));
@@ -223,29 +223,29 @@ fn what_cannot_be_answered_is_named() {
     let summary = *matched.summary();
     let spans = vec![Span { start: 60, end: DIMS.width }; DIMS.height.into()];
     let cut = l.with_valid(&spans).unwrap();
-    let mut matched = plan.resume(&summary, [cut, r], small.view()).unwrap();
+    let mut matched = plan.resume(&summary, [cut, r], &mut small).unwrap();
     assert_eq!(matched.pixel((50, 50), None), Err(PixelRejection::Outside));
     let cut = r.with_valid(&spans).unwrap();
-    let mut matched = plan.resume(&summary, [l, cut], small.view()).unwrap();
+    let mut matched = plan.resume(&summary, [l, cut], &mut small).unwrap();
     assert_eq!(matched.pixel((62, 50), None), Err(PixelRejection::NearBorder));
 
     let other = painted(64, 48, |x, y| (x * y) as u8);
     let other = other.view().unwrap();
     assert!(matches!(
-        plan.resume(&summary, [other, r], small.view()),
+        plan.resume(&summary, [other, r], &mut small),
         Err(RunError::SizeMismatch { .. })
     ));
     let large = Params::default().plan(Dims { width: 640, height: 480 }).unwrap();
     let wide = painted(640, 480, |x, y| (x ^ y) as u8);
     let wide = wide.view().unwrap();
     assert!(matches!(
-        large.resume(&summary, [wide, wide], small.view()),
-        Err(RunError::ScratchTooSmall { .. })
+        large.resume(&summary, [wide, wide], &mut small),
+        Err(RunError::MemoryTooSmall { .. })
     ));
     // A pair that is refused: captured too far apart.
     let mut matcher = Params { max_disparity: RANGE, ..Params::default() }.matcher(DIMS).unwrap();
     let pair = Pair { left: l, right: r, times_us: Some([0, 1_000_000]) };
-    let mut matched = matcher.run(pair, None, small.view(), &mut ()).unwrap();
+    let mut matched = matcher.run(pair, &mut small).unwrap();
     assert!(
         matched.segments().is_empty()
             && matched.candidates().is_empty()
@@ -290,9 +290,9 @@ fn memory_and_order_do_not_matter() {
     let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
     let (mut fresh, mut used) = (Box::new(Small::new()), Box::new(Small::new()));
     let n = noise.view().unwrap();
-    let _ = plan.run([n, n], used.view()).unwrap().pixel((100, 60), None);
-    let mut fresh = plan.run([l, r], fresh.view()).unwrap();
-    let mut used = plan.run([l, r], used.view()).unwrap();
+    let _ = plan.run([n, n], &mut used).unwrap().pixel((100, 60), None);
+    let mut fresh = plan.run([l, r], &mut fresh).unwrap();
+    let mut used = plan.run([l, r], &mut used).unwrap();
     let points = |matched: &mut Matched<'_>| {
         let mut points = Vec::new();
         matched.points(|point| points.push(point));

@@ -8,7 +8,8 @@ use crate::bars;
 use crate::ground::Floor;
 use crate::slopes::Texture;
 use linestereo::{
-    Area, Dims, HealthFlags, Matcher, NoDepth, Pair, Params, Parts, PixelRejection, Region,
+    Area, Capacity, Dims, HealthFlags, Matcher, NoDepth, Pair, Params, Parts, PixelRejection,
+    Region,
 };
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -162,11 +163,11 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
     let plan = |parts| Params { max_disparity: 64, parts, ..Params::default() }.plan(DIMS).unwrap();
     let areas = [Area { left: 60, top: 60, right: 200, bottom: 180 }];
     let mut matcher = Matcher::new(plan(Parts::Support));
-    let mut memory = Box::new(<linestereo::scratch!(DIMS, 512)>::new());
+    let mut memory = Box::new(<linestereo::Memory<{ Capacity::new(DIMS).words() }>>::new());
     let mut see = |matcher: &mut Matcher, pair: &scene::Rendering, areas: Option<&[Area]>| {
         let (left, right) = (pair.left.view().unwrap(), pair.right.view().unwrap());
         let matched = matcher
-            .run(Pair { left, right, times_us: None }, areas, memory.view(), &mut ())
+            .run_with(Pair { left, right, times_us: None }, &mut memory, areas, &mut ())
             .unwrap();
         (
             matched.summary().row_offset_q5(),

@@ -3,13 +3,13 @@
 
 use linestereo::image::ViewError;
 use linestereo::image::{MARGIN, shrink_to_valid};
-use linestereo::{Confidence, Dims, Gray, Match, Params, Point, Span};
+use linestereo::{Capacity, Confidence, Dims, Gray, Match, Params, Point, Span};
 use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, rendered};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
-type Memory = linestereo::scratch!(DIMS, 512);
+type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 type Spans = [Span; DIMS.height as usize];
 
 /// Valid pixels of a turned camera: slanted borders left and right, empty rows at the top, fewer
@@ -51,7 +51,7 @@ fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
         ..Params::default()
     };
     let plan = params.plan(DIMS).unwrap();
-    let mut matched = plan.run([left, right], memory.view()).unwrap();
+    let mut matched = plan.run([left, right], &mut memory).unwrap();
     let mut points = Vec::new();
     matched.points(|point| points.push(point));
     (matched.segments().to_vec(), points)

@@ -4,8 +4,7 @@
 use super::c_library::{QVGA, RIG, expected, has, pairs};
 use core::mem::MaybeUninit;
 use image::{DynamicImage, ImageBuffer};
-use linestereo::scratch::Capacity;
-use linestereo::{Area, Pair, Params, Region, Rig, ScratchView};
+use linestereo::{Area, Capacity, MemorySlice, Pair, Params, Region, Rig};
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_frames::GrayImage;
 use linestereo_frames::{PairFiles, area_average, load_images};
@@ -92,14 +91,12 @@ fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
     let mut matcher = Params::default().matcher(left.dims).unwrap();
     let capacity = Capacity { dims: left.dims, segments: 4096, cell: Params::DEFAULT.cell };
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
-    let mut scratch = ScratchView::carve(&mut words, &capacity).unwrap();
+    let memory = MemorySlice::new(&mut words, capacity.segments);
     let [left, right] = [left.view().unwrap(), right.view().unwrap()];
     let mut times: Vec<f64> = (0..runs)
         .map(|_| {
             let started = std::time::Instant::now();
-            matcher
-                .run(Pair { left, right, times_us: None }, None, scratch.reborrow(), &mut ())
-                .unwrap();
+            matcher.run(Pair { left, right, times_us: None }, memory).unwrap();
             1e3 * started.elapsed().as_secs_f64()
         })
         .collect();
@@ -345,7 +342,7 @@ fn exif_chunk(orientation: u8) -> Vec<u8> {
 /// A box over nearly all of a small image may have more hypotheses, points and segments, than the
 /// image has squares.
 #[test]
-fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
+fn memory_has_room_for_all_hypotheses_of_an_object() {
     let (_, [left, right]) = pairs().pop().unwrap();
     let (dims, area) = (
         left.dims,
@@ -356,12 +353,9 @@ fn carved_memory_has_room_for_all_hypotheses_of_an_object() {
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
     let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
     let mut matcher = Params::default().matcher(dims).unwrap();
-    let scratch = ScratchView::carve(&mut words, &capacity).unwrap();
+    let memory = MemorySlice::new(&mut words, capacity.segments);
     let mut found = Vec::new();
-    matcher
-        .run(pair, None, scratch, &mut ())
-        .unwrap()
-        .objects(&[region], |object| found.push(object));
+    matcher.run(pair, memory).unwrap().objects(&[region], |object| found.push(object));
     let mut engine = Engine::new(&Params::default(), dims).unwrap();
     engine.run(pair.left, pair.right).unwrap();
     assert_eq!(found, engine.objects(&[region]));

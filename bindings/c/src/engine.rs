@@ -5,10 +5,9 @@ use crate::types::{Bar, Camera, Config, Depth, Health, Owner, Point, Segment};
 use core::mem::MaybeUninit;
 use linestereo::health::CameraHealth;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::scratch::Capacity;
 use linestereo::{
-    Area, Confidence, Dims, Disparity, HealthLimits, ImagePosition, Margin, Match, Matched, Matcher, ObjectDepth, Pair,
-    Params, Parts, Plan, Position, Region, Rig, ScratchView, Source,
+    Area, Capacity, Confidence, Dims, Disparity, Gray, HealthLimits, ImagePosition, Margin, Match, Matched, Matcher,
+    MemorySlice, ObjectDepth, Pair, Params, Parts, Plan, Position, Region, Rig, Source, Summary,
 };
 
 impl Config {
@@ -99,17 +98,16 @@ impl Config {
 /// A matcher with its memory, in which the last pair is.
 pub struct Engine {
     matcher: Matcher,
-    /// Unless a pair has it.
-    scratch: Option<ScratchView<'static>>,
+    memory: &'static mut MemorySlice,
     /// The last pair, or why there is none.
-    matched: Result<Matched<'static>, Status>,
+    last: Result<(Summary, [Gray<'static>; 2]), Status>,
 }
 
 impl Engine {
-    pub fn new(plan: Plan, scratch: ScratchView<'static>, skew_limit_us: u32) -> Self {
+    pub fn new(plan: Plan, memory: &'static mut MemorySlice, skew_limit_us: u32) -> Self {
         let mut matcher = Matcher::new(plan);
         matcher.limits.skew_us = skew_limit_us;
-        Self { matcher, scratch: Some(scratch), matched: Err(Status::NoPair) }
+        Self { matcher, memory, last: Err(Status::NoPair) }
     }
 
     pub fn dims(&self) -> Dims {
@@ -117,28 +115,25 @@ impl Engine {
     }
 
     pub fn run(&mut self, pair: Pair<'static>, areas: Option<&[Area]>) -> Result<(), Status> {
-        let last = core::mem::replace(&mut self.matched, Err(Status::NoPair));
-        let scratch = last.ok().map(Matched::into_scratch).or_else(|| self.scratch.take());
-        // A run that fails would lose the memory, but images of another size than the memory's do
-        // not come here.
-        let scratch = scratch.ok_or(Status::NotInitialised)?;
+        let Pair { left, right, .. } = pair;
         // Not `map_err`, which copies all of a result.
-        match self.matcher.run(pair, areas, scratch, &mut ()) {
+        match self.matcher.run_with(pair, self.memory, areas, &mut ()) {
             Ok(matched) => {
-                let is_fit = matched.health().flags.is_fit();
-                self.matched = Ok(matched);
-                if is_fit { Ok(()) } else { Err(Status::PairUnfit) }
+                let summary = *matched.summary();
+                self.last = Ok((summary, [left, right]));
+                if summary.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
             }
             Err(error) => {
                 let status = error.into();
-                self.matched = Err(status);
+                self.last = Err(status);
                 Err(status)
             }
         }
     }
 
-    fn matched(&mut self) -> Result<&mut Matched<'static>, Status> {
-        self.matched.as_mut().map_err(|status| *status)
+    fn matched(&mut self) -> Result<Matched<'_>, Status> {
+        let (summary, images) = self.last.as_ref().map_err(|status| *status)?;
+        Ok(self.matcher.plan().resume(summary, *images, self.memory)?)
     }
 
     pub fn health(&mut self) -> Result<Health, Status> {
@@ -166,8 +161,7 @@ impl Engine {
 
     pub fn bar(&mut self, index: usize) -> Result<Bar, Status> {
         let rig = self.matcher.plan().rig();
-        let found = self.matched()?.bars().get(index).ok_or(Status::NoSuchBar)?;
-        Ok(Bar::new(found, rig))
+        self.matched()?.bars().get(index).map(|found| Bar::new(found, rig)).ok_or(Status::NoSuchBar)
     }
 
     pub fn points(&mut self, mut each: impl FnMut(Point)) -> Result<(), Status> {

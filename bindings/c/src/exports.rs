@@ -11,8 +11,7 @@ use crate::types::{Area, Bar, Config, Depth, FAULT_NAMES, Health, Image, Point, 
 use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
-use linestereo::scratch::Word;
-use linestereo::{Area as CoreArea, Gray, Pair, Region, ScratchView, Span as CoreSpan, objects::Run as CoreRun};
+use linestereo::{Area as CoreArea, Gray, MemorySlice, Pair, Region, Span as CoreSpan, Word, objects::Run as CoreRun};
 
 /// A matcher, in memory of the caller.
 pub struct Matcher {
@@ -191,8 +190,10 @@ pub unsafe extern "C" fn linestereo_init(
         // SAFETY: there are so many words, aligned, behind the matcher; those that it takes are its
         // own from here on.
         let rest = unsafe { core::slice::from_raw_parts_mut(memory.add(HEAD), rest) };
-        let scratch = ScratchView::carve(rest, &config.capacity())?;
-        let engine = UnsafeCell::new(Engine::new(plan, scratch, config.skew_limit_us));
+        let capacity = config.capacity();
+        let rest = rest.get_mut(..capacity.words()).ok_or(Status::MemoryTooSmall)?;
+        let rest = MemorySlice::new(rest, capacity.segments);
+        let engine = UnsafeCell::new(Engine::new(plan, rest, config.skew_limit_us));
         let made: *mut Matcher = memory.cast();
         // SAFETY: the first `HEAD` words have room for it, and are aligned.
         unsafe { made.write(Matcher { address: made.addr(), is_busy: Cell::new(false), engine }) };

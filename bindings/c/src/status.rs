@@ -265,7 +265,7 @@ impl From<RunError> for Status {
     fn from(error: RunError) -> Self {
         match error {
             RunError::SizeMismatch { .. } => Self::ImageSize,
-            RunError::ScratchTooSmall { .. } => Self::MemoryTooSmall,
+            RunError::MemoryTooSmall { .. } => Self::MemoryTooSmall,
         }
     }
 }

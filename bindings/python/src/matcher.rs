@@ -2,13 +2,14 @@
 
 use crate::calibration::{Calibration, Rig};
 use crate::image::{grey, view};
-use crate::memory::Memory;
+use crate::memory::allocate;
 use crate::records::{self, Answer};
 use crate::refused;
-use linestereo::objects::Run;
-use linestereo::scratch::Capacity;
 use linestereo::image::shrink_to_valid;
-use linestereo::{Area, Dims, Disparity, ImagePosition, Pair, Params, Plan, Position, Region, Span, Summary};
+use linestereo::objects::Run;
+use linestereo::{
+    Area, Capacity, Dims, Disparity, ImagePosition, MemorySlice, Pair, Params, Plan, Position, Region, Span, Summary,
+};
 use linestereo_frames::GrayImage;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray2};
@@ -105,11 +106,10 @@ impl Matcher {
             self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
         }
         let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
-        let mut memory =
-            Memory::new(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell }).map_err(refused)?;
+        let mut memory = allocate(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell });
         let start = Instant::now();
         let [left, right] = [view(&images[0], &usable[0])?, view(&images[1], &usable[1])?];
-        let mut matched = matcher.run(Pair { left, right, times_us }, None, memory.view(), &mut ()).map_err(refused)?;
+        let mut matched = matcher.run(Pair { left, right, times_us }, &mut memory).map_err(refused)?;
         let mut points = Vec::with_capacity(16384);
         let (mut segments, mut bars) = (Vec::new(), Vec::new());
         matched.points(|point| points.push(point));
@@ -141,7 +141,7 @@ pub(crate) struct Matched {
     summary: Summary,
     images: [GrayImage; 2],
     usable: [Vec<Span>; 2],
-    memory: Memory,
+    memory: Box<MemorySlice>,
     points: Option<Vec<u8>>,
     segments: Option<Vec<u8>>,
     bars: Option<Vec<u8>>,
@@ -279,7 +279,7 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
 impl Matched {
     fn with<T>(&mut self, ask: impl FnOnce(&mut linestereo::Matched<'_>) -> T) -> PyResult<T> {
         let images = [view(&self.images[0], &self.usable[0])?, view(&self.images[1], &self.usable[1])?];
-        let mut matched = self.plan.resume(&self.summary, images, self.memory.view()).map_err(refused)?;
+        let mut matched = self.plan.resume(&self.summary, images, &mut self.memory).map_err(refused)?;
         Ok(ask(&mut matched))
     }
 

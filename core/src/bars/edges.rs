@@ -100,7 +100,7 @@ pub(super) fn least_strength(segments: &[Segment]) -> u32 {
 }
 
 /// Keeps every bar that this segment is an edge of, as far as it is one of the strongest.
-pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut Kept<'_>) {
+pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut Kept<'_, '_>) {
     let line = SteepLine::new(segment);
     let (first, last) = line.rows();
     let slope_q12 = line.slope_q12();
@@ -274,8 +274,10 @@ impl Profile {
 mod tests {
     use super::*;
     use crate::image::Dims;
+    use crate::list::List;
     use crate::result::ImagePosition;
     use crate::units::Position;
+    use core::mem::MaybeUninit;
     use heapless::Vec;
 
     const DIMS: Dims = Dims { width: 64, height: 32 };
@@ -289,11 +291,12 @@ mod tests {
         let end = |y: u16| ImagePosition { x: Position::from_num(19.5), y: Position::from_num(y) };
         let segment =
             Segment { ends: [end(6), end(26)], rising, contrast: 60, near_horizontal: false };
-        let mut found = Vec::new();
+        let mut slots = [const { MaybeUninit::uninit() }; 8];
+        let mut found = List::new(&mut slots);
         // The gradients of a sharp step are the same at two columns: doubles are one.
         let image = Gray::new(&pixels, DIMS, 64).unwrap();
         keep_beside(image, &segment, &mut Kept::new(&mut found));
-        found
+        Vec::from_slice(&found).unwrap()
     }
 
     #[test]

@@ -19,9 +19,9 @@
 use super::{Bar, GROWN};
 use crate::image::Gray;
 use crate::kernel::FLAT;
+use crate::list::List;
 use crate::matching::codes::gradients;
 use crate::units::{Confidence, narrow, quotient};
-use heapless::vec::VecView;
 
 /// Rows of a step.
 const STEP: i32 = 2;
@@ -45,7 +45,7 @@ const LESS_Q16: u16 = 1311;
 /// Adds the parts that bars go on by, as far as there is room.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn grow(
-    bars: &mut VecView<Bar>,
+    bars: &mut List<'_, Bar>,
     images: [Gray<'_>; 2],
     row_offset: i32,
     least: Confidence,

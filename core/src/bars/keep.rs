@@ -7,9 +7,9 @@
 //! A bar is compared with those kept, which most of them share no row with: 8 instructions each.
 
 use super::{Bar, DROPPED, MOST_BARS};
+use crate::list::List;
 use crate::sort::sort_by_key;
 use heapless::Vec;
-use heapless::vec::VecView;
 
 /// Rows that two bars share at least where they are compared.
 const SHARED: i32 = 4;
@@ -17,16 +17,16 @@ const SHARED: i32 = 4;
 const SAME_Q5: i32 = 48;
 
 /// A list of bars while they are found.
-pub(super) struct Kept<'a> {
-    bars: &'a mut VecView<Bar>,
+pub(super) struct Kept<'a, 'b> {
+    bars: &'a mut List<'b, Bar>,
     /// The strengths of the bars.
     strengths: Vec<u32, MOST_BARS>,
     /// Strength that a bar has to exceed: that of the weakest one of a full list.
     least: u32,
 }
 
-impl<'a> Kept<'a> {
-    pub(super) fn new(bars: &'a mut VecView<Bar>) -> Self {
+impl<'a, 'b> Kept<'a, 'b> {
+    pub(super) fn new(bars: &'a mut List<'b, Bar>) -> Self {
         bars.clear();
         Self { bars, strengths: Vec::new(), least: 0 }
     }
@@ -66,7 +66,7 @@ impl<'a> Kept<'a> {
 }
 
 /// Leaves at most two bars that cover each other, the strongest ones; sorts by the first row.
-pub(super) fn settle(bars: &mut VecView<Bar>) {
+pub(super) fn settle(bars: &mut List<'_, Bar>) {
     sort_by_key(bars, |bar| (u32::MAX - bar.strength(), bar.rows[0], bar.x_q5, bar.width_q5));
     for index in 1..bars.len() {
         let Some((stronger, rest)) = bars.split_at_mut_checked(index) else { break };
@@ -115,6 +115,7 @@ fn covers(a: &Bar, b: &Bar) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::mem::MaybeUninit;
 
     fn bar(x: u16, width: u16, rows: [u16; 2], strength: u8) -> Bar {
         Bar {
@@ -133,17 +134,19 @@ mod tests {
 
     #[test]
     fn of_doubles_the_stronger_one_stays() {
-        let mut list: Vec<Bar, 4> = Vec::new();
+        let mut slots = [MaybeUninit::uninit(); 4];
+        let mut list = List::new(&mut slots);
         let mut kept = Kept::new(&mut list);
         for strength in [9, 20, 12] {
             kept.insert(bar(40, 6, [10, 30], strength));
         }
-        assert_eq!(list.as_slice(), [bar(40, 6, [10, 30], 20)]);
+        assert_eq!(*list, [bar(40, 6, [10, 30], 20)]);
     }
 
     #[test]
     fn a_full_list_loses_its_weakest() {
-        let mut list: Vec<Bar, 2> = Vec::new();
+        let mut slots = [MaybeUninit::uninit(); 2];
+        let mut list = List::new(&mut slots);
         let mut kept = Kept::new(&mut list);
         for (x, strength) in [(40, 9), (80, 20), (120, 12), (160, 3)] {
             kept.insert(bar(x, 6, [10, 30], strength));
@@ -157,7 +160,8 @@ mod tests {
 
     #[test]
     fn of_three_that_cover_each_other_the_weakest_goes() {
-        let mut list: Vec<Bar, 4> = Vec::new();
+        let mut slots = [MaybeUninit::uninit(); 4];
+        let mut list = List::new(&mut slots);
         let mut kept = Kept::new(&mut list);
         for (x, width, strength) in [(40, 6, 9), (40, 10, 20), (38, 12, 12), (90, 6, 2)] {
             kept.insert(bar(x, width, [10, 30], strength));

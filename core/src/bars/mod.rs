@@ -47,6 +47,7 @@ pub(crate) use region::depth_of;
 use crate::area::Area;
 use crate::image::Gray;
 use crate::lines::Segment;
+use crate::list::List;
 use crate::matching::MatchContext;
 use crate::matching::Workspace;
 use crate::matching::band::Band;
@@ -55,7 +56,6 @@ use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::{Confidence, Disparity, Position, narrow, quotient};
 use evidence::BarEvidence;
-use heapless::vec::VecView;
 use keep::Kept;
 
 /// Least probability of a bar that is told, whatever that of points is: it goes before these. 0.9.
@@ -308,7 +308,7 @@ const EDGE_Q5: i32 = 48;
 
 /// Finds the bars beside all segments of the left image: the strongest ones, by their first row.
 #[inline(never)] // its variables are on the stack only while it runs
-pub(crate) fn find(image: Gray<'_>, segments: &[Segment], bars: &mut VecView<Bar>) {
+pub(crate) fn find(image: Gray<'_>, segments: &[Segment], bars: &mut List<'_, Bar>) {
     let mut kept = Kept::new(bars);
     let least = edges::least_strength(segments);
     for segment in segments.iter().filter(|segment| edges::strength(segment) >= least) {
@@ -363,7 +363,7 @@ impl Bar {
 /// need. Calls `watch` with the index, the bar, and its evidence by support points.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn rate(
-    bars: &mut VecView<Bar>,
+    bars: &mut List<'_, Bar>,
     support: Support<'_>,
     least: Confidence,
     mut watch: impl FnMut(usize, &Bar, [i16; 4]),
@@ -386,7 +386,7 @@ pub(crate) fn rate(
 }
 
 /// Sorts bars so that those in front are the first.
-pub(crate) fn sort(bars: &mut VecView<Bar>) {
+pub(crate) fn sort(bars: &mut List<'_, Bar>) {
     sort_by_key(bars, |bar| (!bar.is_in_front(), bar.rows, bar.x_q5, bar.width_q5));
 }
 

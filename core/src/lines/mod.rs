@@ -34,7 +34,8 @@ mod edges;
 mod fit;
 
 use crate::area::Area;
-use crate::image::{Gray, MAX_HEIGHT, MAX_WIDTH};
+use crate::image::{Dims, Gray, MAX_HEIGHT, MAX_WIDTH};
+use crate::list::List;
 use crate::result::ImagePosition;
 use crate::sort::{make_heap, sift_down, sort_by_key};
 use crate::units::Position;
@@ -42,7 +43,6 @@ use crate::units::quotient;
 use core::cmp::Reverse;
 pub(crate) use edges::SCAN_STEP;
 use edges::{Direction, Edges, STEP};
-use heapless::vec::VecView;
 
 /// Longest piece of a near-vertical segment, rows: the height of one window.
 pub(crate) const MAX_ROWS: i32 = 32;
@@ -132,12 +132,18 @@ pub struct LineParams {
 /// Working memory of the detector.
 #[derive(Debug)]
 pub struct LineScratch<'a> {
-    /// A bit per pixel: [`mark_words`](crate::scratch::mark_words) of the image.
+    /// A bit per pixel: [`mark_words`] of the image.
     pub marks: &'a mut [u32],
     /// One position per two rows or columns, along the longer side.
     pub chain: &'a mut [u16],
     /// As many: strength of the edge at each position.
     pub strengths: &'a mut [u8],
+}
+
+/// Number of 32-bit words of marks for images of this size, a bit per pixel.
+#[must_use]
+pub const fn mark_words(dims: Dims) -> usize {
+    (dims.width as usize * dims.height as usize).div_ceil(32)
 }
 
 /// Work of a detection, and what it left out.
@@ -160,7 +166,7 @@ pub fn detect(
     areas: Option<&[Area]>,
     params: &LineParams,
     scratch: LineScratch<'_>,
-    out: &mut VecView<Segment>,
+    out: &mut List<'_, Segment>,
 ) -> Detection {
     out.clear();
     let mut list = KeepLongest { out, dropped: 0 };
@@ -190,7 +196,7 @@ pub fn detect(
 }
 
 /// Sorts segments by their first row, and from left to right within it.
-pub(crate) fn sort_by_top(list: &mut VecView<Segment>) {
+pub(crate) fn sort_by_top(list: &mut List<'_, Segment>) {
     sort_by_key(list, |s| {
         let [a, b] =
             s.ends.map(|end| (u32::from(end.y.to_bits()) << 16) | u32::from(end.x.to_bits()));
@@ -204,7 +210,7 @@ pub(crate) fn sort_by_top(list: &mut VecView<Segment>) {
 ///
 /// The cost of matching is bounded by the area of the image, not by its content.
 pub(crate) fn keep_prominent(
-    list: &mut VecView<Segment>,
+    list: &mut List<'_, Segment>,
     (cell, most): (i32, usize),
     width: i32,
     marks: &mut [u32],
@@ -220,7 +226,7 @@ pub(crate) fn keep_prominent(
     u16::try_from(before - list.len()).unwrap_or(u16::MAX)
 }
 
-fn keep_one_per_square(list: &mut VecView<Segment>, cell: i32, width: i32, marks: &mut [u32]) {
+fn keep_one_per_square(list: &mut List<'_, Segment>, cell: i32, width: i32, marks: &mut [u32]) {
     marks.fill(0);
     let per_row = quotient(width, cell) + 1;
     let square = |s: &Segment| {
@@ -276,7 +282,7 @@ pub(crate) struct Room<'a> {
 }
 
 /// Cuts a straight run into equal pieces of at most [`MAX_ROWS`] rows or [`MAX_COLUMNS`] columns.
-fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLongest<'_>) {
+fn cut(run: &fit::Run, chain: Chain<'_>, direction: Direction, list: &mut KeepLongest<'_, '_>) {
     let near_horizontal = direction == Direction::Along;
     let longest = if near_horizontal { MAX_COLUMNS } else { MAX_ROWS };
     let length = run.last - run.first;
@@ -308,12 +314,12 @@ fn position(q5: i32) -> Position {
 
 /// A bounded list that drops its shortest entries. Once full it is a heap with the shortest first:
 /// an entry costs `log2` of the length.
-struct KeepLongest<'a> {
-    out: &'a mut VecView<Segment>,
+struct KeepLongest<'a, 'b> {
+    out: &'a mut List<'b, Segment>,
     dropped: u16,
 }
 
-impl KeepLongest<'_> {
+impl KeepLongest<'_, '_> {
     fn push(&mut self, segment: Segment) {
         let Err(segment) = self.out.push(segment) else { return };
         let shortest_first = |s: &Segment| Reverse(s.extent_q5());

@@ -72,6 +72,7 @@ pub(crate) struct SideHypothesis {
 }
 
 impl Neighbour {
+    #[cfg(test)]
     pub(crate) const EMPTY: Self =
         Self { x: 0, y: 0, top: 0, near_horizontal: false, hypotheses: [SideHypothesis::EMPTY; 2] };
 

@@ -206,11 +206,6 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    pub(crate) const EMPTY: Self = Self {
-        curves: [const { Curve::EMPTY }; CURVES],
-        evidence: [const { SegmentEvidence::new() }; 2],
-    };
-
     /// Leaves no curve of the segment before.
     pub(crate) fn clear_curves(&mut self) {
         self.curves.iter_mut().for_each(Curve::clear);

@@ -38,6 +38,7 @@ mod surface;
 use crate::bars::{self, Bar};
 use crate::confidence::Models;
 use crate::image::Dims;
+use crate::list::List;
 use crate::matching::Candidate;
 use crate::matching::consistency::Neighbour;
 use crate::report::Ranked;
@@ -47,7 +48,6 @@ use crate::units::about_length;
 use crate::units::{Confidence, Depth, Disparity, quotient};
 use core::fmt;
 use cover::Cover;
-use heapless::vec::VecView;
 pub use region::{Region, RegionError, Run, Shape};
 pub use rows::LabelRows;
 use surface::Surface;
@@ -144,7 +144,7 @@ pub(crate) struct ObjectQuery<'a> {
     pub(crate) dims: Dims,
     pub(crate) rig: Option<Rig>,
     pub(crate) neighbours: &'a mut [Neighbour],
-    pub(crate) order: &'a mut VecView<Ranked>,
+    pub(crate) order: List<'a, Ranked>,
     pub(crate) marks: &'a mut [u32],
     pub(crate) bars: &'a [Bar],
 }
@@ -171,8 +171,9 @@ impl ObjectQuery<'_> {
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8); // sums are below 2^22
-        let surface = surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), self.order)
-            .unwrap_or_default();
+        let surface =
+            surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), &mut self.order)
+                .unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
             Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
             None => {
@@ -280,6 +281,7 @@ mod tests {
     use crate::matching::Side;
     use crate::result::ImagePosition;
     use crate::units::Position;
+    use core::mem::MaybeUninit;
     use heapless::Vec;
     use region_support::OBJECT_REACH;
 
@@ -343,8 +345,9 @@ mod tests {
         rig: Option<Rig>,
     ) -> ObjectDepth {
         let (mut neighbours, mut order, mut marks) =
-            ([Neighbour::EMPTY; MOST], Vec::<_, MOST>::new(), [u32::MAX; 2400]);
-        let (neighbours, order, marks) = (&mut neighbours[..], &mut order, &mut marks[..]);
+            ([Neighbour::EMPTY; MOST], [const { MaybeUninit::uninit() }; MOST], [u32::MAX; 2400]);
+        let (neighbours, order, marks) =
+            (&mut neighbours[..], List::new(&mut order), &mut marks[..]);
         let support = Support::new(&crate::params::Params::DEFAULT, DIMS, &[], 0);
         ObjectQuery {
             candidates,

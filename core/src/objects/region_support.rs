@@ -33,7 +33,7 @@ use crate::image::Dims;
 use crate::lines::Segment;
 use crate::matching::consistency::Neighbour;
 use crate::matching::{Candidate, Side};
-use crate::scratch::OBJECT_POINTS;
+use crate::memory::OBJECT_POINTS;
 use crate::support::Support;
 
 /// Largest distance from a region's area at which a segment has an influence, px.

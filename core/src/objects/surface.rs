@@ -25,12 +25,12 @@
 //! [`HYPOTHESES`] comparisons a hypothesis at 12 instructions, and four passes at 40, three more
 //! for a steeper plane.
 
+use crate::list::List;
 use crate::matching::consistency::Neighbour;
 use crate::report::Ranked;
 use crate::sort::sort_by_key;
 use crate::units::about_length;
 use crate::units::quotient;
-use heapless::vec::VecView;
 
 /// Largest difference of disparity between hypotheses at one position, and between a hypothesis and
 /// its plane, 1/64 px.
@@ -177,7 +177,7 @@ impl Plane {
 pub(crate) fn find(
     neighbours: &[Neighbour],
     (centre, is_box, all_q8): ([i32; 2], bool, i32),
-    order: &mut VecView<Ranked>,
+    order: &mut List<'_, Ranked>,
 ) -> Option<Surface> {
     let mut hypotheses = [Hypothesis::default(); HYPOTHESES];
     let count = weigh_agreement(neighbours, order, &mut hypotheses);
@@ -230,7 +230,7 @@ fn separate_weight(neighbours: &[Neighbour], chosen: &Plane, second: &Hypothesis
 /// disparity; returns their number. Does not depend on the order of the neighbours.
 fn weigh_agreement(
     neighbours: &[Neighbour],
-    order: &mut VecView<Ranked>,
+    order: &mut List<'_, Ranked>,
     hypotheses: &mut [Hypothesis; HYPOTHESES],
 ) -> usize {
     let step = neighbours.len().div_ceil(HYPOTHESES).max(1);
@@ -254,7 +254,7 @@ fn weigh_agreement(
     count
 }
 
-fn sort_by_disparity(neighbours: &[Neighbour], order: &mut VecView<Ranked>) {
+fn sort_by_disparity(neighbours: &[Neighbour], order: &mut List<'_, Ranked>) {
     order.clear();
     for (neighbour, i) in neighbours.iter().zip(0..) {
         let disparity = (Hypothesis::new(neighbour).d_q6 + 32768) as u16;

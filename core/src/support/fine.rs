@@ -33,8 +33,8 @@ use crate::curve::subpixel_q6;
 use crate::evidence::log2_mean_q8;
 use crate::image::Span;
 use crate::kernel::{CodeColumn, JUMP_PENALTY, STEP_PENALTY, code_costs, code_steps};
+use crate::list::List;
 use crate::units::narrow;
-use heapless::vec::VecView;
 
 /// Most px from what is known.
 const REACH: i32 = 3;
@@ -132,7 +132,7 @@ impl Fine<'_> {
         &self,
         areas: &[Area],
         memory: &mut [u8],
-        points: &mut VecView<SupportPoint>,
+        points: &mut List<'_, SupportPoint>,
         mut watch: impl FnMut(usize, Seen<'_>),
     ) {
         let Matching { images, grid, row_offset, noise, plane, .. } = *self.matching;

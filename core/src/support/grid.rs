@@ -11,7 +11,7 @@ use crate::units::quotient;
 
 /// Largest number of support points of images of this size.
 #[must_use]
-pub const fn most_support_points(dims: Dims) -> usize {
+pub(crate) const fn most_support_points(dims: Dims) -> usize {
     (dims.width / SUPPORT_PITCH) as usize * (dims.height / SUPPORT_PITCH) as usize
 }
 

@@ -44,7 +44,7 @@ mod points;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
-pub use grid::most_support_points;
+pub(crate) use grid::most_support_points;
 pub use nearer::RangeCheck;
 pub(crate) use noise::Noise;
 pub use points::Support;
@@ -54,6 +54,7 @@ use crate::confidence::Model;
 use crate::ground::GroundPlane;
 use crate::image::{Gray, Span};
 use crate::kernel::{JUMP_PENALTY, code_costs, code_steps};
+use crate::list::List;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
@@ -61,7 +62,6 @@ use core::ops::Range;
 use evidence::{
     Detail, Found, Labels, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby,
 };
-use heapless::vec::VecView;
 use nearer::NearerSearch;
 use paths::{MAX_COLUMNS, Paths, PointCosts};
 use place::Place;
@@ -251,7 +251,7 @@ impl Matching<'_> {
         &self,
         areas: Option<&[Area]>,
         memory: &mut [u8],
-        points: &mut VecView<SupportPoint>,
+        points: &mut List<'_, SupportPoint>,
         mut watch: impl FnMut(usize, Seen<'_>),
     ) -> (i16, RangeCheck) {
         points.clear();

@@ -5,8 +5,8 @@ use crate::support::*;
 use linestereo::diagnostics::Techniques;
 use linestereo::health::{CameraHealth, Rows, Still, Tear};
 use linestereo::{
-    Confidence, Depth, Dims, Disparity, HealthFlags, ImagePosition, Margin, Match, Owner, Params,
-    Parts, Point, Position, Rejection, Rig, Source,
+    Capacity, Confidence, Depth, Dims, Disparity, HealthFlags, ImagePosition, Margin, Match, Owner,
+    Params, Parts, Point, Position, Rejection, Rig, Source,
 };
 use linestereo_wire::*;
 
@@ -76,12 +76,14 @@ fn bars() -> (linestereo::Counts, Dims) {
     };
     let (left, right) = (image(0), image(12));
     let view = |pixels| linestereo::Gray::new(pixels, dims, 96).unwrap();
-    let mut scratch = Box::new(<linestereo::scratch!(Dims { width: 96, height: 64 }, 64)>::new());
+    let mut scratch = Box::new(<linestereo::Memory<
+        { Capacity::new(Dims { width: 96, height: 64 }).words() },
+    >>::new());
     let params = Params { max_disparity: 32, ..Params::default() };
     let counts = *params
         .plan(dims)
         .unwrap()
-        .run([view(&left), view(&right)], scratch.view())
+        .run([view(&left), view(&right)], &mut scratch)
         .unwrap()
         .counts();
     (counts, dims)

@@ -1,8 +1,8 @@
 #![no_std]
-use linestereo::{Area, Depth, Dims, Gray, Matcher, Pair, Params, Region, Rig, scratch};
+use linestereo::{Area, Capacity, Depth, Dims, Gray, Matcher, Pair, Params, Region, Rig};
 
 pub const DIMS: Dims = Dims { width: 320, height: 240 };
-pub type Memory = scratch!(DIMS, 640); // all memory of a pair, in a static
+pub type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>; // in a static
 
 pub fn matcher() -> Option<Matcher> {
     let rig = Rig::new(250.0, 0.06, 0.0).ok(); // focal length px, baseline m
@@ -18,7 +18,7 @@ pub fn depth(
 ) -> Option<Depth> {
     let [left, right] = [Gray::new(left, DIMS, 320).ok()?, Gray::new(right, DIMS, 320).ok()?];
     let pair = Pair { left, right, times_us: None };
-    let mut matched = matcher.run(pair, None, memory.view(), &mut ()).ok()?;
+    let mut matched = matcher.run(pair, memory).ok()?;
     let mut depth = None;
     matched.objects(&[Region::boxed(0, object, DIMS).ok()?], |object| depth = object.depth);
     depth

@@ -7,7 +7,9 @@ macro_rules! workspace {
         crate::memory::Workspace<
             { $board.pixels() },
             { $board.raw_width },
-            linestereo::scratch!($board.largest, $board.segments),
+            { $crate::memory::capacity(&$board).words() },
+            { $board.segments },
+            { $crate::memory::capacity(&$board).candidates() },
             crate::memory::CameraRows<
                 { $crate::boards::NODES },
                 { $board.largest.height as usize },

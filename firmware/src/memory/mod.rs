@@ -1,28 +1,40 @@
-//! Frames, rectifiers and scratch memory of a board, with its capacities in the type.
+//! Frames, rectifiers and working memory of a board, with its capacities in the type.
 //!
 //! ```text
 //! raw row -> raw_row -> rectifier of its camera (mesh, band of raw rows) -> frame
-//! both frames, the core's scratch memory -> matched pair
+//! both frames, the core's memory -> matched pair
 //! ```
 
-mod core_memory;
 mod rectifier;
 
-pub use core_memory::CoreMemory;
 pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use linestereo::diagnostics::Observer;
 use linestereo::image::ViewError;
-use linestereo::{Area, Dims, Gray, Matched, Matcher, Pair, Span};
+use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, Pair, Span};
+use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
+
+/// What the core's memory of a board has room for.
+#[must_use]
+pub const fn capacity(board: &Board) -> Capacity {
+    Capacity { segments: board.segments as u16, ..Capacity::new(board.largest) }
+}
 
 /// All memory of one board that depends on the size of frames. All zero when new, so that it takes
 /// no flash.
 #[derive(Debug)]
-pub struct Workspace<const PIXELS: usize, const RAW_ROW: usize, C, R> {
+pub struct Workspace<
+    const PIXELS: usize,
+    const RAW_ROW: usize,
+    const WORDS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    R,
+> {
     left: [u8; PIXELS],
     right: [u8; PIXELS],
-    core: C,
+    core: linestereo::Memory<WORDS, SEGMENTS, CANDIDATES>,
     rectifiers: [R; 2],
     /// A raw row between its camera and the band; as wide as the rig's raw images.
     raw_row: [u8; RAW_ROW],
@@ -96,20 +108,26 @@ impl From<linestereo::RunError> for RunError {
     fn from(error: linestereo::RunError) -> Self {
         match error {
             linestereo::RunError::SizeMismatch { given, .. } => Self::Size(given),
-            linestereo::RunError::ScratchTooSmall { name, needed, given } => {
-                Self::NoRoom(NoRoom::Small { name, needed, given })
+            linestereo::RunError::MemoryTooSmall { needed, given } => {
+                Self::NoRoom(NoRoom::Small { name: "words", needed, given })
             }
         }
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier>
-    Workspace<PIXELS, RAW_ROW, C, R>
+impl<
+    const PIXELS: usize,
+    const RAW_ROW: usize,
+    const WORDS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    R: Rectifier,
+> Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
     /// Of these, bytes that the core works in.
-    pub const CORE: usize = size_of::<C>();
+    pub const CORE: usize = linestereo::Memory::<WORDS, SEGMENTS, CANDIDATES>::BYTES;
 
     /// Cleared memory.
     #[must_use]
@@ -117,7 +135,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier>
         Self {
             left: [0; PIXELS],
             right: [0; PIXELS],
-            core: C::CLEARED,
+            core: linestereo::Memory::new(),
             rectifiers: [R::CLEARED, R::CLEARED],
             raw_row: [0; RAW_ROW],
             raw_width: 0,
@@ -126,19 +144,31 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier>
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Default
-    for Workspace<PIXELS, RAW_ROW, C, R>
+impl<
+    const PIXELS: usize,
+    const RAW_ROW: usize,
+    const WORDS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    R: Rectifier,
+> Default for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Memory
-    for Workspace<PIXELS, RAW_ROW, C, R>
+impl<
+    const PIXELS: usize,
+    const RAW_ROW: usize,
+    const WORDS: usize,
+    const SEGMENTS: usize,
+    const CANDIDATES: usize,
+    R: Rectifier,
+> Memory for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     fn fits(&self, dims: Dims) -> bool {
-        self.core.fits(dims) && usize::from(dims.width) * usize::from(dims.height) <= PIXELS
+        usize::from(dims.width) * usize::from(dims.height) <= PIXELS
     }
 
     fn frames(&mut self) -> [&mut [u8]; 2] {
@@ -168,7 +198,7 @@ impl<const PIXELS: usize, const RAW_ROW: usize, C: CoreMemory, R: Rectifier> Mem
         let [left, right] = views([&self.left, &self.right], valid, dims)?;
         let pair = Pair { left, right, times_us };
         let areas = areas.filter(|_| matcher.knows_rows());
-        Ok(matcher.run(pair, areas, self.core.view(), observer)?)
+        Ok(matcher.run_with(pair, &mut self.core, areas, observer)?)
     }
 
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {
@@ -244,8 +274,8 @@ mod tests {
     #[test]
     fn every_error_is_refused_in_its_own_words() {
         let of_core = |error: linestereo::RunError| refusal(error.into()).to_string();
-        let small = linestereo::RunError::ScratchTooSmall { name: "ROW", needed: 9, given: 4 };
-        assert_eq!(of_core(small), "ROW of the board's memory holds 4, these images need 9");
+        let small = linestereo::RunError::MemoryTooSmall { needed: 9, given: 4 };
+        assert_eq!(of_core(small), "words of the board's memory holds 4, these images need 9");
         let [planned, given] = [320, 8].map(|width| Dims { width, height: 240 });
         assert!(
             of_core(linestereo::RunError::SizeMismatch { planned, given })

@@ -11,15 +11,15 @@ use linestereo::health::HealthMonitor;
 use linestereo::image::ViewError;
 use linestereo::objects::{LabelRows, Run};
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-use linestereo::{Area, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
+use linestereo::{Area, Capacity, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
 use linestereo::{
     Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection,
     Plan, Region, Rejection, Rig, RigError, RunError,
 };
 use linestereo::{HealthFlags, Match, Point};
 use linestereo_rig::{
-    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification, Remap,
-    RectifyError, RigImage, RigImageError, RowError, View, mesh_nodes,
+    Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification,
+    RectifyError, Remap, RigImage, RigImageError, RowError, View, mesh_nodes,
 };
 use linestereo_wire::{
     Command, DecodeError, Decoder, EncodeError, FrameHead, MAX_COMMAND, MAX_PACKET, Message, ObjectRecord, ParamUpdate,
@@ -28,7 +28,7 @@ use linestereo_wire::{
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
-type BoardScratch = linestereo::scratch!(QVGA, 512);
+type BoardScratch = linestereo::Memory<{ Capacity::new(QVGA).words() }>;
 
 unsafe extern "C" {
     /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop
@@ -81,7 +81,7 @@ pub fn proof_plan(params: &Params, dims: Dims) -> Result<Plan, ParamError> {
 
 #[unsafe(no_mangle)]
 pub fn proof_run<'a>(plan: &Plan, pair: [Gray<'a>; 2], scratch: &'a mut BoardScratch) -> Result<Matched<'a>, RunError> {
-    plan.run(pair, scratch.view())
+    plan.run(pair, scratch)
 }
 
 #[unsafe(no_mangle)]
@@ -92,7 +92,7 @@ pub fn proof_run_on<'a>(
     scratch: &'a mut BoardScratch,
     digests: &mut StageDigests,
 ) -> Result<Matched<'a>, RunError> {
-    plan.run_on(pair, focus, scratch.view(), digests)
+    plan.run_on(pair, focus, scratch, digests)
 }
 
 #[unsafe(no_mangle)]
@@ -102,7 +102,7 @@ pub fn proof_resume<'a>(
     pair: [Gray<'a>; 2],
     scratch: &'a mut BoardScratch,
 ) -> Result<Matched<'a>, RunError> {
-    plan.resume(summary, pair, scratch.view())
+    plan.resume(summary, pair, scratch)
 }
 
 #[unsafe(no_mangle)]
@@ -112,7 +112,7 @@ pub fn proof_matcher<'a>(
     areas: Option<&[Area]>,
     scratch: &'a mut BoardScratch,
 ) -> Result<Matched<'a>, RunError> {
-    matcher.run(pair, areas, scratch.view(), &mut ())
+    matcher.run_with(pair, scratch, areas, &mut ())
 }
 
 #[unsafe(no_mangle)]

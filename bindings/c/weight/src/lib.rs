@@ -5,14 +5,14 @@
 use core::cell::UnsafeCell;
 use linestereo::image::ViewError;
 use linestereo::{
-    Area, Confidence, Depth, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, Params, Point, Region,
-    Rig, Source, Span,
+    Area, Capacity, Confidence, Depth, Dims, Gray, Match, Matched, Matcher, NoDepth, ObjectDepth, Pair, Params, Point,
+    Region, Rig, Source, Span,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 const PIXELS: usize = 320 * 240;
 
-type Memory = linestereo::scratch!(QVGA, 640);
+type Memory = linestereo::Memory<{ Capacity::new(QVGA).words() }>;
 
 /// Working memory, used by [`program`] alone.
 struct Static(UnsafeCell<Memory>);
@@ -184,7 +184,7 @@ pub extern "C" fn program(settings: &Settings, input: &'static UnsafeCell<Input>
         };
         let pair = Pair { left, right, times_us: Some(input.times_us) };
         let areas = [input.area];
-        let matched = matcher.run(pair, (!is_whole).then_some(&areas), memory.view(), &mut ());
+        let matched = matcher.run_with(pair, memory, (!is_whole).then_some(&areas), &mut ());
         tell(matched.map_or(0, |matched| sum(matched, input.region)));
         is_whole = !is_whole;
     }

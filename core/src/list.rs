@@ -1,0 +1,121 @@
+//! A list of a bounded number of elements in memory of the caller.
+
+use core::mem::MaybeUninit;
+use core::ops::{Deref, DerefMut};
+
+/// A list of at most as many elements as it has slots. It drops none of them.
+#[derive(Debug)]
+pub struct List<'a, T> {
+    /// The first `len` are values.
+    slots: &'a mut [MaybeUninit<T>],
+    /// At most their number.
+    len: usize,
+}
+
+impl<'a, T> List<'a, T> {
+    /// An empty list.
+    pub fn new(slots: &'a mut [MaybeUninit<T>]) -> Self {
+        Self { slots, len: 0 }
+    }
+
+    /// An empty list in the same slots, for a time.
+    pub(crate) fn lent(&mut self) -> List<'_, T> {
+        List::new(self.slots)
+    }
+
+    /// A list of some elements.
+    ///
+    /// # Safety
+    /// The first `len` slots, or all if there are fewer, are values.
+    pub(crate) unsafe fn of_len(slots: &'a mut [MaybeUninit<T>], len: usize) -> Self {
+        let len = len.min(slots.len());
+        Self { slots, len }
+    }
+
+    /// Largest number of elements.
+    #[must_use]
+    pub const fn capacity(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// True when no further element fits.
+    #[must_use]
+    pub const fn is_full(&self) -> bool {
+        self.len == self.slots.len()
+    }
+
+    /// Appends an element.
+    ///
+    /// # Errors
+    /// The element, where it does not fit.
+    pub fn push(&mut self, element: T) -> Result<(), T> {
+        let Some(slot) = self.slots.get_mut(self.len) else { return Err(element) };
+        slot.write(element);
+        self.len += 1;
+        Ok(())
+    }
+
+    /// Removes all elements.
+    pub const fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Leaves the first `len` elements.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = self.len.min(len);
+    }
+}
+
+impl<T: Copy> List<'_, T> {
+    /// Leaves the elements that `keep` is true of, in their order.
+    pub fn retain(&mut self, mut keep: impl FnMut(&T) -> bool) {
+        let mut kept = 0;
+        for index in 0..self.len {
+            let Some(&element) = self.get(index) else { break };
+            if keep(&element)
+                && let Some(slot) = self.slots.get_mut(kept)
+            {
+                slot.write(element);
+                kept += 1;
+            }
+        }
+        self.len = kept;
+    }
+}
+
+impl<T> Deref for List<'_, T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        // SAFETY: `len` is at most the number of slots, and so many are values.
+        unsafe { core::slice::from_raw_parts(self.slots.as_ptr().cast(), self.len) }
+    }
+}
+
+impl<T> DerefMut for List<'_, T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        // SAFETY: as above.
+        unsafe { core::slice::from_raw_parts_mut(self.slots.as_mut_ptr().cast(), self.len) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_are_appended_while_they_fit_and_kept_in_their_order() {
+        let mut slots = [MaybeUninit::uninit(); 3];
+        let mut list = List::new(&mut slots);
+        assert_eq!((list.is_full(), list.first()), (false, None));
+        assert_eq!([7, 8, 9, 10].map(|value| list.push(value)), [Ok(()), Ok(()), Ok(()), Err(10)]);
+        assert!(list.is_full());
+        list.retain(|&value| value != 8);
+        assert_eq!((&list[..], list.capacity()), (&[7, 9][..], 3));
+        list.truncate(5);
+        list.truncate(1);
+        assert_eq!(*list, [7]);
+        list.clear();
+        assert!(list.is_empty());
+    }
+}
