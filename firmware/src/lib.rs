@@ -16,7 +16,7 @@
 //! ports           what a program needs from a board: pairs, a clock, bytes in and out, a watchdog
 //! slot_store      the rig and settings in two slots of a flash each
 //! settings        settings as numbered values and as an image
-//! memory          frames, rectifiers, scratch memory and output
+//! memory          frames, rectifiers, the core's memory and output
 //! vehicle         how the cameras sit on a vehicle and what its autopilot wants: chosen before a
 //!                 build
 //! fence, once     memory that kernels must not touch; what a static hands out once

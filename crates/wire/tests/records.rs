@@ -76,16 +76,12 @@ fn bars() -> (linestereo::Counts, Dims) {
     };
     let (left, right) = (image(0), image(12));
     let view = |pixels| linestereo::Gray::new(pixels, dims, 96).unwrap();
-    let mut scratch = Box::new(<linestereo::Memory<
+    let mut memory = Box::new(<linestereo::Memory<
         { Capacity::new(Dims { width: 96, height: 64 }).words() },
     >>::new());
     let params = Params { max_disparity: 32, ..Params::default() };
-    let counts = *params
-        .plan(dims)
-        .unwrap()
-        .run([view(&left), view(&right)], &mut scratch)
-        .unwrap()
-        .counts();
+    let counts =
+        *params.plan(dims).unwrap().run([view(&left), view(&right)], &mut memory).unwrap().counts();
     (counts, dims)
 }
 

@@ -28,7 +28,7 @@ use linestereo_wire::{
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
 /// Capacities of a QVGA board; the code is the same for all.
-type BoardScratch = linestereo::Memory<{ Capacity::new(QVGA).words() }>;
+type BoardMemory = linestereo::Memory<{ Capacity::new(QVGA).words() }>;
 
 unsafe extern "C" {
     /// Defined nowhere: what refers to it may panic. Takes the location, or the compiler would drop
@@ -80,8 +80,8 @@ pub fn proof_plan(params: &Params, dims: Dims) -> Result<Plan, ParamError> {
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_run<'a>(plan: &Plan, pair: [Gray<'a>; 2], scratch: &'a mut BoardScratch) -> Result<Matched<'a>, RunError> {
-    plan.run(pair, scratch)
+pub fn proof_run<'a>(plan: &Plan, pair: [Gray<'a>; 2], memory: &'a mut BoardMemory) -> Result<Matched<'a>, RunError> {
+    plan.run(pair, memory)
 }
 
 #[unsafe(no_mangle)]
@@ -89,10 +89,10 @@ pub fn proof_run_on<'a>(
     plan: &Plan,
     pair: [Gray<'a>; 2],
     focus: &Focus<'_>,
-    scratch: &'a mut BoardScratch,
+    memory: &'a mut BoardMemory,
     digests: &mut StageDigests,
 ) -> Result<Matched<'a>, RunError> {
-    plan.run_on(pair, focus, scratch, digests)
+    plan.run_on(pair, focus, memory, digests)
 }
 
 #[unsafe(no_mangle)]
@@ -100,9 +100,9 @@ pub fn proof_resume<'a>(
     plan: &Plan,
     summary: &Summary,
     pair: [Gray<'a>; 2],
-    scratch: &'a mut BoardScratch,
+    memory: &'a mut BoardMemory,
 ) -> Result<Matched<'a>, RunError> {
-    plan.resume(summary, pair, scratch)
+    plan.resume(summary, pair, memory)
 }
 
 #[unsafe(no_mangle)]
@@ -110,9 +110,9 @@ pub fn proof_matcher<'a>(
     matcher: &mut Matcher,
     pair: Pair<'a>,
     areas: Option<&[Area]>,
-    scratch: &'a mut BoardScratch,
+    memory: &'a mut BoardMemory,
 ) -> Result<Matched<'a>, RunError> {
-    matcher.run_with(pair, scratch, areas, &mut ())
+    matcher.run_with(pair, memory, areas, &mut ())
 }
 
 #[unsafe(no_mangle)]
