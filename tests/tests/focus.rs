@@ -10,7 +10,7 @@ use linestereo_lab::evaluate::object_cases;
 use linestereo_tests::captured;
 
 const LARGEST: Dims = Dims { width: 320, height: 320 };
-type Scratch =
+type PairMemory =
     linestereo::Memory<{ Capacity { segments: 4096, ..Capacity::new(LARGEST) }.words() }, 4096>;
 
 fn plan(scene: &Scene) -> Plan {
@@ -19,15 +19,15 @@ fn plan(scene: &Scene) -> Plan {
         .unwrap()
 }
 
-fn memory() -> Box<Scratch> {
-    Box::new(Scratch::new())
+fn memory() -> Box<PairMemory> {
+    Box::new(PairMemory::new())
 }
 
 fn run<'a>(
     plan: &Plan,
     scene: &'a Scene,
     focus: &Focus<'_>,
-    memory: &'a mut Scratch,
+    memory: &'a mut PairMemory,
 ) -> Matched<'a> {
     let images = [scene.left.view().unwrap(), scene.right.view().unwrap()];
     plan.run_on(images, focus, memory, &mut ()).unwrap()
