@@ -152,7 +152,7 @@ fn every_setting_is_the_one_that_is_set() {
     let mut session = Session::new(BOARD);
     let sets = [
         -1.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 7.0, 12.0, 2.0,
-        300.0, 1.0,
+        300.0, 1.0, 0.1,
     ];
     let mut expected = settings::built();
     for (number, (expected_value, value)) in (0..).zip(expected.clone().iter().zip(sets)) {
@@ -193,7 +193,7 @@ fn numbers_names_and_ranges_are_those_of_the_table() {
             assert!(Session::new(BOARD).set(number, value).is_err(), "{setting:?}");
         }
     }
-    assert_eq!(Setting::check(18, 0.0), Err(Refusal::Unsupported));
+    assert_eq!(Setting::check(SETTINGS as u8, 0.0), Err(Refusal::Unsupported));
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn what_is_refused_is_named_and_changes_nothing() {
         (set((RATE_HZ, 12.5)), "rate_hz is 12.5 but must be a whole number from 10 to 20"),
         (set((BLOCK_CM, 1000.0)), "block_cm is 1000 but must be a whole number from 0 to 1000"),
         (set((3, 1000.0)), "edge_gradient is 1000 but must be 4 to 48"),
-        (set((18, 1.0)), "this board cannot do that"),
+        (set((SETTINGS as u8, 1.0)), "this board cannot do that"),
         (Request::KeepSettings, "the board cannot keep it in flash"),
     ];
     for (request, says) in cases {
@@ -380,7 +380,7 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     // Each that is set is the one that is read, and no other changes.
     let sets = [
         7.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 1.0, 12.0, 2.0,
-        300.0, 1.0,
+        300.0, 1.0, 0.1,
     ];
     for (name, value) in names.iter().zip(sets).skip(1) {
         assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, value));

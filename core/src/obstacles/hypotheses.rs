@@ -24,8 +24,8 @@ const CLEAR_PARTS: u32 = 2;
 /// Least number of hypotheses behind the range in each part of the rows, on the ground: something
 /// may stand beside the only one. Chosen on `robot_world`: with 1, 2, 3 and 5 of them 2.1, 1.5, 1.2
 /// and 0.8 % of the obstacles are called free, and 15.5, 14.9, 13.0 and 8.7 % of the clear sectors.
-/// Drives that did not choose it, 1 and 2: corridor 3.0 and 0.7 %, table legs 1.0 and 0, doorway 4.3
-/// and 3.2 %.
+/// Drives that did not choose it, 1 and 2: corridor 3.0 and 0.7 %, table legs 1.0 and 0, doorway
+/// 4.3 and 3.2 %.
 const LEAST_IN_PART: u8 = 2;
 
 /// Result of a match or a support point for one sector: its nearness, or the rows that are free

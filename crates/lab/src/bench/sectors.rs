@@ -299,7 +299,7 @@ mod tests {
         };
         let truth = Grid::new(81, vec![2.0; 81 * 61]);
         let labels = truth.map(|_, y| if y <= 40 { BELOW_FLOOR } else { 1 });
-        let told = [Some(2.1), Some(2.6), Some(1.4), None];
+        let told = [Some(2.1), Some(2.9), Some(1.4), None];
         let mut sectors = Sectors::default();
         sectors.add(&truth, &labels, &camera, told.map(|at| answer(0.0, Said::Unknown, at)));
         let expected =
