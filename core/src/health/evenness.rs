@@ -290,6 +290,16 @@ mod tests {
         }
     }
 
+    /// Look-alikes in one part, anywhere, beside rows that agree: the part says nothing.
+    #[test]
+    fn a_part_whose_samples_scatter_is_no_spread() {
+        let anywhere = |x: usize, y: usize| [2, 1, -2, 2, 1][((x + 4) / 8 + (y + 4) / 8 * 2) % 5];
+        let is_middle = |x, y| (43..85).contains(&x) && (32..64).contains(&y);
+        let found = measured(|x, y| if is_middle(x, y) { anywhere(x, y) } else { 0 }, 0).unwrap();
+        assert!(found.mostly_agrees() && found.agree < found.samples, "{found:?}");
+        assert!(found.spread_q8 < 64, "{found:?}");
+    }
+
     #[test]
     fn without_detail_nothing_is_measured() {
         let flat = [90; 128 * 96];
