@@ -30,7 +30,7 @@ pub(super) struct Limits {
     pub(super) candidates: u16,
 }
 
-/// What was cut from the words behind it.
+/// Capacities of a memory, the last layout of the words behind it, and lengths of its lists.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Head {

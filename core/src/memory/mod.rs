@@ -58,7 +58,7 @@ pub(crate) const OBJECT_POINTS: usize = 24;
 /// Segments listed in each image by default.
 const DEFAULT_SEGMENTS: usize = 640;
 
-/// What a working memory has room for.
+/// Largest images (px), numbers of segments and squares of a working memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capacity {
     /// Size of the largest images, px; at most 1280x1280, more counts as that.

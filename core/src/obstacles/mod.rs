@@ -86,9 +86,11 @@ pub const LEAST_CONFIDENCE: Confidence = Confidence::from_bits(0x8000);
 
 /// Largest distance from the ground of what may be a part of it, 1/64 px.
 const GROUND_Q6: i32 = 48;
-/// Least distance behind the ground of what lies below it, 1/64 px. Chosen on `robot_world` and
+/// Least distance behind the ground of a point below it, 1/64 px. Chosen on `robot_world` and
 /// `robot_sequences`: with 1, 1.5 and 2 px 53, 50 and 51 % of the drop-offs within 2 m are told,
-/// and 3.6, 1.5 and 1.1 % of the sectors without one have one.
+/// and 3.6, 1.5 and 1.1 % of the sectors without one have one. Sets that did not choose it: none in
+/// 385 sectors of homes and of Middlebury at 320 px, and 56 of 425 on roads (KITTI), where the
+/// laser sees ground below the plane in 52.
 const BELOW_Q6: i32 = 128;
 
 /// Least error probability of a support point, Q16: 0.2, since errors of neighbours, which share

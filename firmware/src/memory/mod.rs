@@ -15,7 +15,7 @@ use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, Pair, Span};
 use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
 
-/// What the core's memory of a board has room for.
+/// Capacity of the core's memory on a board.
 #[must_use]
 pub const fn capacity(board: &Board) -> Capacity {
     Capacity { segments: board.segments as u16, ..Capacity::new(board.largest) }

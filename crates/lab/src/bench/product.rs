@@ -87,7 +87,7 @@ impl Pair {
             .collect())
     }
 
-    /// What is told of each sector in view.
+    /// Answers for each sector in view.
     pub(crate) fn sectors(&self, max_disparity: u16, camera: &Camera) -> Result<Vec<Answer>> {
         let dims = self.dims()?;
         let numbers =

@@ -49,7 +49,7 @@ pub(crate) enum Said {
     Unknown,
 }
 
-/// What is told of a sector.
+/// Answer for a sector: its direction (degrees), its state, and the edge of a drop-off (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Answer {
     /// Its middle, clockwise from ahead.
@@ -237,17 +237,19 @@ impl Sectors {
 mod tests {
     use super::*;
 
-    /// A level camera 0.2 m above the floor looks at a wall 2 m away.
+    /// Level, 0.2 m above the floor.
+    const CAMERA: Camera = Camera {
+        focal_px: 100.0,
+        baseline_m: 0.1,
+        height_m: 0.2,
+        pitch_deg: 0.0,
+        roll_deg: 0.0,
+        centre: None,
+    };
+
+    /// The camera looks at a wall 2 m away.
     #[test]
     fn the_tenth_nearest_pixel_is_the_distance() {
-        let camera = Camera {
-            focal_px: 100.0,
-            baseline_m: 0.1,
-            height_m: 0.2,
-            pitch_deg: 0.0,
-            roll_deg: 0.0,
-            centre: None,
-        };
         let truth = Grid::new(81, vec![5.0; 81 * 61]);
         let wall = truth.map(|_, _| 2_u8);
         let mut sectors = Sectors::default();
@@ -258,7 +260,7 @@ mod tests {
             Said::Free,
             Said::Unknown,
         ];
-        sectors.add(&truth, &wall, &camera, said.map(|said| answer(0.0, said, None)));
+        sectors.add(&truth, &wall, &CAMERA, said.map(|said| answer(0.0, said, None)));
         let expected = Sectors {
             right: 1,
             farther: 1,
@@ -274,7 +276,7 @@ mod tests {
         let mut clear = Sectors::default();
         let said = [(0.0, Said::Obstacle(1.0)), (5.0, Said::Free), (90.0, Said::Free)];
         let floor = wall.map(|_, _| 1);
-        clear.add(&truth, &floor, &camera, said.map(|(at, said)| answer(at, said, None)));
+        clear.add(&truth, &floor, &CAMERA, said.map(|(at, said)| answer(at, said, None)));
         let drop_offs = DropOffs { none: 2, ..DropOffs::default() };
         let expected = Sectors { clear_ghost: 1, clear_free: 1, drop_offs, ..Sectors::default() };
         assert_eq!(clear, expected);
@@ -289,19 +291,11 @@ mod tests {
     /// the plane of the floor at 2 m and farther.
     #[test]
     fn a_drop_off_is_where_rays_go_through_the_floor() {
-        let camera = Camera {
-            focal_px: 100.0,
-            baseline_m: 0.1,
-            height_m: 0.2,
-            pitch_deg: 0.0,
-            roll_deg: 0.0,
-            centre: None,
-        };
         let truth = Grid::new(81, vec![2.0; 81 * 61]);
         let labels = truth.map(|_, y| if y <= 40 { BELOW_FLOOR } else { 1 });
         let told = [Some(2.1), Some(2.9), Some(1.4), None];
         let mut sectors = Sectors::default();
-        sectors.add(&truth, &labels, &camera, told.map(|at| answer(0.0, Said::Unknown, at)));
+        sectors.add(&truth, &labels, &CAMERA, told.map(|at| answer(0.0, Said::Unknown, at)));
         let expected =
             DropOffs { right: 1, farther: 1, nearer: 1, not_told: 1, ..DropOffs::default() };
         assert_eq!(sectors.drop_offs, expected);
@@ -309,20 +303,13 @@ mod tests {
         // On a floor that goes on, what is told is a ghost.
         let mut whole = Sectors::default();
         let floor = labels.map(|_, _| 1);
-        whole.add(&truth, &floor, &camera, told.map(|at| answer(0.0, Said::Unknown, at)));
+        whole.add(&truth, &floor, &CAMERA, told.map(|at| answer(0.0, Said::Unknown, at)));
         assert_eq!(whole.drop_offs, DropOffs { none: 1, ghost: 3, ..DropOffs::default() });
     }
 
     #[test]
     fn pitch_and_roll_are_turned_back() {
-        let camera = Camera {
-            focal_px: 100.0,
-            baseline_m: 0.1,
-            height_m: 0.5,
-            pitch_deg: 30.0,
-            roll_deg: 0.0,
-            centre: None,
-        };
+        let camera = Camera { height_m: 0.5, pitch_deg: 30.0, ..CAMERA };
         // The optical axis, 30 degrees down, meets the floor after 1 m.
         let truth = Grid::new(1, vec![10.0]);
         let pixel = seen(&truth, &Grid::new(1, vec![2]), &camera)[0];
