@@ -5,14 +5,18 @@
 
 use crate::slopes::Texture;
 use linestereo::{Dims, GroundPlane, Params};
+use linestereo_frames::scene_info::SceneInfo;
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_tests::captured;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// Row below which the floor is, px.
 const FOOT: f64 = 88.0;
 /// Cells of the image, px.
 const CELL: u16 = 16;
+/// Label of floors in rendered rooms.
+const FLOOR_LABEL: u8 = 1;
 
 /// A floor whose disparity changes by `down` px per row and `across` px per column; 0 in the middle
 /// of row 80.
@@ -110,6 +114,39 @@ fn floors_are_found_and_seen_at_every_slope() {
     }
     println!("{table}");
     assert!(all, "{table}");
+}
+
+/// Floors of rendered rooms against their truth, by the height, pitch and roll of the scene file.
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn the_floor_of_a_room_is_where_its_scene_file_says() {
+    let Some(rooms) = captured::folder("robot_world") else { return };
+    let mut rolled = 0;
+    for room in linestereo_frames::find_scenes(&rooms).unwrap() {
+        let scene = linestereo_frames::load_scene(&room, None).unwrap();
+        let info = SceneInfo::load(&room.join("scene.json")).unwrap();
+        let (rig, pose) = (scene.rig.unwrap(), info.pose().unwrap());
+        let plane = GroundPlane::of_pose(pose, &rig, scene.left.dims).unwrap();
+        let labels = linestereo_frames::load_gray(&room.join("labels.png")).unwrap();
+        let truth = scene.truth.as_ref().unwrap();
+        let mut errors: Vec<f64> = (0..scene.left.dims.height)
+            .flat_map(|y| (0..scene.left.dims.width).map(move |x| (x, y)))
+            .filter(|&(x, y)| labels.row(y)[usize::from(x)] == FLOOR_LABEL)
+            .filter_map(|(x, y)| {
+                let truth = truth.disparity(x.into(), y.into())?;
+                let said = f64::from(plane.at_q6(x.into(), y.into())) / 64.0;
+                Some((said - f64::from(truth)).abs())
+            })
+            .collect();
+        if errors.len() < 1000 {
+            continue;
+        }
+        errors.sort_by(f64::total_cmp);
+        rolled += usize::from(pose.roll_deg.abs() > 1.0);
+        let worst = errors[errors.len() * 9 / 10];
+        assert!(worst < 0.25, "{}: a tenth of the floor is {worst:.2} px off", room.display());
+    }
+    assert!(rolled >= 10, "only {rolled} rooms are seen by a rolled camera");
 }
 
 #[test]

@@ -69,6 +69,7 @@ pub struct SceneInfo {
 struct CameraInfo {
     height_m: Option<f32>,
     pitch_deg: Option<f32>,
+    /// Counter-clockwise as it looks, as rendered sets have it.
     #[serde(default)]
     roll_deg: f32,
 }
@@ -161,11 +162,12 @@ impl SceneInfo {
         }
     }
 
-    /// How the left camera stands above the ground, where height and pitch are said.
+    /// How the left camera stands above the ground, where height and pitch are said: rolled
+    /// clockwise, the file counter-clockwise.
     #[must_use]
     pub fn pose(&self) -> Option<CameraPose> {
         let CameraInfo { height_m, pitch_deg, roll_deg } = self.camera?;
-        Some(CameraPose { height_m: height_m?, pitch_deg: pitch_deg?, roll_deg })
+        Some(CameraPose { height_m: height_m?, pitch_deg: pitch_deg?, roll_deg: -roll_deg })
     }
 
     /// The rig of the images as stored, before the gate.

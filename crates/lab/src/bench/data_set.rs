@@ -71,6 +71,7 @@ struct Rectified {
 struct Placement {
     height_m: f64,
     pitch_deg: f64,
+    /// Counter-clockwise as it looks.
     #[serde(default)]
     roll_deg: f64,
     principal_px: Option<[f64; 2]>,
@@ -196,7 +197,7 @@ impl SceneFolder {
             baseline_m: rectified.baseline_m,
             height_m: placed.height_m,
             pitch_deg: placed.pitch_deg,
-            roll_deg: placed.roll_deg,
+            roll_deg: -placed.roll_deg,
             centre: placed.principal_px,
         })
     }

@@ -36,6 +36,7 @@ pub(crate) struct Camera {
     pub(crate) height_m: f64,
     /// Down.
     pub(crate) pitch_deg: f64,
+    /// Clockwise as it looks.
     pub(crate) roll_deg: f64,
     /// Principal point, px; the middle of the image where it is not known.
     pub(crate) centre: Option<[f64; 2]>,
