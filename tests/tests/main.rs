@@ -2,8 +2,6 @@
 //! TOPIC`.
 
 mod bars;
-mod baselines;
-mod block_matching;
 mod board;
 mod board_faults;
 mod board_objects;
@@ -29,7 +27,6 @@ mod machine;
 mod no_panic;
 mod objects;
 mod obstacles;
-mod opencv;
 mod owners;
 mod pitfalls;
 mod query;

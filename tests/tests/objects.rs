@@ -5,7 +5,7 @@ use linestereo::objects::{LabelRows, Run};
 use linestereo::{Area, Capacity, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::{
-    ObjectScore, ObjectSummary, Outline, object_cases, object_table, score_objects,
+    ObjectScore, ObjectSummary, Outline, object_cases, score_objects,
 };
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::results::mask::Mask;
@@ -29,7 +29,6 @@ fn leave_one_out(scenes: &[Scene]) -> Vec<ObjectScore> {
 fn captured_objects_keep_the_promises() {
     let Some(scenes) = captured::qvga() else { return };
     let scores = leave_one_out(&scenes);
-    println!("{}", object_table(&scores));
     // The promises: most wrong answers and least covered objects, in percent.
     let promises = [
         (Outline::Given, 0.0, 86.0),

@@ -119,20 +119,6 @@ impl Truth {
         Self::new(dims, disparity, visible)
     }
 
-    /// The truth of the swapped pair: seen from the right image every disparity is negative, so
-    /// that no answer can be right.
-    #[must_use]
-    pub fn swapped(&self) -> Self {
-        let width = usize::from(self.dims.width);
-        let disparity: Vec<f32> =
-            self.disparity.chunks(width).flat_map(nearest_per_right_column).map(|d| -d).collect();
-        let visible = disparity.iter().map(|d| d.is_finite()).collect();
-        // Columns that nothing falls on hold the infinity of an empty maximum.
-        let disparity =
-            disparity.into_iter().map(|d| if d.is_finite() { d } else { f32::NAN }).collect();
-        Self::new(self.dims, disparity, visible)
-    }
-
     fn index(&self, x: i32, y: i32) -> Option<usize> {
         let inside = (0..i32::from(self.dims.width)).contains(&x)
             && (0..i32::from(self.dims.height)).contains(&y);
@@ -193,12 +179,5 @@ mod tests {
             (truth.disparity(1, 0), truth.disparity(2, 0), truth.disparity(3, 0)),
             (Some(1.0), Some(3.0), None)
         );
-    }
-
-    #[test]
-    fn swapped_truth_is_negative() {
-        let truth = row(&[1.0, 1.0, 1.0, 2.0]).swapped();
-        let values: Vec<Option<f32>> = (0..4).map(|x| truth.disparity(x, 0)).collect();
-        assert_eq!(values, [Some(-1.0), Some(-2.0), None, None]);
     }
 }

@@ -4,7 +4,7 @@
 //! ```text
 //! evaluate   scores of results against ground truth
 //! faults     damaged pairs, and what is answered of them
-//! rivals     other methods on the same frames
+//! rivals     OpenCV on the same frames
 //! thin       poles pasted into pairs, and what is said of them
 //! fitting    the confidence models, fitted on scores
 //! draw       pictures of all that

@@ -1,7 +1,6 @@
 //! The laboratory as a researcher calls it, a module a topic, linked once.
 
 mod compare;
-mod eval;
 mod faults;
 mod support;
 mod thin;

@@ -15,6 +15,13 @@ pub(crate) fn lab(folder: &Path, args: &[&str]) -> Output {
         .unwrap()
 }
 
+/// Calls it with 768 MiB of address space, for at most half a minute.
+pub(crate) fn bounded(folder: &Path, args: &[&str]) -> Output {
+    let call = "ulimit -v 786432; exec timeout 30 \"$0\" \"$@\"";
+    let program = env!("CARGO_BIN_EXE_linestereo-lab");
+    Command::new("sh").args(["-c", call, program]).args(args).current_dir(folder).output().unwrap()
+}
+
 /// Calls it, has it succeed, and gives what it printed.
 #[track_caller]
 pub(crate) fn succeed(folder: &Path, args: &[&str]) -> String {

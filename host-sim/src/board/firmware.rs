@@ -39,8 +39,6 @@ impl Logs {
 /// Programs of a board that one call of cargo builds or has clippy read.
 #[derive(Clone, Copy, Debug)]
 pub struct Images<'a> {
-    /// Their package: the firmware, or one that stands on it without a default board.
-    pub package: &'a str,
     /// Their names.
     pub programs: &'a [&'a str],
     /// Where their logs go.
@@ -53,7 +51,7 @@ impl<'a> Images<'a> {
     /// Programs of the firmware without further features.
     #[must_use]
     pub const fn of_firmware(programs: &'a [&'a str], logs: Logs) -> Self {
-        Self { package: FIRMWARE, programs, logs, features: &[] }
+        Self { programs, logs, features: &[] }
     }
 
     /// Builds them as they are flashed; their paths are in the order of their names.
@@ -92,7 +90,7 @@ impl<'a> Images<'a> {
         Ok(elfs)
     }
 
-    /// Has clippy read them and their package's library as the board builds them: much of both is
+    /// Has clippy read them and the firmware's library as the board builds them: much of both is
     /// for boards only, and nothing on a PC sees it. Warnings are errors.
     pub fn lint(&self, toolchain: &Toolchain, board: &Board) -> Result<()> {
         let mut command = toolchain.clippy()?;
@@ -109,8 +107,7 @@ impl<'a> Images<'a> {
             Logs::Rtt => Some("log-rtt"),
         };
         let features = [board.name].into_iter().chain(logs).chain(self.features.iter().copied());
-        let features: Vec<String> =
-            features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
+        let features: Vec<&str> = features.collect();
         command
             .current_dir(top()?)
             .args([
@@ -119,7 +116,7 @@ impl<'a> Images<'a> {
                 PROFILE,
                 "--locked",
                 "-p",
-                self.package,
+                FIRMWARE,
                 "--no-default-features",
             ])
             .args(["--config", INLINING])

@@ -45,11 +45,6 @@ enum PartsArg {
 }
 
 impl MethodArgs {
-    /// The same, with this least probability where none was asked for.
-    pub fn down_to(&self, probability: f64) -> Self {
-        Self { min_confidence: self.min_confidence.or(Some(probability)), ..self.clone() }
-    }
-
     /// The first disparity is asked for.
     pub(super) fn has_min_disparity(&self) -> bool {
         self.min_disparity.is_some()

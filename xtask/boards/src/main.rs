@@ -298,22 +298,15 @@ fn lint(boards: &[Board]) -> Result<()> {
         if *board == Board::PORTENTA_H7 {
             all.push(Images { features: &["ahead"], ..logged });
         }
-        if *board == Board::MPS2_AN500 {
-            all.push(LABORATORY);
-        }
         for images in all {
-            let Images { package, logs, features, .. } = images;
+            let Images { logs, features, .. } = images;
             let logs = if logs == Logs::None { "without logs" } else { "with logs" };
-            println!("clippy: {}, {package} {logs} {}", board.name, features.join(" "));
+            println!("clippy: {} {logs} {}", board.name, features.join(" "));
             images.lint(&toolchain, board)?;
         }
     }
     Ok(())
 }
-
-/// The laboratory's program for a board.
-const LABORATORY: Images<'static> =
-    Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
 
 /// On hardware; the others read and write files of a PC.
 const HARDWARE_PROGRAMS: [&str; 2] = ["live", "selftest"];

@@ -3,8 +3,6 @@
 
 mod batch;
 pub mod compare;
-pub mod eval;
-mod eval_objects;
 pub mod eval_pixels;
 pub mod faults;
 pub mod fit_confidence;

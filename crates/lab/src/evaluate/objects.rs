@@ -6,7 +6,6 @@
 //! the object's own 5-95 % range of true disparities; a covered object has an answer. The masks are
 //! given to the core as they are, 2 px too large and eroded by 2 px.
 
-use core::fmt::Write;
 use linestereo::objects::Run;
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
 use linestereo_frames::statistics::{interpolated_quantile, median};
@@ -310,63 +309,6 @@ pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectSco
 
 /// The answer for a region without pixels.
 const EMPTY: ObjectDepth = ObjectDepth::refused(0, NoDepth::LittleSupport, 0);
-
-/// The table, then every answer that is wrong and every object without one.
-#[must_use]
-pub fn object_table(scores: &[ObjectScore]) -> String {
-    let mut text = String::from(
-        "outline          objects   wrong           covered         median error   in 1, 2 sigma  stated   refused\n",
-    );
-    let percent =
-        |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{:.0}", 100.0 * value));
-    for outline in Outline::ALL {
-        let s = ObjectSummary::pool(outline, scores);
-        if s.objects == 0 {
-            continue;
-        }
-        let refused = NoDepth::ALL.iter().zip(s.refused).filter(|(_, count)| *count > 0);
-        let refused: Vec<String> =
-            refused.map(|(reason, count)| format!("{count} {}", reason.name())).collect();
-        let _ = writeln!(
-            text,
-            "{:15} {:8}   {:3} = {:4.1} %    {:3} = {:5.1} %   {:>10} %    {:>5}, {:>3} %   {:>5}   {}",
-            outline.name(),
-            s.objects,
-            s.wrong,
-            s.wrong_percent(),
-            s.covered,
-            s.covered_percent(),
-            s.median_relative_error.map_or("-".to_owned(), |error| format!("{:.2}", 100.0 * error)),
-            percent(s.within_sigma),
-            percent(s.within_two_sigma),
-            s.mean_confidence.map_or("-".to_owned(), |stated| format!("{stated:.3}")),
-            refused.join(", "),
-        );
-    }
-    for score in scores.iter().filter(|score| score.wrong) {
-        let (low, high) = score.range;
-        let _ = writeln!(
-            text,
-            "wrong: {}, {}: {:.1} px by {} segments, it is {low:.1} to {high:.1}",
-            score.name,
-            score.outline.name(),
-            score.disparity,
-            score.support
-        );
-    }
-    for score in scores {
-        if let Some(reason) = score.refused {
-            let _ = writeln!(
-                text,
-                "no answer: {}, {}: {}",
-                score.name,
-                score.outline.name(),
-                reason.name()
-            );
-        }
-    }
-    text
-}
 
 /// A case, where the object has any truth.
 fn case(

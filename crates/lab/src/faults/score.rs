@@ -112,8 +112,8 @@ pub fn score(
     tally
 }
 
-/// True for the forms of objects that the bench asks for: sloppy masks are scored by `eval
-/// --objects`.
+/// True for the forms of objects that the bench asks for: sloppy masks are scored by
+/// `compare`.
 #[must_use]
 pub fn is_asked(case: &ObjectCase) -> bool {
     matches!(case.outline, Outline::Given | Outline::Box)

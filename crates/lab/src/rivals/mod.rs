@@ -1,15 +1,16 @@
-//! Several methods on the same frames: the core, the baselines and, where it is installed, OpenCV.
+//! Several methods on the same frames: the core and, where it is installed, OpenCV's dense ones.
 //!
 //! In: a scene. Out: for each method its [`FrameScore`], the depths of the scene's objects, and its
 //! time on one thread.
 //!
-//! A baseline's confidence is the uniqueness of its match (`1 - best cost / second`), so that its
-//! curve of error against yield can be read like that of the core. OpenCV gives none. The depth of
-//! an object by a baseline is the median of at least `LEAST_DISPARITIES` disparities inside it.
+//! OpenCV says nothing about confidence. The depth of an object by a dense method is the median of
+//! at least `LEAST_DISPARITIES` disparities inside it.
 
+mod map;
 mod opencv;
 mod table;
 
+pub use map::DisparityMap;
 pub use opencv::{OPENCV_METHODS, OpenCv, OpenCvError, OpenCvMap, PYTHON_VARIABLE};
 pub use table::{cell_comparison, comparison_table, object_comparison};
 
@@ -20,7 +21,6 @@ use crate::evaluate::{
 use anyhow::Result;
 use core::time::Duration;
 use linestereo::{Disparity, NoDepth, ObjectDepth};
-use linestereo_baselines::{DisparityMap, Method, Search};
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::{Scene, Truth};
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -33,43 +33,8 @@ const TIMING_RUNS: usize = 9;
 /// Fewer disparities make no depth of an object.
 const LEAST_DISPARITIES: usize = 5;
 
-/// A method that takes part in a comparison.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Contender {
-    /// The core.
-    Core,
-    /// A baseline.
-    Baseline(Method),
-}
-
-impl Contender {
-    /// The core and every baseline, in the order of tables.
-    pub const ALL: [Self; 6] = [
-        Self::Core,
-        Self::Baseline(Method::Bm),
-        Self::Baseline(Method::BmStrict),
-        Self::Baseline(Method::Census),
-        Self::Baseline(Method::Sgm8),
-        Self::Baseline(Method::Sgm8Strict),
-    ];
-
-    /// Its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Core => "linestereo",
-            Self::Baseline(method) => method.name(),
-        }
-    }
-
-    /// The one of this name; the error lists all names.
-    pub fn named(name: &str) -> Result<Self, String> {
-        Self::ALL.into_iter().find(|contender| contender.name() == name).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            format!("there is no method {name}; give {names}")
-        })
-    }
-}
+/// Name of the core in tables.
+const CORE: &str = "linestereo";
 
 /// Result of one method on one frame.
 #[derive(Clone, Debug)]
@@ -80,8 +45,6 @@ pub struct MethodScore {
     pub score: FrameScore,
     /// Its answers for the scene's objects.
     pub objects: Vec<ObjectScore>,
-    /// Its map, for a picture.
-    pub result: Option<FrameResult>,
 }
 
 /// One method on all frames.
@@ -92,8 +55,6 @@ pub struct MethodSummary {
     /// Its scores, pooled.
     #[serde(flatten)]
     pub summary: Summary,
-    /// Does it say how sure it is? Without, its curve of error against yield means nothing.
-    pub has_confidence: bool,
     /// Depths of objects by what the core was given of them; empty where no scene has objects.
     pub objects: Vec<ObjectSummary>,
 }
@@ -107,12 +68,9 @@ pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec
         let scores: Vec<&MethodScore> = frames.iter().map(|frame| &frame[i]).collect();
         let objects: Vec<ObjectScore> =
             scores.iter().flat_map(|score| score.objects.iter().cloned()).collect();
-        let mut confidences = scores.iter().flat_map(|score| score.score.confidences.iter());
-        let any = confidences.next();
         MethodSummary {
             method: first.method.clone(),
             summary: Summary::pool(scores.iter().map(|score| &score.score)),
-            has_confidence: confidences.any(|confidence| Some(confidence) != any),
             objects: Outline::ALL
                 .map(|outline| ObjectSummary::pool(outline, &objects))
                 .into_iter()
@@ -123,41 +81,28 @@ pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec
     first.iter().enumerate().map(of).collect()
 }
 
-/// Matches a scene by every contender and by OpenCV; takes no times. `core` makes the core's engine
-/// for a scene.
+/// Matches a scene by the core and by OpenCV; takes no times. `core` makes the core's engine for a
+/// scene.
 pub fn compare_scene(
     scene: &Scene,
-    contenders: &[Contender],
     opencv: Option<&OpenCv>,
     core: impl Fn(&Scene) -> Result<Engine>,
 ) -> Result<Vec<MethodScore>> {
     let truth = scene.truth.clone().unwrap_or_else(|| unknown(scene));
     let cases = if scene.truth.is_some() { object_cases(scene)? } else { Vec::new() };
-    let score = |method: &str, result: FrameResult, objects: Vec<ObjectScore>| {
-        let score = FrameScore::new(&scene.name, &truth, &result);
-        MethodScore { method: method.to_owned(), score, objects, result: Some(result) }
+    let score = |method: &str, result: &FrameResult, objects: Vec<ObjectScore>| MethodScore {
+        method: method.to_owned(),
+        score: FrameScore::new(&scene.name, &truth, result),
+        objects,
     };
-    let of_map = |name: &str, map: &DisparityMap| {
-        score(name, FrameResult::of_points(map.points()), objects_of(map, &cases))
-    };
-    let mut scores = Vec::new();
-    for contender in contenders {
-        scores.push(match contender {
-            Contender::Core => {
-                let mut engine = core(scene)?;
-                let result = engine.run(scene.left.view()?, scene.right.view()?)?;
-                let objects = score_objects(&mut engine, &cases);
-                score(contender.name(), result, objects)
-            }
-            Contender::Baseline(method) => {
-                of_map(method.name(), &method.run(&scene.left, &scene.right, scene.max_disparity))
-            }
-        });
-    }
+    let mut engine = core(scene)?;
+    let result = engine.run(scene.left.view()?, scene.right.view()?)?;
+    let mut scores = vec![score(CORE, &result, score_objects(&mut engine, &cases))];
     if let Some(opencv) = opencv {
-        let search = Search::up_to(scene.left.dims, scene.max_disparity);
-        let found = opencv.run(&scene.left, &scene.right, search, 1)?;
-        scores.extend(found.iter().map(|found| of_map(found.name, &found.map)));
+        for OpenCvMap { name, map, .. } in matched_by(opencv, scene, 1)? {
+            let points = FrameResult::of_points(map.points());
+            scores.push(score(name, &points, objects_of(&map, &cases)));
+        }
     }
     Ok(scores)
 }
@@ -165,33 +110,25 @@ pub fn compare_scene(
 /// Median times of a scene in milliseconds, on this thread, in the order of [`compare_scene`].
 pub fn time_scene(
     scene: &Scene,
-    contenders: &[Contender],
     opencv: Option<&OpenCv>,
     core: impl Fn(&Scene) -> Result<Engine>,
 ) -> Result<Vec<f64>> {
-    let mut times = Vec::new();
-    for contender in contenders {
-        times.push(match contender {
-            Contender::Core => {
-                let mut engine = core(scene)?;
-                let (left, right) = (scene.left.view()?, scene.right.view()?);
-                median_time(|| {
-                    let points = |point| _ = core::hint::black_box(point);
-                    engine.run_in_place(left, right).map(|mut matched| matched.points(points))
-                })?
-            }
-            Contender::Baseline(method) => median_time(|| {
-                core::hint::black_box(method.run(&scene.left, &scene.right, scene.max_disparity));
-                Ok::<_, anyhow::Error>(())
-            })?,
-        });
-    }
+    let mut engine = core(scene)?;
+    let (left, right) = (scene.left.view()?, scene.right.view()?);
+    let mut times = vec![median_time(|| {
+        let points = |point| _ = core::hint::black_box(point);
+        engine.run_in_place(left, right).map(|mut matched| matched.points(points))
+    })?];
     if let Some(opencv) = opencv {
-        let search = Search::up_to(scene.left.dims, scene.max_disparity);
-        let found = opencv.run(&scene.left, &scene.right, search, TIMING_RUNS)?;
-        times.extend(found.iter().map(|found| found.milliseconds));
+        times.extend(matched_by(opencv, scene, TIMING_RUNS)?.iter().map(|map| map.milliseconds));
     }
     Ok(times)
+}
+
+/// Disparities up to the scene's range, in whole groups of 16, as OpenCV counts them.
+fn matched_by(opencv: &OpenCv, scene: &Scene, runs: usize) -> Result<Vec<OpenCvMap>, OpenCvError> {
+    let disparities = usize::from(scene.max_disparity.max(1)).next_multiple_of(16);
+    opencv.run(&scene.left, &scene.right, disparities, runs)
 }
 
 fn median_time<E>(mut run: impl FnMut() -> Result<(), E>) -> Result<f64, E> {

@@ -20,13 +20,13 @@ def block(texture, uniqueness, count):
     return matcher
 
 
-def semi_global(uniqueness, count):
+def semi_global(uniqueness, count, mode=cv2.STEREO_SGBM_MODE_SGBM):
     # Penalties as OpenCV's documentation recommends them; everything else as its sample
     # stereo_match has it.
     side = 5
     return cv2.StereoSGBM_create(
         minDisparity=0, numDisparities=count, blockSize=side, P1=8 * side * side, P2=32 * side * side, disp12MaxDiff=1,
-        preFilterCap=63, uniquenessRatio=uniqueness, speckleWindowSize=100, speckleRange=32)
+        preFilterCap=63, uniquenessRatio=uniqueness, speckleWindowSize=100, speckleRange=32, mode=mode)
 
 
 def main(left, right, count, runs, out):
@@ -37,6 +37,8 @@ def main(left, right, count, runs, out):
         "opencv-bm-strict": block(3000, 90, count),
         "opencv-sgbm": semi_global(10, count),
         "opencv-sgbm-strict": semi_global(80, count),
+        "opencv-sgbm8": semi_global(10, count, cv2.STEREO_SGBM_MODE_HH),
+        "opencv-sgbm8-strict": semi_global(80, count, cv2.STEREO_SGBM_MODE_HH),
     }
     times = {}
     for name, matcher in matchers.items():

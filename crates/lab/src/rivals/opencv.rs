@@ -2,7 +2,7 @@
 //! not ours.
 
 use core::fmt;
-use linestereo_baselines::{DisparityMap, Search};
+use super::DisparityMap;
 use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use serde::Deserialize;
@@ -19,10 +19,16 @@ const STEPS: f32 = 16.0;
 /// Which Python runs it, where no option says so.
 pub const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
 
-/// OpenCV's methods, in the order of tables: SGBM with uniqueness 10 and 80, BM with 15 and with 90
-/// and texture 3000.
-pub const OPENCV_METHODS: [&str; 4] =
-    ["opencv-bm", "opencv-bm-strict", "opencv-sgbm", "opencv-sgbm-strict"];
+/// OpenCV's methods, in the order of tables: BM with uniqueness 15, and with 90 and texture 3000;
+/// SGBM along five paths and along eight (`MODE_HH`), each with uniqueness 10 and 80.
+pub const OPENCV_METHODS: [&str; 6] = [
+    "opencv-bm",
+    "opencv-bm-strict",
+    "opencv-sgbm",
+    "opencv-sgbm-strict",
+    "opencv-sgbm8",
+    "opencv-sgbm8-strict",
+];
 
 /// Why OpenCV does not match.
 #[derive(Debug)]
@@ -123,12 +129,12 @@ impl OpenCv {
         &self.version
     }
 
-    /// Matches a pair by all of its methods, each so many times for the median of its times.
+    /// Matches a pair by all of its methods with disparities `0 .. disparities`, each so many times for the median of its times.
     pub fn run(
         &self,
         left: &GrayImage,
         right: &GrayImage,
-        search: Search,
+        disparities: usize,
         runs: usize,
     ) -> Result<Vec<OpenCvMap>, OpenCvError> {
         let folder = tempfile::tempdir()?;
@@ -136,7 +142,7 @@ impl OpenCv {
         fs::write(at("opencv.py"), SCRIPT)?;
         fs::write(at("left.pgm"), pgm(left))?;
         fs::write(at("right.pgm"), pgm(right))?;
-        let (count, runs) = (search.count.to_string(), runs.to_string());
+        let (count, runs) = (disparities.to_string(), runs.to_string());
         let arguments = ["opencv.py", "left.pgm", "right.pgm", &count, &runs, "."];
         let output =
             Command::new(&self.python).args(arguments).current_dir(folder.path()).output()?;
@@ -166,8 +172,6 @@ fn pgm(image: &GrayImage) -> Vec<u8> {
 /// Negative values are gaps.
 fn map(left: &GrayImage, bytes: &[u8]) -> DisparityMap {
     let values = bytes.chunks_exact(2).map(|pair| i16::from_ne_bytes([pair[0], pair[1]]));
-    DisparityMap::of_values(
-        left.dims,
-        values.map(|value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS }),
-    )
+    let disparity = |value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS };
+    DisparityMap::new(left.dims, values.map(disparity).collect())
 }

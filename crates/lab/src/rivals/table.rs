@@ -13,7 +13,7 @@ pub fn comparison_table(methods: &[MethodSummary]) -> String {
         let _ = write!(text, "  {:>11}", format!("top {wanted}"));
     }
     text.push_str("  median px       ms\n");
-    for MethodSummary { method, summary, has_confidence, .. } in methods {
+    for MethodSummary { method, summary, .. } in methods {
         let errors = &summary.all.errors;
         let _ = write!(
             text,
@@ -25,8 +25,8 @@ pub fn comparison_table(methods: &[MethodSummary]) -> String {
         );
         for row in &summary.curve {
             let enough = row.available_per_frame >= row.points_per_frame as f64;
-            let shown = *has_confidence && enough;
-            let rates = if shown {
+            let is_ordered = row.least_probability.is_some_and(|least| least > 0.0);
+            let rates = if enough && is_ordered {
                 pair(row.errors.all_gt_bad1, row.errors.all_gt_bad2)
             } else {
                 "-".to_owned()
