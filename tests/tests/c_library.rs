@@ -13,7 +13,6 @@ use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::or_skip;
 use linestereo_tests::{captured, drawn};
-use object::SectionKind;
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::io::Write as _;
@@ -293,49 +292,6 @@ fn linked_for_m7(sources: &[PathBuf], library: &Path, elf: &Path) {
         .arg("-o")
         .arg(elf);
     run(&mut gcc);
-}
-
-/// Bytes of flash that a program takes: code, constants, first values of variables.
-fn flash(elf: &Path) -> u64 {
-    let bytes = std::fs::read(elf).unwrap();
-    let file = object::File::parse(&*bytes).unwrap();
-    let size = |section: object::Section<'_, '_>| match object::ObjectSection::kind(&section) {
-        SectionKind::Text
-        | SectionKind::ReadOnlyData
-        | SectionKind::ReadOnlyString
-        | SectionKind::Data => object::ObjectSection::size(&section),
-        _ => 0,
-    };
-    object::Object::sections(&file).map(size).sum()
-}
-
-/// Two programs with the same task and the same start, both linked without what they do not call:
-/// see `bindings/c/weight/program.h`.
-#[test]
-fn the_library_weighs_what_the_core_does_in_rust() {
-    if !has("arm-none-eabi-gcc") {
-        return;
-    }
-    let Some(toolchain) = or_skip(Toolchain::for_target(M7)) else { return };
-    let into = tempfile::tempdir().unwrap();
-    let weight = folder().join("weight");
-    let weigh = |package: &str, sources: &[&str]| {
-        let elf = into.path().join(package);
-        let sources: Vec<PathBuf> = sources.iter().map(|source| weight.join(source)).collect();
-        linked_for_m7(&sources, &for_m7(&toolchain, package), &elf);
-        flash(&elf)
-    };
-    let in_c = weigh("linestereo-c", &["start.c", "program.c"]);
-    let in_rust = weigh("linestereo-c-weight", &["start.c"]);
-    println!(
-        "{in_c} bytes of flash in C, {in_rust} in Rust: {:+.2} %",
-        (in_c as f64 / in_rust as f64 - 1.0) * 100.0
-    );
-    assert!(in_rust > 60_000, "{in_rust} bytes: the program in Rust does not do its task");
-    assert!(
-        in_c * 100 <= in_rust * 103,
-        "the library takes more than 3 % above the core: {in_c} of {in_rust} bytes"
-    );
 }
 
 /// By `arm-none-eabi-gcc` and QEMU; what is linked has no way to a panic.

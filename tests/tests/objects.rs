@@ -4,9 +4,7 @@
 use linestereo::objects::{LabelRows, Run};
 use linestereo::{Area, Capacity, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
 use linestereo_frames::Scene;
-use linestereo_lab::evaluate::{
-    ObjectScore, ObjectSummary, Outline, object_cases, score_objects,
-};
+use linestereo_lab::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};

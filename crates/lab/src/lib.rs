@@ -7,7 +7,6 @@
 //! rivals     OpenCV on the same frames
 //! thin       poles pasted into pairs, and what is said of them
 //! fitting    the confidence models, fitted on scores
-//! draw       pictures of all that
 //! bench      every data set of a folder, beside OpenCV, and against the last run
 //! commands   the command line
 //! ```
@@ -16,7 +15,6 @@
 
 pub mod bench;
 pub mod commands;
-pub mod draw;
 pub mod evaluate;
 pub mod faults;
 pub mod fitting;

@@ -266,8 +266,8 @@ fn compare(stored: &Stored) -> String {
 
 `linestereo-lab compare FRAMES/qvga --opencv --threads 1`, {}, {} pairs, one thread.
 Processor: {}.
-Times depend on the machine and its load: read them as ratios. `strict` methods use uniqueness 80 or
-90. *Cells* are cells of 16x16 px with an answer; *visible* and *all* are the
+Times depend on the machine and its load: read them as ratios. `strict` methods use a uniqueness of
+80 or more. *Cells* are cells of 16x16 px with an answer; *visible* and *all* are the
 shares of points more than 1 / 2 px off. [When dense matching is better](limits.md#dense-matching).
 
 {dense}

@@ -25,7 +25,7 @@ Methods:
   linestereo                         the core: answers of p >= 0.9
   opencv-bm, opencv-bm-strict        StereoBM, window 15x15; strict: uniqueness 90, texture 3000
   opencv-sgbm, opencv-sgbm-strict    StereoSGBM along 5 paths; strict: uniqueness 80
-  opencv-sgbm8, opencv-sgbm8-strict  the same along 8 paths
+  opencv-sgbm8, opencv-sgbm8-strict  the same along 8 paths; strict: uniqueness 95
 
 Columns:
   points, cells    answers a frame; % of 16x16 cells (those at least half visible truth) with one

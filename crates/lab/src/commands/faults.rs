@@ -1,7 +1,6 @@
 //! `linestereo-lab faults`: damaged pairs, and what is answered of them.
 
 use super::batch::collect;
-use crate::draw;
 use crate::evaluate::object_cases;
 use crate::faults::{Damage, Family, FaultReport, Source, Tally, is_asked, score};
 use anyhow::{Context, Result, bail};
@@ -21,7 +20,7 @@ const EXAMPLES: &str = "\
 Examples:
   linestereo-lab faults frames/qvga
       every damage on every pair with ground truth
-  linestereo-lab faults frames/qvga --only 'column noise' --json faults.json --picture faults.png
+  linestereo-lab faults frames/qvga --only 'column noise' --json faults.json
       damages whose name or family contains these words
 
 Columns:
@@ -55,9 +54,6 @@ pub struct Args {
     /// Write the table as JSON to FILE, or to stdout in place of it with "-".
     #[arg(long, value_name = "FILE")]
     json: Option<OutputPath>,
-    /// Draw it: of each damage the objects that are answered rightly, wrongly, or not at all.
-    #[arg(long, value_name = "FILE.png")]
-    picture: Option<OutputPath>,
     /// Use so many threads [default: all cores].
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
@@ -71,7 +67,7 @@ type Outcome = (Family, Damage, HealthFlags, Tally);
 pub fn run(args: &Args) -> Result<()> {
     let damages = damages(args)?;
     let found = collect(&args.folders, true)?;
-    spare(asked_for([&args.json, &args.picture]), found.pairs.iter().flat_map(StoredPair::files))?;
+    spare(asked_for([&args.json]), found.pairs.iter().flat_map(StoredPair::files))?;
     let places: Vec<usize> = (0..found.pairs.len()).collect();
     let threads = args.threads.map(NonZeroUsize::get);
     let name = |&place: &usize| found.pairs[place].name.clone();
@@ -83,10 +79,7 @@ pub fn run(args: &Args) -> Result<()> {
     let report = FaultReport::new(&outcomes.concat());
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &report)?;
-    if let Some(path) = &args.picture {
-        output.add(path, &linestereo_sim::draw::png(&draw::faults(&report))?)?;
-    }
-    let files = written([&args.json, &args.picture]);
+    let files = written([&args.json]);
     output.commit_and_say(&format!("{}\n{}\n{files}", report.table(), found.notes.join("\n")))
 }
 

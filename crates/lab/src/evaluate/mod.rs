@@ -31,9 +31,7 @@ mod table;
 
 pub use cells::{CellAnswer, CellAnswers, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
-pub use objects::{
-    ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, score_objects,
-};
+pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 pub use owner::OwnedMiddle;
 pub use pixels::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 pub use summary::{Answers, BinRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};

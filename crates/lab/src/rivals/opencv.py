@@ -38,7 +38,7 @@ def main(left, right, count, runs, out):
         "opencv-sgbm": semi_global(10, count),
         "opencv-sgbm-strict": semi_global(80, count),
         "opencv-sgbm8": semi_global(10, count, cv2.STEREO_SGBM_MODE_HH),
-        "opencv-sgbm8-strict": semi_global(80, count, cv2.STEREO_SGBM_MODE_HH),
+        "opencv-sgbm8-strict": semi_global(95, count, cv2.STEREO_SGBM_MODE_HH),
     }
     times = {}
     for name, matcher in matchers.items():

@@ -1,8 +1,8 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is
 //! not ours.
 
-use core::fmt;
 use super::DisparityMap;
+use core::fmt;
 use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use serde::Deserialize;
@@ -20,7 +20,7 @@ const STEPS: f32 = 16.0;
 pub const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
 
 /// OpenCV's methods, in the order of tables: BM with uniqueness 15, and with 90 and texture 3000;
-/// SGBM along five paths and along eight (`MODE_HH`), each with uniqueness 10 and 80.
+/// SGBM along five paths with uniqueness 10 and 80, along eight (`MODE_HH`) with 10 and 95.
 pub const OPENCV_METHODS: [&str; 6] = [
     "opencv-bm",
     "opencv-bm-strict",
@@ -129,7 +129,8 @@ impl OpenCv {
         &self.version
     }
 
-    /// Matches a pair by all of its methods with disparities `0 .. disparities`, each so many times for the median of its times.
+    /// Matches a pair by all of its methods with disparities `0 .. disparities`, each so many times
+    /// for the median of its times.
     pub fn run(
         &self,
         left: &GrayImage,

@@ -1,5 +1,0 @@
-//! Pictures of evaluations.
-
-mod faults;
-
-pub use faults::faults;
