@@ -102,15 +102,15 @@ fn off(rig: &Calibration, board: &Board, planes: &Planes, pair: &BoardPair) -> V
 
 #[test]
 fn parts_of_boards_calibrate_within_three_stated_deviations() {
+    // The legacy layout has the same corners, which `boards_of_opencv_are_read` finds.
     let boards = [
         charuco([8, 6], [40.0, 30.0], "DICT_5X5_100", false),
-        charuco([8, 6], [40.0, 30.0], "DICT_5X5_100", true),
         Board::april_grid([6, 6], 0.035, 0.3).unwrap(),
     ];
     let rig = drawn_rig(2);
-    for (seed, board) in boards.into_iter().enumerate() {
-        let drawn = photos_of(&rig, &board, 12, 20 + seed as u64, 0.4);
-        let random = &mut Random(seed as u64);
+    for (seed, board) in [0, 2].into_iter().zip(boards) {
+        let drawn = photos_of(&rig, &board, 12, 20 + seed, 0.4);
+        let random = &mut Random(seed);
         let photos: Vec<[GrayImage; 2]> = drawn
             .iter()
             .map(|(_, photos)| photos.each_ref().map(|image| worn(image, random)))

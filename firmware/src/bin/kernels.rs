@@ -1,8 +1,7 @@
 //! Do the kernels of this board equal the portable ones, and are its copies and fills of memory
 //! right? Exit code 0 if so.
 //!
-//! Controls, as argument: `wrong` compares kernels that are wrong, `beyond` one that reads a byte
-//! too far.
+//! Control, as argument: `beyond` compares a kernel that reads a byte too far.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -25,7 +24,6 @@ fn kernels() -> linestereo_boards::Exit {
     let arguments = Arguments::read();
     let kernels = match arguments.get(0) {
         None => Kernels::CHOSEN,
-        Some(b"wrong") => Kernels::WRONG,
         Some(b"beyond") => Kernels { gradient_row: beyond, ..Kernels::CHOSEN },
         Some(_) => return Exit::Usage,
     };

@@ -1,6 +1,6 @@
 //! Grey levels between pixels.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, UNTOUCHED, range};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, UNTOUCHED, range, same};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{CELL, Knot, Ring, Run, columns, portable};
@@ -87,7 +87,7 @@ pub(super) fn bilinear_runs(
         let mut expected = *out;
         (kernels.bilinear_runs)(rows, width, runs, &mut out[to.clone()]);
         portable::bilinear_runs(rows, width, runs, &mut expected[to]);
-        compared.note(*out == expected, runs[0].length as usize, (count, width), starts);
+        compared.note(same(out, &expected), runs[0].length as usize, (count, width), starts);
     }
 }
 
@@ -141,7 +141,7 @@ pub(super) fn bilinear_cells(
         let mut expected = *out;
         (kernels.bilinear_cells)(ring, &knots[..count], &mut out[to.clone()]);
         portable::bilinear_cells(ring, &knots[..count], &mut expected[to]);
-        compared.note(*out == expected, length, (count, width), starts);
+        compared.note(same(out, &expected), length, (count, width), starts);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Kernels that give a row.
 
-use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, UNTOUCHED, range};
+use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, UNTOUCHED, range, same};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::portable;
@@ -30,7 +30,7 @@ pub(super) fn rows(
             expected.fill(UNTOUCHED);
             kernel(inputs, &mut out[to.clone()]);
             definition(inputs, &mut expected[to]);
-            compared.note(*out == expected, lengths[1], (3, 0), starts);
+            compared.note(same(out, &expected), lengths[1], (3, 0), starts);
         };
     for width in (1..=80).chain([320]) {
         for contents in Contents::ALL {
@@ -76,7 +76,7 @@ pub(super) fn reversed_rows(
                 let mut expected = *out;
                 (kernels.reverse_row)(&mut out[range.clone()]);
                 portable::reverse_row(&mut expected[range.clone()]);
-                compared.note(*out == expected, length, (1, 0), [range.start, 0, 0, 0]);
+                compared.note(same(out, &expected), length, (1, 0), [range.start, 0, 0, 0]);
             }
         }
     }

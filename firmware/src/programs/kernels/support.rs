@@ -1,6 +1,6 @@
 //! Kernels of support points.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, range};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, range, same};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
 use linestereo::diagnostics::kernel::{CODE_ROWS, STRIP, portable};
@@ -47,7 +47,7 @@ pub(super) fn code_columns(
             (kernels.code_columns)(rows, doublings, out[at_columns.clone()].as_chunks_mut().0);
             portable::code_columns(rows, doublings, expected[at_columns.clone()].as_chunks_mut().0);
             compared.note(
-                *out == expected,
+                same(out, &expected),
                 width,
                 (ROWS, stride),
                 [starts[0], starts[1], at_columns.start, 0],
@@ -211,7 +211,7 @@ pub(super) fn code_costs(
             let mut expected = *out;
             (kernels.code_costs)(&window, columns, &mut out[at_costs.clone()]);
             portable::code_costs(&window, columns, &mut expected[at_costs]);
-            compared.note(*out == expected, length, (CODE_ROWS, 0), starts);
+            compared.note(same(out, &expected), length, (CODE_ROWS, 0), starts);
         }
     }
 }
