@@ -318,6 +318,11 @@ pub(crate) struct Photographer {
 const RAYS: usize = 3;
 
 impl Photographer {
+    /// With the left and with the right camera.
+    pub(crate) fn both(rig: &Calibration) -> [Self; 2] {
+        CameraSide::BOTH.map(|eye| Self::new(rig, eye))
+    }
+
     pub(crate) fn new(rig: &Calibration, eye: CameraSide) -> Self {
         let camera = rig.camera(eye);
         let dims = camera.dims();
@@ -446,7 +451,17 @@ pub(crate) fn photos_of(
     seed: u64,
     share: f64,
 ) -> Vec<(Planes, [GrayImage; 2])> {
-    let photographers = CameraSide::BOTH.map(|eye| Photographer::new(rig, eye));
+    photos_by(&Photographer::both(rig), rig, board, (count, seed), share)
+}
+
+/// The same by photographers of this rig: their rays take as long as some photos.
+pub(crate) fn photos_by(
+    photographers: &[Photographer; 2],
+    rig: &Calibration,
+    board: &Board,
+    (count, seed): (usize, u64),
+    share: f64,
+) -> Vec<(Planes, [GrayImage; 2])> {
     let random = &mut Random(seed);
     let mut photos = Vec::new();
     let points = board.points();

@@ -1,7 +1,7 @@
 //! ChArUco boards and AprilGrids: boards that OpenCV drew, drawn photos of parts of boards, and
 //! what is said of wrong ones.
 
-use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
+use crate::calibration::{Photographer, Planes, drawn_rig, found, photos_by, scores};
 use crate::support::{refused_with, succeed};
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
@@ -100,6 +100,9 @@ fn off(rig: &Calibration, board: &Board, planes: &Planes, pair: &BoardPair) -> V
     of(CameraSide::Left).chain(of(CameraSide::Right)).collect()
 }
 
+/// Photos of each board.
+const PHOTOS: usize = 8;
+
 #[test]
 fn parts_of_boards_calibrate_within_three_stated_deviations() {
     // The legacy layout has the same corners, which `boards_of_opencv_are_read` finds.
@@ -108,19 +111,20 @@ fn parts_of_boards_calibrate_within_three_stated_deviations() {
         Board::april_grid([6, 6], 0.035, 0.3).unwrap(),
     ];
     let rig = drawn_rig(2);
+    let photographers = Photographer::both(&rig);
     for (seed, board) in [0, 2].into_iter().zip(boards) {
-        let drawn = photos_of(&rig, &board, 12, 20 + seed, 0.4);
+        let drawn = photos_by(&photographers, &rig, &board, (PHOTOS, 20 + seed), 0.4);
         let random = &mut Random(seed);
         let photos: Vec<[GrayImage; 2]> = drawn
             .iter()
             .map(|(_, photos)| photos.each_ref().map(|image| worn(image, random)))
             .collect();
         let pairs = found(&board, &photos);
-        assert_eq!(pairs.len(), 12, "{board}");
+        assert_eq!(pairs.len(), PHOTOS, "{board}");
         let part = pairs
             .iter()
             .filter(|pair| pair.numbers.iter().any(|numbers| numbers.len() < board.corners()));
-        assert!(part.count() >= 6, "{board}: boards are whole");
+        assert!(part.count() >= PHOTOS / 2, "{board}: boards are whole");
         let squares: Vec<f64> = pairs
             .iter()
             .zip(&drawn)
