@@ -256,7 +256,8 @@ impl<'a> Band<'a> {
         let other = Self::row(self.census, self.stride, y)?;
         let (_, target) = self.indices(x, 1, first)?;
         let [left, _] = self.images;
-        let has_code = x >= 2 && x + 2 < self.width as i32 && left.valid_columns(y).contains(x);
+        let is_valid = left.valid().is_empty() || left.valid_columns(y).contains(x);
+        let has_code = is_valid && x >= 2 && x + 2 < self.width as i32;
         let code = if has_code { self.left_code(x, y) } else { 0 };
         Some((code, other.get(target..)?))
     }

@@ -356,6 +356,32 @@ fn weights(
     (agreeing, all)
 }
 
+/// [`weights`] where the disparities of points are compared as they are.
+fn plain_weights(near: [&[SupportPoint]; 3], d_q6: i32) -> (u32, u32) {
+    let (mut agreeing, mut all) = (0, 0);
+    let mut add = |point: &SupportPoint| {
+        let weight = u32::from(point.uniqueness_q8);
+        all += weight;
+        // Within the limit of either sign.
+        let above = i32::from(point.disparity_q6) - (d_q6 - AGREES_Q6);
+        if above.cast_unsigned() <= 2 * AGREES_Q6.cast_unsigned() {
+            agreeing += weight;
+        }
+    };
+    for points in near {
+        match points {
+            // Most often: a loop of three is not unrolled where code is to be small.
+            [a, b, c] => {
+                add(a);
+                add(b);
+                add(c);
+            }
+            points => points.iter().for_each(&mut add),
+        }
+    }
+    (agreeing, all)
+}
+
 /// Evidence by the eight points around the one at `index`, and by segments, Q8.
 pub(super) fn nearby(
     points: &[SupportPoint],
@@ -373,7 +399,7 @@ pub(super) fn nearby(
     let near = [row(start.wrapping_sub(columns)), row(start), row(start.wrapping_add(columns))];
     let d_q6 = i32::from(own.disparity_q6);
     let (agreeing, all) = match plane.filter(|_| own.place.is_on_plane()) {
-        None => weights(near, d_q6, |_, _, _| 0),
+        None => plain_weights(near, d_q6),
         // Beside the plane neighbours agree along it.
         Some(plane) => weights(near, d_q6, |point, row, at| {
             let dx = grid.x(first + at) + point.place.dx() - grid.x(column) - own.place.dx();

@@ -27,8 +27,9 @@ use crate::units::quotient;
 const ROWS: i32 = 24;
 /// Runs in a row.
 const RUNS: i32 = 8;
-/// Grey levels that a run's pixels lie between: others are cut off by the sensor's range.
-const LEVELS: core::ops::Range<u8> = 3..253;
+/// Grey levels at either end of the scale that a run's pixels do not have: they are cut off by the
+/// sensor's range.
+const CUT_OFF: u8 = 3;
 /// Least number of runs for an estimate.
 const FEWEST: u32 = 12;
 /// Sums of runs per step of their histogram.
@@ -62,6 +63,16 @@ impl Noise {
     }
 }
 
+/// True when one of four grey levels is cut off.
+#[inline]
+fn has_cut_off(levels: [u8; 4]) -> bool {
+    let (levels, all) = (u32::from_ne_bytes(levels), |byte: u8| u32::from_ne_bytes([byte; 4]));
+    // Levels moved round the scale's end, so that those at both ends are the lowest ones.
+    let moved = ((levels & all(0x7f)) + all(CUT_OFF)) ^ (levels & all(0x80));
+    // The upper bit of a byte: it is below, or one before it.
+    moved.wrapping_sub(all(2 * CUT_OFF)) & !moved & all(0x80) != 0
+}
+
 /// Noise of an image by pixels `apart` px from each other.
 fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
     let dims = image.dims();
@@ -85,7 +96,7 @@ fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
             // Only where no pixel is near black or white.
             let is_between = here
                 .get(apart..apart + STRIP)
-                .is_some_and(|run| run.iter().all(|level| LEVELS.contains(level)));
+                .is_some_and(|run| !run.as_chunks().0.iter().any(|&four| has_cut_off(four)));
             if is_between {
                 let step = second_differences([above, here, below], apart) / STEP;
                 if let Some(count) = histogram.get_mut(step.min(STEPS as u32 - 1) as usize) {
@@ -106,4 +117,20 @@ fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
         }
     }
     Noise { sum: STEPS as u16 * STEP as u16 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_at_both_ends_of_the_scale_are_cut_off() {
+        for level in 0..=u8::MAX {
+            for place in 0..4 {
+                let mut levels = [128, 3, 252, 60];
+                levels[place] = level;
+                assert_eq!(has_cut_off(levels), !(3..253).contains(&level), "{level} at {place}");
+            }
+        }
+    }
 }

@@ -256,39 +256,54 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
 }
 
-/// 1 in each byte.
-const ONES: u32 = 0x0101_0101;
-
-/// 1 in each byte that is below that of the second operand.
-#[inline(always)]
-fn darker(bytes: u32, than: u32) -> u32 {
-    let result: u32;
-    // SAFETY: registers alone; no other code uses the flags between the two instructions.
-    unsafe {
-        asm!("usub8 {r}, {a}, {b}", "sel {r}, {zero}, {ones}", r = out(reg) result,
-            a = in(reg) bytes, b = in(reg) than, zero = in(reg) 0, ones = in(reg) ONES,
-            options(pure, nomem, nostack));
-    }
-    result
-}
-
 /// See [`portable::census_code`].
 #[inline(always)] // a call takes half as long again
 pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
     if stride.checked_mul(4)?.checked_add(first)?.checked_add(5)? > pixels.len() {
         return None;
     }
-    // SAFETY: the last of five pixels of the fifth row was just found to exist.
-    let rows = unsafe {
+    let mut lighter = 0_u32;
+    // SAFETY: the last of five pixels of the fifth row was just found to exist. The last neighbour
+    // comes first: each leaves its bit in the carry, from where it is shifted in.
+    unsafe {
         let top = pixels.as_ptr().add(first);
-        [0, 2, 4].map(|k| &*top.add(k * stride).cast::<[u8; 5]>())
-    };
-    let [&[a, _, b, _, c], &[d, _, centre, _, e], &[f, _, g, _, h]] = rows;
-    // Bytes of 1 become adjacent bits.
-    let bits = |four: [u8; 4]| {
-        darker(u32::from_le_bytes(four), u32::from(centre) * ONES).wrapping_mul(0x0102_0408) >> 24
-    };
-    Some((bits([a, b, c, d]) | bits([e, f, g, h]) << 4) as u8)
+        let (row, bottom) = (top.add(2 * stride), top.add(4 * stride));
+        asm!(
+            "ldrb {centre}, [{row}, #2]",
+            "ldrb {other}, [{bottom}, #4]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{bottom}, #2]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{bottom}]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{row}, #4]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{row}]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{top}, #4]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{top}, #2]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            "ldrb {other}, [{top}]",
+            "cmp {other}, {centre}",
+            "adc {code}, {code}, {code}",
+            top = in(reg) top,
+            row = in(reg) row,
+            bottom = in(reg) bottom,
+            code = inout(reg) lighter,
+            centre = out(reg) _,
+            other = out(reg) _,
+            options(pure, readonly, nostack),
+        );
+    }
+    Some(!lighter as u8)
 }
 
 /// See [`portable::reverse_row`].
