@@ -175,9 +175,14 @@ impl<'a> Edges<'a> {
         while t < self.steps - BORDER {
             let mut from = BORDER;
             let mut stretches = self.stretches_in_areas(t);
-            while from < self.breadth - BORDER && stretches != 0 {
+            while from < self.breadth - BORDER {
                 let to = (from + STRETCH).min(self.breadth - BORDER);
-                let is_searched = stretches & 1 != 0;
+                // Without areas no shifts of four words.
+                let is_searched = stretches.as_mut().is_none_or(|stretches| {
+                    let is_searched = *stretches & 1 != 0;
+                    *stretches >>= 1;
+                    is_searched
+                });
                 if is_searched {
                     self.budget.search();
                 }
@@ -197,17 +202,15 @@ impl<'a> Edges<'a> {
                     }
                 }
                 from = to;
-                stretches >>= 1;
             }
             t += self.scan;
         }
         self.budget.taken()
     }
 
-    /// A bit for each stretch of a row: set where it has pixels of the areas.
-    fn stretches_in_areas(&self, t: i32) -> u128 {
-        let Some(areas) = self.areas else { return u128::MAX };
-        areas.iter().fold(0, |stretches, area| {
+    /// A bit for each stretch of a row: set where it has pixels of the areas. `None` without areas.
+    fn stretches_in_areas(&self, t: i32) -> Option<u128> {
+        Some(self.areas?.iter().fold(0, |stretches, area| {
             let Area { left, top, right, bottom } = *area;
             let ((t0, t1), (u0, u1)) = if self.down {
                 ((top, bottom), (left, right))
@@ -221,7 +224,7 @@ impl<'a> Edges<'a> {
             let stretch = |u: u16| ((i32::from(u) - BORDER).max(0) / STRETCH).clamp(0, 126) as u32;
             let (first, last) = (stretch(u0), stretch(u1 - 1));
             stretches | (((2_u128 << (last - first)) - 1) << first)
-        })
+        }))
     }
 
     /// The part of a stretch that is valid, if it is in one piece.
@@ -381,9 +384,9 @@ impl<'a> Edges<'a> {
 }
 
 fn keep(room: &mut Room<'_>, t: i32, ridge: Ridge) {
-    if let Ok(index) = usize::try_from(t / STEP)
-        && let (Some(position), Some(strength)) =
-            (room.positions.get_mut(index), room.strengths.get_mut(index))
+    let index = (t.cast_unsigned() / STEP.cast_unsigned()) as usize;
+    if let (Some(position), Some(strength)) =
+        (room.positions.get_mut(index), room.strengths.get_mut(index))
     {
         *position = ridge.position_q5() as u16;
         *strength = (ridge.gradient() >> 1).min(u8::MAX.into()) as u8;
@@ -435,7 +438,7 @@ mod tests {
         ];
         both_ways(Some(&areas), &[Span { start: 0, end: 160 }; 120], |edges, place| {
             for t in BORDER..edges.steps - BORDER {
-                let stretches = edges.stretches_in_areas(t);
+                let stretches = edges.stretches_in_areas(t).unwrap();
                 for (k, from) in
                     (0..).zip((BORDER..edges.breadth - BORDER).step_by(STRETCH as usize))
                 {
@@ -457,7 +460,7 @@ mod tests {
             }
         });
         both_ways(None, &[Span { start: 0, end: 160 }; 120], |edges, _| {
-            assert_eq!(edges.stretches_in_areas(50), u128::MAX)
+            assert_eq!(edges.stretches_in_areas(50), None)
         });
     }
 

@@ -10,7 +10,7 @@
 //! A pass over the columns by a kernel, and one over the border's: 4 instructions a gradient, 8 a
 //! census code (Armv7E-M).
 
-use crate::image::{Gray, Span};
+use crate::image::Gray;
 use crate::kernel::{FLAT, census_row, gradient_row};
 use core::ops::Range;
 
@@ -44,20 +44,24 @@ fn fill(
     let index = |x: i32| usize::try_from(x - columns.start).unwrap_or(usize::MAX);
     let [above, y, below] = rows;
     let last = i32::from(dims.height) - 1;
+    let (pixels, stride) = image.as_slice();
     let row = |y: i32| {
-        let row = image.row(y.max(0).min(last) as usize);
-        row.and_then(|row| row.get(from as usize..to as usize)).unwrap_or(&[])
+        let first = (y.max(0).min(last) as usize).wrapping_mul(stride).wrapping_add(from as usize);
+        pixels.get(first..first.wrapping_add((to - from) as usize)).unwrap_or(&[])
     };
     if let Some(inner) = out.get_mut(index(from)..index(to)) {
         kernel([row(above), row(y), row(below)], inner);
     }
-    let Span { start, end } = image.valid_columns(y);
-    let at = |x: u16| index(i32::from(x).max(from).min(to));
+    let (mut first, mut end) = (from, to);
+    if !image.valid().is_empty() {
+        let valid = image.valid_columns(y);
+        [first, end] = [valid.start, valid.end].map(|x| i32::from(x).max(from).min(to));
+    }
     // Most often both are empty: a call less each.
-    if let Some(before) = out.get_mut(..at(start)).filter(|before| !before.is_empty()) {
+    if let Some(before) = out.get_mut(..index(first)).filter(|before| !before.is_empty()) {
         before.fill(FLAT);
     }
-    if let Some(after) = out.get_mut(at(end)..).filter(|after| !after.is_empty()) {
+    if let Some(after) = out.get_mut(index(end)..).filter(|after| !after.is_empty()) {
         after.fill(FLAT);
     }
 }
