@@ -147,9 +147,9 @@ pub trait Observer {
     #[inline]
     fn bar(&mut self, _index: usize, _bar: &Bar, _nearby_q8: [i16; 4]) {}
 
-    /// True where [`Observer::segment_curves`] is to be called.
+    /// True where [`Observer::support_curves`] and [`Observer::segment_curves`] are to be called.
     #[inline]
-    fn wants_segment_curves(&self) -> bool {
+    fn wants_curves(&self) -> bool {
         false
     }
 

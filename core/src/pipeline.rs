@@ -234,7 +234,17 @@ impl Plan {
         let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
         let (half, noise) = (Grid::of_halves(&self.params, self.dims), support::Noise::of(images));
         let models = self.support_models;
-        let matching = support::Matching { images, grid, half, row_offset, noise, plane, models };
+        let wants_curves = observer.wants_curves();
+        let matching = support::Matching {
+            images,
+            grid,
+            half,
+            row_offset,
+            noise,
+            plane,
+            models,
+            wants_curves,
+        };
         let found =
             matching.run(regions.areas(), m.rows, &mut m.support, |index, seen| match seen {
                 support::Seen::Curves(curves) => observer.support_curves(index, &curves),
@@ -279,11 +289,11 @@ impl Plan {
             match_bars(segment.top(), &mut band, m.work, observer);
             band.advance_for(segment, |planes| observer.row(planes));
             observer.on_event(StageEvent::Rows);
-            if observer.wants_segment_curves() {
+            if observer.wants_curves() {
                 m.work.clear_curves();
             }
             let matched = matching::match_segment(segment, &context, &mut full, &band, m.work);
-            if observer.wants_segment_curves() {
+            if observer.wants_curves() {
                 observer.segment_curves(&SegmentCurves::new(segment, m.work));
             }
             counts.searched_fully += u16::from(matched.search == Search::Full);

@@ -58,7 +58,7 @@ impl Observer for Ratios {
         }
     }
 
-    fn wants_segment_curves(&self) -> bool {
+    fn wants_curves(&self) -> bool {
         true
     }
 

@@ -151,6 +151,8 @@ impl Rest {
 
 /// Window curves of one side, of its two halves and the whole, with the minimum of the whole.
 struct SideWindows<'w> {
+    /// Of the rows nearest to the edge alone.
+    near: [&'w mut Curve; 2],
     halves: [&'w mut Curve; 2],
     whole: &'w mut Curve,
     shear: Shear,
@@ -159,10 +161,6 @@ struct SideWindows<'w> {
     best: Minimum,
     second_best: u16,
     ratio_q8: i32,
-    /// Uniqueness ratio of the row nearest to the edge alone, at the disparity of all rows, Q8.
-    near_ratio_q8: i32,
-    /// That of the half which is less unique, Q8.
-    half_ratio_q8: i32,
 }
 
 /// Matches both sides of one segment, or returns the test at which the better side failed.
@@ -192,9 +190,9 @@ pub(crate) fn match_near_horizontal(
     let [a, b, c, d, e, f, g, h, i, j, census_above, census_below] = &mut work.curves;
     let shears = [-1, 1].map(|sign| Shear::of_side(segment, &line, sign, context.support));
     let (above_rows, below_rows) = ((above_rows, shears[0]), (below_rows, shears[1]));
-    let above = SideWindows::new([a, b, c, d, e], &line, columns, above_rows, range, band);
-    let below = SideWindows::new([f, g, h, i, j], &line, columns, below_rows, range, band);
-    let match_one = |own: (&SideWindows<'_>, [i32; 2]),
+    let mut above = SideWindows::new([a, b, c, d, e], &line, columns, above_rows, range, band);
+    let mut below = SideWindows::new([f, g, h, i, j], &line, columns, below_rows, range, band);
+    let match_one = |own: (&mut SideWindows<'_>, [i32; 2]),
                      other: &SideWindows<'_>,
                      which_side: i32,
                      census: &mut Curve| {
@@ -209,8 +207,8 @@ pub(crate) fn match_near_horizontal(
         )
     };
     let matched = [
-        match_one((&above, above_points), &below, -256, census_above),
-        match_one((&below, below_points), &above, 256, census_below),
+        match_one((&mut above, above_points), &below, -256, census_above),
+        match_one((&mut below, below_points), &above, 256, census_below),
     ];
     let (window_q6, census_q6) = match &matched {
         [Ok(a), Ok(b)]
@@ -277,17 +275,11 @@ impl<'w> SideWindows<'w> {
             });
         }
         whole.set_sum(a, b);
-        near_a.add(near_b);
         let best = whole.minimum();
         let second_best = whole.second_best(best.at);
-        let ratio_near = |curve: &mut Curve, reach: i32| {
-            let near = curve.minimum_near(best.at, reach);
-            ratio_q8(near.cost, curve.second_best(near.at))
-        };
-        let near_ratio_q8 = ratio_near(near_a, 1);
-        let half_ratio_q8 = ratio_near(a, HALF_REACH).max(ratio_near(b, HALF_REACH));
         let ratio_q8 = ratio_q8(best.cost, second_best);
         Self {
+            near: [near_a, near_b],
             halves: [a, b],
             whole,
             shear,
@@ -296,10 +288,28 @@ impl<'w> SideWindows<'w> {
             best,
             second_best,
             ratio_q8,
-            near_ratio_q8,
-            half_ratio_q8,
         }
     }
+
+    /// Uniqueness ratio of the row nearest to the edge alone, at the disparity of all rows, Q8.
+    fn near_ratio_q8(&mut self) -> i32 {
+        let [a, b] = &mut self.near;
+        a.add(b);
+        ratio_near_q8(a, self.best.at, 1)
+    }
+
+    /// That of the half which is less unique, Q8.
+    fn half_ratio_q8(&self) -> i32 {
+        let [a, b] =
+            self.halves.each_ref().map(|half| ratio_near_q8(half, self.best.at, HALF_REACH));
+        a.max(b)
+    }
+}
+
+/// Uniqueness ratio of a curve's lowest cost within this reach, Q8.
+fn ratio_near_q8(curve: &Curve, at: i32, reach: i32) -> i32 {
+    let near = curve.minimum_near(at, reach);
+    ratio_q8(near.cost, curve.second_best(near.at))
 }
 
 /// Adds the cost of one row beside the edge over `columns`, in blocks of eight that follow the
@@ -377,7 +387,7 @@ impl MatchedSide {
 /// Matches one side by its window, census and the halves of the window.
 fn match_side(
     line: &HorizontalLine,
-    (own, census_rows): (&SideWindows<'_>, [i32; 2]),
+    (own, census_rows): (&mut SideWindows<'_>, [i32; 2]),
     other: &SideWindows<'_>,
     shared: SegmentEvidence,
     context: &MatchContext<'_>,
@@ -385,11 +395,14 @@ fn match_side(
     census: &mut Curve,
 ) -> Result<MatchedSide, Rejection> {
     let at = own.best.at;
-    let is_unique = own.ratio_q8 <= MAX_SIDE_RATIO_Q8 && own.half_ratio_q8 <= MAX_HALF_RATIO_Q8;
     let columns = line.columns();
     let row = line.row((columns.0 + columns.1) / 2);
     let range = context.range_before(columns.0, band.right_columns(row))?;
-    if own.pixels == 0 || !is_unique || context.is_end(at, range) {
+    if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 || context.is_end(at, range) {
+        return Err(Rejection::WindowNotUnique);
+    }
+    let half_ratio_q8 = own.half_ratio_q8();
+    if half_ratio_q8 > MAX_HALF_RATIO_Q8 {
         return Err(Rejection::WindowNotUnique);
     }
     let (points, census_rest) =
@@ -428,8 +441,8 @@ fn match_side(
         SegmentKind::OtherNearer,
         if other.best.at > at + 1 { (256 - other.ratio_q8).max(0) } else { 0 },
     );
-    evidence.set(SegmentKind::EdgeRatio, own.near_ratio_q8);
-    evidence.set(SegmentKind::HalfRatio, own.half_ratio_q8);
+    evidence.set(SegmentKind::EdgeRatio, own.near_ratio_q8());
+    evidence.set(SegmentKind::HalfRatio, half_ratio_q8);
     // The halves' disparities hold at the quarter points; the line through them reaches the ends.
     let line_q6 = [first_q6 - slant_q6 / 2, last_q6 + slant_q6 / 2];
     Ok(MatchedSide { evidence, line_q6, window_q6, census_q6 })

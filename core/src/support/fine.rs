@@ -327,11 +327,13 @@ impl Fine<'_> {
     ) -> Option<SupportPoint> {
         let Matching { grid, plane, .. } = *self.matching;
         let Around { is_on_plane, label, known_q6 } = node.around;
-        watch(Seen::Curves(SupportCurves {
-            largest: (known_q6 >> 6) + REACH,
-            window: &node.costs,
-            paths: sums,
-        }));
+        if self.matching.wants_curves {
+            watch(Seen::Curves(SupportCurves {
+                largest: (known_q6 >> 6) + REACH,
+                window: &node.costs,
+                paths: sums,
+            }));
+        }
         let lowest = sums.iter().copied().min()?;
         let best = sums.iter().position(|&sum| sum == lowest)?;
         let cost = |at: usize| node.costs.get(at).copied();

@@ -238,6 +238,8 @@ pub(crate) struct Matching<'a> {
     pub(crate) noise: Noise,
     pub(crate) plane: Option<GroundPlane>,
     pub(crate) models: &'a SupportModels,
+    /// Costs are watched as well.
+    pub(crate) wants_curves: bool,
 }
 
 impl Matching<'_> {
@@ -374,10 +376,12 @@ impl Matching<'_> {
                     && let Some(point) = points.get_mut(first + column)
                     && let Some(&steps) = steps.get(column)
                 {
-                    watch(
-                        first + column,
-                        Seen::Curves(SupportCurves::new(&costs, range.clone(), last)),
-                    );
+                    if self.wants_curves {
+                        watch(
+                            first + column,
+                            Seen::Curves(SupportCurves::new(&costs, range.clone(), last)),
+                        );
+                    }
                     let window = self.grid.window(column);
                     let in_left =
                         |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);

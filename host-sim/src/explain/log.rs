@@ -134,7 +134,7 @@ impl Observer for CurveLog {
         }
     }
 
-    fn wants_segment_curves(&self) -> bool {
+    fn wants_curves(&self) -> bool {
         !self.outcomes_only
     }
 
@@ -147,9 +147,6 @@ impl Observer for CurveLog {
     }
 
     fn support_curves(&mut self, index: usize, curves: &SupportCurves<'_>) {
-        if self.outcomes_only {
-            return;
-        }
         let rising = |costs: &[u8], penalty: u8| Curve {
             first: curves.largest + 1 - costs.len() as i32,
             costs: costs.iter().rev().map(|&cost| cost.saturating_sub(penalty).into()).collect(),

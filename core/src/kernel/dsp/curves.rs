@@ -317,7 +317,7 @@ pub fn lower_sum_curve(a: &[u16], b: &[u16], c: &[u16], out: &mut [u16]) {
 /// See [`portable::lowest`].
 pub fn lowest(curve: &[u16]) -> u16 {
     let (blocks, rest) = curve.as_chunks::<8>();
-    let Some(last) = curve.last_chunk::<8>() else { return portable::lowest(curve) };
+    let Some(last) = curve.last_chunk::<8>() else { return lowest_of_few(curve) };
     // The rest, and some of those before it again. Pairs are written out, as the compiler does not
     // unroll a loop over them.
     let rest: &[_] = if rest.is_empty() { &[] } else { core::slice::from_ref(last) };
@@ -329,5 +329,15 @@ pub fn lowest(curve: &[u16]) -> u16 {
         lowest = lower(lowest, packed([g, h]));
     }
     let [low, high] = unpacked(lowest);
+    low.min(high)
+}
+
+/// The lowest entry of a curve of a few.
+#[inline(always)]
+fn lowest_of_few(curve: &[u16]) -> u16 {
+    let (pairs, rest) = curve.as_chunks::<2>();
+    let of_rest = rest.first().copied().unwrap_or(u16::MAX);
+    let lows = pairs.iter().fold(packed([of_rest; 2]), |lows, &pair| lower(lows, packed(pair)));
+    let [low, high] = unpacked(lows);
     low.min(high)
 }
