@@ -5,7 +5,7 @@
 //! the grid.
 //!
 //! # Cost
-//! Some 190 instructions a point that is matched.
+//! Some 160 instructions a point that is matched.
 
 use super::codes::WINDOW_COLUMNS;
 use crate::kernel::{CodeColumn, CodeMoments, code_moments};
