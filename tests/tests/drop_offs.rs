@@ -82,15 +82,27 @@ fn three_points_that_agree_below_the_floor_are_a_drop_off() {
     assert_eq!(told(&at_5_cm, beyond), None);
 }
 
+/// Points of the floor down the rows, in three columns of the sector ahead.
+fn of_floor() -> impl Iterator<Item = Point> {
+    (84_u16..236).step_by(8).flat_map(|y| {
+        let disparity = Disparity::from_num(DOWN * (f64::from(y) - HORIZON));
+        ahead(3, 0.0, 0.95).map(move |point| Point { y, disparity, ..point })
+    })
+}
+
+#[test]
+fn a_sector_is_free_where_the_floor_is_seen_in_both_halves() {
+    let plan = plan(Some(0.05)).on_ground(Some(floor()));
+    for seen in [0..=158_u16, 159..=u16::MAX] {
+        let half = of_floor().filter(move |point| seen.contains(&point.x));
+        assert_eq!(after(&plan, half).sector(&plan, 0, 0), Sector::Unknown);
+    }
+    assert!(matches!(after(&plan, of_floor()).sector(&plan, 0, 0), Sector::Free { .. }));
+}
+
 #[test]
 fn a_drop_off_is_kept_and_its_sector_not_free() {
     let plan = plan(Some(0.05)).on_ground(Some(floor()));
-    let of_floor = || {
-        (84_u16..236).step_by(8).flat_map(|y| {
-            let disparity = Disparity::from_num(DOWN * (f64::from(y) - HORIZON));
-            ahead(3, 0.0, 0.95).map(move |point| Point { y, disparity, ..point })
-        })
-    };
     let mut obstacles = after(&plan, of_floor());
     assert!(matches!(obstacles.sector(&plan, 0, 0), Sector::Free { .. }));
     obstacles.update(&plan, &[], ahead(3, 10.0, 0.95), HealthFlags::GOOD, 0);

@@ -38,7 +38,9 @@
 //!   lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it
 //!   is neither free nor one. Without the plane the band tilts with the camera.
 //! - **Free**: credible segments or support points lie *behind* the range in this sector, none
-//!   within it, and the whole sector is seen by both cameras from the near limit on. Obstacles are
+//!   within it, and the whole sector is seen by both cameras from the near limit on. With a ground
+//!   plane, two of them in each half of the sector at all rows in which something within the range
+//!   would stand. Obstacles are
 //!   possible all the same: a wall without texture, a wire along the rows and anything nearer than
 //!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is
 //!   unknown, not free.
@@ -421,22 +423,32 @@ impl ObstaclePlan {
     /// The ray of a hypothesis of this nearness, 1/64 px, between two points.
     fn ray(&self, nearness_q6: i32, points: [Seen; 2]) -> Option<Ray> {
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
-        let rows = points.map(|point| point.row_q5);
         if points.iter().all(|point| point.above_q6.is_some_and(|above_q6| above_q6 <= GROUND_Q6)) {
             // The ground, or a hole in it: no obstacle, and nothing stands before ground that is
             // seen.
             let is_hole = points
                 .iter()
                 .any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
-            return if is_hole { self.fall(points) } else { Some(Ray::Passes(self.parts(rows))) };
+            return if is_hole { self.fall(points) } else { Some(self.passes(points)) };
         }
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
             Some(Ray::Ends(nearness_q6))
         } else if nearness_q6 < clear_q6 || self.band_has_camera() {
-            Some(Ray::Passes(self.parts(rows)))
+            Some(self.passes(points))
         } else {
             None
         }
+    }
+
+    /// The ray of a hypothesis behind the range, between two points of one sector.
+    fn passes(&self, points: [Seen; 2]) -> Ray {
+        let parts = self.parts(points.map(|point| point.row_q5));
+        let [a, b] = points.map(|point| point.x_q5);
+        let (from, to) = (a.min(b), a.max(b));
+        let edge = |at: usize| self.edges_q5.get(at).copied().map_or(0, i32::from);
+        let sector = self.sector_of((from + to) / 2);
+        let middle = (edge(sector) + edge(sector + 1)) / 2;
+        Ray::Passes([from < middle, to >= middle].map(|is_there| if is_there { parts } else { 0 }))
     }
 
     /// The ray of a hypothesis below the ground; `None` where it is not far enough below it, or
