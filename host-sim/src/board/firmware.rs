@@ -39,6 +39,8 @@ impl Logs {
 /// Programs of a board that one call of cargo builds or has clippy read.
 #[derive(Clone, Copy, Debug)]
 pub struct Images<'a> {
+    /// Their package: the firmware, or one that stands on it without a default board.
+    pub package: &'a str,
     /// Their names.
     pub programs: &'a [&'a str],
     /// Where their logs go.
@@ -51,7 +53,7 @@ impl<'a> Images<'a> {
     /// Programs of the firmware without further features.
     #[must_use]
     pub const fn of_firmware(programs: &'a [&'a str], logs: Logs) -> Self {
-        Self { programs, logs, features: &[] }
+        Self { package: FIRMWARE, programs, logs, features: &[] }
     }
 
     /// Builds them as they are flashed; their paths are in the order of their names.
@@ -90,7 +92,7 @@ impl<'a> Images<'a> {
         Ok(elfs)
     }
 
-    /// Has clippy read them and the firmware's library as the board builds them: much of both is
+    /// Has clippy read them and their package's library as the board builds them: much of both is
     /// for boards only, and nothing on a PC sees it. Warnings are errors.
     pub fn lint(&self, toolchain: &Toolchain, board: &Board) -> Result<()> {
         let mut command = toolchain.clippy()?;
@@ -107,7 +109,8 @@ impl<'a> Images<'a> {
             Logs::Rtt => Some("log-rtt"),
         };
         let features = [board.name].into_iter().chain(logs).chain(self.features.iter().copied());
-        let features: Vec<&str> = features.collect();
+        let features: Vec<String> =
+            features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
         command
             .current_dir(top()?)
             .args([
@@ -116,7 +119,7 @@ impl<'a> Images<'a> {
                 PROFILE,
                 "--locked",
                 "-p",
-                FIRMWARE,
+                self.package,
                 "--no-default-features",
             ])
             .args(["--config", INLINING])

@@ -268,7 +268,8 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
 /// Builds the programs of a board that tests, `measure` and `footprint` use.
 fn images(board: &Board) -> Result<()> {
     let toolchain = Toolchain::for_board(board)?;
-    for images in firmware::images(board) {
+    let laboratory = (*board == Board::MPS2_AN500).then_some(LABORATORY);
+    for images in firmware::images(board).into_iter().chain(laboratory) {
         let started = Instant::now();
         images.build(&toolchain, board)?;
         let programs = [images.programs, images.features].concat().join(" ");
@@ -298,15 +299,22 @@ fn lint(boards: &[Board]) -> Result<()> {
         if *board == Board::PORTENTA_H7 {
             all.push(Images { features: &["ahead"], ..logged });
         }
+        if *board == Board::MPS2_AN500 {
+            all.push(LABORATORY);
+        }
         for images in all {
-            let Images { logs, features, .. } = images;
+            let Images { package, logs, features, .. } = images;
             let logs = if logs == Logs::None { "without logs" } else { "with logs" };
-            println!("clippy: {} {logs} {}", board.name, features.join(" "));
+            println!("clippy: {}, {package} {logs} {}", board.name, features.join(" "));
             images.lint(&toolchain, board)?;
         }
     }
     Ok(())
 }
+
+/// The laboratory's program for a board.
+const LABORATORY: Images<'static> =
+    Images { package: "linestereo-lab-board", ..Images::of_firmware(&["blocks"], Logs::None) };
 
 /// On hardware; the others read and write files of a PC.
 const HARDWARE_PROGRAMS: [&str; 2] = ["live", "selftest"];
