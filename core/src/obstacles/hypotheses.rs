@@ -132,8 +132,8 @@ impl Hypotheses {
         }
     }
 
-    /// Parts of the rows with at least so many hypotheses behind the range, a bit each, by halves of
-    /// the sector.
+    /// Parts of the rows with at least so many hypotheses behind the range, a bit each, by halves
+    /// of the sector.
     fn parts_seen(&self, least: u8) -> [u8; 2] {
         self.clear_parts.map(|half| {
             half.iter().zip(0..).fold(0, |all, (&seen, part)| all | u8::from(seen >= least) << part)
