@@ -59,7 +59,7 @@ pub(crate) struct Report<'a> {
     pub(crate) bars: &'a [Bar],
 }
 
-impl Report<'_> {
+impl<'r> Report<'r> {
     pub(crate) fn run(&mut self, matches: &mut List<'_, Match>, counts: &mut Counts) {
         for candidate in self.candidates.iter_mut() {
             rate(candidate, self.models);
@@ -160,32 +160,8 @@ impl Report<'_> {
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// Calls `put` with every pixel of bars.
-    fn list_bars(&mut self, put: &mut impl FnMut(Point)) {
-        let least = self.least();
-        for bar in bars::in_front(self.bars) {
-            let [first, last] = bar.rows();
-            for y in first..=last {
-                let d_q6 = bar.disparity_at_q6(y.into());
-                for x in bar.columns(y) {
-                    // Support points there have the bar's disparity, and are listed as such.
-                    let is_support =
-                        self.support.at(x, y).is_some_and(|point| point.probability_q16 >= least);
-                    if !is_support
-                        && self.views.allow(x.into(), y.into(), d_q6)
-                        && take(self.marks, self.views.dims(), x, y)
-                    {
-                        let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
-                        put(Point { x, y, disparity, confidence, source: Source::Side });
-                    }
-                }
-            }
-        }
-    }
-
-    /// Calls `put` with every point: those of bars, of segments, most probable sides first, then
-    /// support points.
-    pub(crate) fn list_points(&mut self, put: &mut impl FnMut(Point)) {
+    /// Every point: those of bars, of segments, most probable sides first, then support points.
+    pub(crate) fn points(mut self) -> impl Iterator<Item = Point> + use<'r> {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -195,54 +171,96 @@ impl Report<'_> {
         }
         self.sort_order();
         self.marks.fill(0);
-        let (least, support) = (self.least(), self.support);
-        self.list_bars(put);
-        for ranked in self.order.iter() {
-            let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else {
-                continue;
-            };
-            let (model, _) = self.models.of(candidate.segment.near_horizontal);
-            for (index, side) in candidate.sides.iter().enumerate() {
-                let Some(side) = side.as_ref().filter(|side| !side.rejected) else { continue };
-                for distance in 1..=self.params.reach {
-                    let further = i32::from(distance) - 1;
-                    let next_to_edge = distance == 1 && !candidate.is_one_surface();
-                    let score = side.rated_q8(model)
-                        + model.coefficient_q8(SegmentKind::Distance) * further
-                        + if next_to_edge {
-                            model.coefficient_q8(SegmentKind::NextToEdge)
-                        } else {
-                            0
-                        };
-                    let probability = model.probability_q16(score);
-                    if probability < least {
-                        continue;
-                    }
-                    let source = candidate.listed.map_or(Source::Side, Source::Segment);
-                    let confidence = Confidence::from_bits(probability);
-                    let marks = &mut *self.marks;
-                    candidate.for_each_pixel(index, distance, self.views, |x, y, d_q6| {
-                        let is_outranked = support
-                            .at(x, y)
-                            .is_some_and(|point| point.probability_q16 > probability);
-                        if is_outranked || !take(marks, self.views.dims(), x, y) {
-                            return;
-                        }
-                        put(Point { x, y, disparity: disparity_from_q6(d_q6), confidence, source });
-                    });
-                }
-            }
-        }
-        for ((x, y), point) in support.iter().filter(|(_, point)| point.probability_q16 >= least) {
+        let least = self.least();
+        let Self { params, models, views, candidates, order, support, marks, bars, .. } = self;
+        let candidates: &[Candidate] = candidates;
+        let order = order.into_slice();
+        let of_sides = order.iter().flat_map(move |ranked| {
+            let candidate = candidates.get(usize::from(ranked.candidate));
+            candidate.into_iter().flat_map(move |candidate| {
+                points_of(candidate, SidePoints { params, models, views, support, least })
+            })
+        });
+        let of_grid = support.iter().filter_map(move |((x, y), point)| {
             let (disparity, confidence) = (point.disparity(), point.confidence());
-            if !self.views.allow(x.into(), y.into(), point.disparity_q6.into())
-                || !take(self.marks, self.views.dims(), x, y)
-            {
-                continue;
-            }
-            put(Point { x, y, disparity, confidence, source: Source::Support });
-        }
+            (point.probability_q16 >= least
+                && views.allow(x.into(), y.into(), point.disparity_q6.into()))
+            .then_some(Point { x, y, disparity, confidence, source: Source::Support })
+        });
+        points_of_bars(bars, support, views, least)
+            .chain(of_sides)
+            .chain(of_grid)
+            .filter(move |point| take(marks, views.dims(), point.x, point.y))
     }
+}
+
+/// The pixels of bars that are not listed as support points.
+fn points_of_bars<'r>(
+    bars: &'r [Bar],
+    support: Support<'r>,
+    views: ValidPixels<'r>,
+    least: u16,
+) -> impl Iterator<Item = Point> + use<'r> {
+    bars::in_front(bars).iter().flat_map(move |bar| {
+        let [first, last] = bar.rows();
+        (first..=last).flat_map(move |y| {
+            let d_q6 = bar.disparity_at_q6(y.into());
+            bar.columns(y).filter_map(move |x| {
+                // Support points there have the bar's disparity, and are listed as such.
+                let is_support =
+                    support.at(x, y).is_some_and(|point| point.probability_q16 >= least);
+                let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
+                (!is_support && views.allow(x.into(), y.into(), d_q6)).then_some(Point {
+                    x,
+                    y,
+                    disparity,
+                    confidence,
+                    source: Source::Side,
+                })
+            })
+        })
+    })
+}
+
+/// What the points beside segments depend on.
+#[derive(Clone, Copy)]
+struct SidePoints<'r> {
+    params: &'r Params,
+    models: &'r Models,
+    views: ValidPixels<'r>,
+    support: Support<'r>,
+    least: u16,
+}
+
+/// The pixels beside a candidate's sides, nearest first, that no support point outranks.
+fn points_of<'r>(
+    candidate: &'r Candidate,
+    of: SidePoints<'r>,
+) -> impl Iterator<Item = Point> + use<'r> {
+    let (model, _) = of.models.of(candidate.segment.near_horizontal);
+    let source = candidate.listed.map_or(Source::Side, Source::Segment);
+    let sides = candidate.sides.iter().enumerate();
+    let sides = sides.filter_map(|(index, side)| Some((index, side.as_ref()?)));
+    sides.filter(|(_, side)| !side.rejected).flat_map(move |(index, side)| {
+        let distances = (1..=of.params.reach).filter_map(move |distance| {
+            let further = i32::from(distance) - 1;
+            let next_to_edge = distance == 1 && !candidate.is_one_surface();
+            let score = side.rated_q8(model)
+                + model.coefficient_q8(SegmentKind::Distance) * further
+                + if next_to_edge { model.coefficient_q8(SegmentKind::NextToEdge) } else { 0 };
+            let probability = model.probability_q16(score);
+            (probability >= of.least).then_some((distance, probability))
+        });
+        distances.flat_map(move |(distance, probability)| {
+            let confidence = Confidence::from_bits(probability);
+            candidate.pixels(index, distance, of.views).filter_map(move |(x, y, d_q6)| {
+                let is_outranked =
+                    of.support.at(x, y).is_some_and(|point| point.probability_q16 > probability);
+                let disparity = disparity_from_q6(d_q6);
+                (!is_outranked).then_some(Point { x, y, disparity, confidence, source })
+            })
+        })
+    })
 }
 
 /// Marks a pixel; false when it was marked before.

@@ -54,46 +54,47 @@ impl<'a> ValidPixels<'a> {
     }
 }
 
+/// The pixels of a segment's edge, one a row, or a column of a near-horizontal one.
+#[derive(Clone, Copy)]
+enum EdgePixels {
+    Steep(SteepLine),
+    Flat(HorizontalLine),
+}
+
 impl Candidate {
-    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge
+    /// Column, row and disparity, 1/64 px, of each pixel `distance` (1, 2, ...; 0 is the edge
     /// itself) from the edge on `side` (0 = left or above). Pixels that are not valid are left out.
-    pub fn for_each_pixel(
+    pub fn pixels<'v>(
         &self,
         side: usize,
         distance: u16,
-        views: ValidPixels<'_>,
-        mut each: impl FnMut(u16, u16, i32),
-    ) {
-        let Some(Some(owner)) = self.sides.get(side) else { return };
-        let sign = if side == 0 { -1 } else { 1 };
-        let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
-        let [d0, d1] = owner.disparity_q6.map(i32::from);
-        let mut emit = |x: i32, y: i32, edge_q6: i32, off: i32| {
-            let d_q6 = edge_q6 + ((i32::from(owner.across_q10) * off) >> 4);
-            if views.allow(x, y, d_q6)
-                && let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y))
-            {
-                each(column, row, d_q6);
-            }
-        };
-        // Change of d along the segment, 1/64 px in Q8.
-        let ramp = |from: i32, to: i32| ((d1 - d0) << 8) / (to - from).max(1);
-        if self.segment.near_horizontal {
+        views: ValidPixels<'v>,
+    ) -> impl Iterator<Item = (u16, u16, i32)> + use<'v> {
+        let (line, (from, to), flat_offset) = if self.segment.near_horizontal {
             let line = HorizontalLine::new(&self.segment);
-            let (from, to) = line.columns();
-            let step = ramp(from, to);
-            for x in from..to + 1 {
-                let off = i32::from(distance) + flat_offset;
-                emit(x, line.row(x) + sign * off, d0 + (((x - from) * step) >> 8), off);
-            }
+            let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
+            (EdgePixels::Flat(line), line.columns(), flat_offset)
         } else {
             let line = SteepLine::new(&self.segment);
-            let (from, to) = line.rows();
-            let step = ramp(from, to);
-            for y in from..to + 1 {
-                let off = i32::from(distance);
-                emit(line.column(y) + sign * off, y, d0 + (((y - from) * step) >> 8), off);
-            }
-        }
+            (EdgePixels::Steep(line), line.rows(), 0)
+        };
+        let off = i32::from(distance) + flat_offset;
+        let signed = if side == 0 { -off } else { off };
+        let owner = self.sides.get(side).and_then(Option::as_ref);
+        let ([d0, d1], across_q10) =
+            owner.map_or(([0; 2], 0), |side| (side.disparity_q6.map(i32::from), side.across_q10));
+        let at_first_q6 = d0 + ((i32::from(across_q10) * off) >> 4);
+        // Change of d along the segment, 1/64 px in Q8.
+        let step = ((d1 - d0) << 8) / (to - from).max(1);
+        let end = if owner.is_some() { to + 1 } else { from };
+        (from..end).filter_map(move |at| {
+            let (x, y) = match line {
+                EdgePixels::Flat(line) => (at, line.row(at) + signed),
+                EdgePixels::Steep(line) => (line.column(at) + signed, at),
+            };
+            let d_q6 = at_first_q6 + (((at - from) * step) >> 8);
+            let is_valid = views.allow(x, y, d_q6);
+            Some((u16::try_from(x).ok()?, u16::try_from(y).ok()?, d_q6)).filter(|_| is_valid)
+        })
     }
 }
