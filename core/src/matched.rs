@@ -183,7 +183,7 @@ impl<'a> Matched<'a> {
         let is_fit = self.is_fit();
         let (report, _) =
             Report::new(&self.plan, self.images, &mut self.buffers, self.summary.detail_q8);
-        is_fit.then(|| report.points()).into_iter().flatten()
+        report.points(is_fit)
     }
 
     /// The depth of an object that fills this region.

@@ -24,11 +24,12 @@ use crate::matching::consistency::{Neighbour, for_each_contradiction};
 use crate::matching::{Candidate, Side};
 use crate::params::Params;
 use crate::result::{Counts, Match, Owner, Point, Rejection, Source, Techniques};
-use crate::side_pixels::ValidPixels;
+use crate::side_pixels::{SidePixels, ValidPixels};
 use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
+use core::ops::Range;
 
 /// Difference between two sides' disparities, summed over both ends, above which they are two
 /// surfaces, 1/64 px.
@@ -160,8 +161,9 @@ impl<'r> Report<'r> {
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// Every point: those of bars, of segments, most probable sides first, then support points.
-    pub(crate) fn points(mut self) -> impl Iterator<Item = Point> + use<'r> {
+    /// Every point of a pair that is fit: those of bars, of segments, most probable sides first,
+    /// then support points.
+    pub(crate) fn points(mut self, is_fit: bool) -> Points<'r> {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -173,94 +175,152 @@ impl<'r> Report<'r> {
         self.marks.fill(0);
         let least = self.least();
         let Self { params, models, views, candidates, order, support, marks, bars, .. } = self;
-        let candidates: &[Candidate] = candidates;
-        let order = order.into_slice();
-        let of_sides = order.iter().flat_map(move |ranked| {
-            let candidate = candidates.get(usize::from(ranked.candidate));
-            candidate.into_iter().flat_map(move |candidate| {
-                points_of(candidate, SidePoints { params, models, views, support, least })
-            })
-        });
-        let of_grid = support.iter().filter_map(move |((x, y), point)| {
-            let (disparity, confidence) = (point.disparity(), point.confidence());
-            (point.probability_q16 >= least
-                && views.allow(x.into(), y.into(), point.disparity_q6.into()))
-            .then_some(Point { x, y, disparity, confidence, source: Source::Support })
-        });
-        points_of_bars(bars, support, views, least)
-            .chain(of_sides)
-            .chain(of_grid)
-            .filter(move |point| take(marks, views.dims(), point.x, point.y))
+        Points {
+            reach: params.reach,
+            least,
+            models,
+            views,
+            support,
+            marks,
+            bars: if is_fit { bars::in_front(bars) } else { &[] },
+            y: 0,
+            columns: 0..0,
+            candidates,
+            order: if is_fit { order.into_slice() } else { &[] },
+            side: 0,
+            distance: 0,
+            pixels: SidePixels::NONE,
+            probability: 0,
+            index: if is_fit { 0 } else { usize::MAX },
+        }
     }
 }
 
-/// The pixels of bars that are not listed as support points.
-fn points_of_bars<'r>(
-    bars: &'r [Bar],
-    support: Support<'r>,
-    views: ValidPixels<'r>,
+/// The points of a pair, made one by one: it is small, and compiled here once.
+#[derive(Debug)]
+pub(crate) struct Points<'a> {
+    reach: u16,
     least: u16,
-) -> impl Iterator<Item = Point> + use<'r> {
-    bars::in_front(bars).iter().flat_map(move |bar| {
-        let [first, last] = bar.rows();
-        (first..=last).flat_map(move |y| {
+    models: &'a Models,
+    views: ValidPixels<'a>,
+    support: Support<'a>,
+    /// A bit for each pixel that is listed.
+    marks: &'a mut [u32],
+    /// Bars that are not listed yet; row of the first of them, and the columns left there.
+    bars: &'a [Bar],
+    y: u16,
+    columns: Range<u16>,
+    candidates: &'a [Candidate],
+    /// Candidates that are not listed yet; side and distance of the first of them, the pixels left
+    /// there, and their probability.
+    order: &'a [Ranked],
+    side: usize,
+    distance: u16,
+    pixels: SidePixels,
+    probability: u16,
+    /// The next support point.
+    index: usize,
+}
+
+impl Points<'_> {
+    /// The next pixel of a bar that is not listed as a support point.
+    fn of_bar(&mut self) -> Option<Point> {
+        loop {
+            let (bar, rest) = self.bars.split_first()?;
+            let [first, last] = bar.rows();
+            let Some(x) = self.columns.next() else {
+                // Rows begin at 0 after another bar, and each begins behind the one before.
+                let y = self.y.max(first);
+                if y > last {
+                    (self.bars, self.y) = (rest, 0);
+                } else {
+                    (self.columns, self.y) = (bar.columns(y), y + 1);
+                }
+                continue;
+            };
+            let y = self.y - 1;
             let d_q6 = bar.disparity_at_q6(y.into());
-            bar.columns(y).filter_map(move |x| {
-                // Support points there have the bar's disparity, and are listed as such.
-                let is_support =
-                    support.at(x, y).is_some_and(|point| point.probability_q16 >= least);
+            // Support points there have the bar's disparity, and are listed as such.
+            let at = self.support.at(x, y);
+            let is_support = at.is_some_and(|point| point.probability_q16 >= self.least);
+            if !is_support && self.views.allow(x.into(), y.into(), d_q6) {
                 let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
-                (!is_support && views.allow(x.into(), y.into(), d_q6)).then_some(Point {
+                return Some(Point { x, y, disparity, confidence, source: Source::Side });
+            }
+        }
+    }
+
+    /// The next pixel beside a segment that no support point outranks.
+    fn of_side(&mut self) -> Option<Point> {
+        loop {
+            let (ranked, rest) = self.order.split_first()?;
+            let candidate = self.candidates.get(usize::from(ranked.candidate))?;
+            let Some((x, y, d_q6)) = self.pixels.next(self.views) else {
+                self.distance += 1;
+                if self.distance > self.reach {
+                    (self.side, self.distance) = (self.side + 1, 0);
+                } else {
+                    self.begin(candidate);
+                }
+                if self.side > 1 {
+                    (self.order, self.side) = (rest, 0);
+                }
+                continue;
+            };
+            let at = self.support.at(x, y);
+            if at.is_none_or(|point| point.probability_q16 <= self.probability) {
+                return Some(Point {
                     x,
                     y,
-                    disparity,
-                    confidence,
-                    source: Source::Side,
-                })
-            })
-        })
-    })
+                    disparity: disparity_from_q6(d_q6),
+                    confidence: Confidence::from_bits(self.probability),
+                    source: candidate.listed.map_or(Source::Side, Source::Segment),
+                });
+            }
+        }
+    }
+
+    /// Begins with the pixels at this distance, if they are probable enough.
+    fn begin(&mut self, candidate: &Candidate) {
+        let Some(Some(side)) = candidate.sides.get(self.side) else { return };
+        let (model, _) = self.models.of(candidate.segment.near_horizontal);
+        let next_to_edge = self.distance == 1 && !candidate.is_one_surface();
+        let score = side.rated_q8(model)
+            + model.coefficient_q8(SegmentKind::Distance) * (i32::from(self.distance) - 1)
+            + if next_to_edge { model.coefficient_q8(SegmentKind::NextToEdge) } else { 0 };
+        self.probability = model.probability_q16(score);
+        if !side.rejected && self.probability >= self.least {
+            self.pixels = candidate.side_pixels(self.side, self.distance);
+        }
+    }
+
+    /// The next credible support point.
+    fn of_grid(&mut self) -> Option<Point> {
+        loop {
+            let ((x, y), point) = self.support.nth(self.index)?;
+            self.index += 1;
+            if point.probability_q16 >= self.least
+                && self.views.allow(x.into(), y.into(), point.disparity_q6.into())
+            {
+                let (disparity, confidence) = (point.disparity(), point.confidence());
+                return Some(Point { x, y, disparity, confidence, source: Source::Support });
+            }
+        }
+    }
 }
 
-/// What the points beside segments depend on.
-#[derive(Clone, Copy)]
-struct SidePoints<'r> {
-    params: &'r Params,
-    models: &'r Models,
-    views: ValidPixels<'r>,
-    support: Support<'r>,
-    least: u16,
-}
+impl Iterator for Points<'_> {
+    type Item = Point;
 
-/// The pixels beside a candidate's sides, nearest first, that no support point outranks.
-fn points_of<'r>(
-    candidate: &'r Candidate,
-    of: SidePoints<'r>,
-) -> impl Iterator<Item = Point> + use<'r> {
-    let (model, _) = of.models.of(candidate.segment.near_horizontal);
-    let source = candidate.listed.map_or(Source::Side, Source::Segment);
-    let sides = candidate.sides.iter().enumerate();
-    let sides = sides.filter_map(|(index, side)| Some((index, side.as_ref()?)));
-    sides.filter(|(_, side)| !side.rejected).flat_map(move |(index, side)| {
-        let distances = (1..=of.params.reach).filter_map(move |distance| {
-            let further = i32::from(distance) - 1;
-            let next_to_edge = distance == 1 && !candidate.is_one_surface();
-            let score = side.rated_q8(model)
-                + model.coefficient_q8(SegmentKind::Distance) * further
-                + if next_to_edge { model.coefficient_q8(SegmentKind::NextToEdge) } else { 0 };
-            let probability = model.probability_q16(score);
-            (probability >= of.least).then_some((distance, probability))
-        });
-        distances.flat_map(move |(distance, probability)| {
-            let confidence = Confidence::from_bits(probability);
-            candidate.pixels(index, distance, of.views).filter_map(move |(x, y, d_q6)| {
-                let is_outranked =
-                    of.support.at(x, y).is_some_and(|point| point.probability_q16 > probability);
-                let disparity = disparity_from_q6(d_q6);
-                (!is_outranked).then_some(Point { x, y, disparity, confidence, source })
-            })
-        })
-    })
+    #[inline(never)] // for each point, in whatever crate it is used
+    fn next(&mut self) -> Option<Point> {
+        loop {
+            let point = self.of_bar().or_else(|| self.of_side()).or_else(|| self.of_grid())?;
+            if take(self.marks, self.views.dims(), point.x, point.y) {
+                return Some(point);
+            }
+        }
+    }
 }
 
 /// Marks a pixel; false when it was marked before.

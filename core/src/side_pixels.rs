@@ -55,10 +55,57 @@ impl<'a> ValidPixels<'a> {
 }
 
 /// The pixels of a segment's edge, one a row, or a column of a near-horizontal one.
-#[derive(Clone, Copy)]
+#[derive(Debug)]
 enum EdgePixels {
     Steep(SteepLine),
     Flat(HorizontalLine),
+}
+
+/// Pixels at one distance from an edge, one after the other.
+#[derive(Debug)]
+pub(crate) struct SidePixels {
+    line: EdgePixels,
+    /// Row, or column of a near-horizontal segment: the first, the next, and the end.
+    from: i32,
+    at: i32,
+    end: i32,
+    /// To the pixel from the edge, px.
+    offset: i32,
+    /// Disparity at the first one, 1/64 px, and its change, 1/64 px in Q8.
+    first_q6: i32,
+    step_q8: i32,
+}
+
+impl SidePixels {
+    /// None.
+    pub(crate) const NONE: Self = Self {
+        line: EdgePixels::Steep(SteepLine::NONE),
+        from: 0,
+        at: 0,
+        end: 0,
+        offset: 0,
+        first_q6: 0,
+        step_q8: 0,
+    };
+
+    /// As [`Candidate::pixels`].
+    pub(crate) fn next(&mut self, views: ValidPixels<'_>) -> Option<(u16, u16, i32)> {
+        while self.at < self.end {
+            let at = self.at;
+            self.at += 1;
+            let (x, y) = match &self.line {
+                EdgePixels::Flat(line) => (at, line.row(at) + self.offset),
+                EdgePixels::Steep(line) => (line.column(at) + self.offset, at),
+            };
+            let d_q6 = self.first_q6 + (((at - self.from) * self.step_q8) >> 8);
+            if views.allow(x, y, d_q6)
+                && let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y))
+            {
+                return Some((x, y, d_q6));
+            }
+        }
+        None
+    }
 }
 
 impl Candidate {
@@ -70,6 +117,12 @@ impl Candidate {
         distance: u16,
         views: ValidPixels<'v>,
     ) -> impl Iterator<Item = (u16, u16, i32)> + use<'v> {
+        let mut pixels = self.side_pixels(side, distance);
+        core::iter::from_fn(move || pixels.next(views))
+    }
+
+    pub(crate) fn side_pixels(&self, side: usize, distance: u16) -> SidePixels {
+        let Some(Some(owner)) = self.sides.get(side) else { return SidePixels::NONE };
         let (line, (from, to), flat_offset) = if self.segment.near_horizontal {
             let line = HorizontalLine::new(&self.segment);
             let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
@@ -79,22 +132,15 @@ impl Candidate {
             (EdgePixels::Steep(line), line.rows(), 0)
         };
         let off = i32::from(distance) + flat_offset;
-        let signed = if side == 0 { -off } else { off };
-        let owner = self.sides.get(side).and_then(Option::as_ref);
-        let ([d0, d1], across_q10) =
-            owner.map_or(([0; 2], 0), |side| (side.disparity_q6.map(i32::from), side.across_q10));
-        let at_first_q6 = d0 + ((i32::from(across_q10) * off) >> 4);
-        // Change of d along the segment, 1/64 px in Q8.
-        let step = ((d1 - d0) << 8) / (to - from).max(1);
-        let end = if owner.is_some() { to + 1 } else { from };
-        (from..end).filter_map(move |at| {
-            let (x, y) = match line {
-                EdgePixels::Flat(line) => (at, line.row(at) + signed),
-                EdgePixels::Steep(line) => (line.column(at) + signed, at),
-            };
-            let d_q6 = at_first_q6 + (((at - from) * step) >> 8);
-            let is_valid = views.allow(x, y, d_q6);
-            Some((u16::try_from(x).ok()?, u16::try_from(y).ok()?, d_q6)).filter(|_| is_valid)
-        })
+        let [d0, d1] = owner.disparity_q6.map(i32::from);
+        SidePixels {
+            line,
+            from,
+            at: from,
+            end: to + 1,
+            offset: if side == 0 { -off } else { off },
+            first_q6: d0 + ((i32::from(owner.across_q10) * off) >> 4),
+            step_q8: ((d1 - d0) << 8) / (to - from).max(1),
+        }
     }
 }

@@ -124,7 +124,8 @@ pub fn send_objects<E>(
     write: &mut impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<(), SendError<E>> {
     for piece in objects.chunks(OBJECTS_PER_PACKET) {
-        let list = piece.iter().copied().collect(); // a piece fits
+        let mut list = heapless::Vec::new();
+        let _ = list.extend_from_slice(piece); // it fits
         send(&Message::Objects(Objects { sequence, list }), write)?;
     }
     Ok(())
