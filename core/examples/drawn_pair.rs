@@ -1,6 +1,7 @@
 //! Depth in a drawn pair: a wall 1 m away, a detected object, a pixel. `cargo run --release -p
 //! linestereo --example drawn_pair`
-use linestereo::{Area, Capacity, Depth, Dims, Gray, Pair, Params, Region, Rig};
+use linestereo::units::Depth;
+use linestereo::{Area, Capacity, Dims, Gray, Matcher, Params, Region, Rig};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
@@ -9,7 +10,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let mut memory = Memory::new(); // in a static on a board
     // 200 px * 0.06 m / 12 px = 1 m.
     let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
-    let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
+    let params = Params { max_disparity: 32, rig, ..Params::default() };
+    let mut matcher = Matcher::new(params, DIMS)?;
 
     // A wall with bars of many widths and a grain, as seen by two cameras.
     let grain =
@@ -20,14 +22,10 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         (0..160 * 120).map(|i| grey(i % 160 + disparity, i / 160)).collect()
     };
     let (left, right) = (image(0), image(12));
-    let pair = Pair {
-        left: Gray::new(&left, DIMS, 160)?,
-        right: Gray::new(&right, DIMS, 160)?,
-        times_us: None,
-    };
+    let (left, right) = (Gray::new(&left, DIMS, 160)?, Gray::new(&right, DIMS, 160)?);
 
-    let mut matched = matcher.run(pair, &mut memory)?;
-    assert!(matched.health().flags.is_fit());
+    let mut matched = matcher.run(&mut memory, left, right)?;
+    assert!(matched.is_fit());
     let is_near_a_metre = |depth: Depth| (depth.to_num::<f64>() - 1.0).abs() < 0.03;
     assert!(matched.segments().len() > 10);
     assert!(
@@ -36,14 +34,13 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
 
     // A detected object, and a pixel.
     let region = Region::boxed(1, Area { left: 60, top: 30, right: 120, bottom: 90 }, DIMS)?;
-    matched.objects(&[region], |object| assert!(object.depth.is_some_and(is_near_a_metre)));
-    let pixel = matched.pixel((97, 61), None)?.depth;
+    assert!(matched.object(&region)?.metres.is_some_and(|metres| is_near_a_metre(metres.depth)));
+    let pixel = matched.pixel((97, 61))?.depth;
     assert!(pixel.is_some_and(is_near_a_metre));
 
     // Every pixel with a depth, the most credible first.
-    let mut points = Vec::new();
-    matched.points(|point| points.push((point.x, point.y, point.disparity)));
-    assert!(points.len() > 1000);
-    println!("{} points; the pixel at 97,61 is {pixel:?} m away", points.len());
+    let points = matched.points().count();
+    assert!(points > 1000);
+    println!("{points} points; the pixel at 97,61 is {pixel:?} m away");
     Ok(())
 }

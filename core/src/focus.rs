@@ -15,13 +15,12 @@
 //! ```
 //!
 //! # Cost
-//! A pass over the segments for each area, at most [`Focus::MAX_AREAS`]: some 20 instructions each.
+//! A pass over the segments for each area, at most [`MAX_AREAS`]: some 20 instructions each.
 //!
 //! # Source
 //! The chapter's first idea: other perception excludes the pixels whose depth is not needed.
 
 use crate::area::Area;
-use crate::ground::GroundSearch;
 use crate::image::Dims;
 use crate::lines::{SCAN_STEP, Segment};
 use crate::matching::band::WindowExtent;
@@ -32,29 +31,10 @@ use heapless::Vec;
 /// Margin around the expected position of a right segment, px.
 const VOTES: u16 = 8;
 
-/// Part of a pair that is matched ([`Plan::run_on`](crate::Plan::run_on)).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Focus<'a> {
-    /// Areas of the left image. Of more than [`Focus::MAX_AREAS`] the last ones are joined to one.
-    /// `None` is the whole frame; without a pixel in any of them nothing is matched.
-    pub areas: Option<&'a [Area]>,
-    /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame
-    /// found it ([`Summary::row_offset_q5`](crate::Summary::row_offset_q5)); `None` to estimate it
-    /// in the areas, where segments may be too few.
-    pub row_offset_q5: Option<i16>,
-    /// Where the ground plane is looked for.
-    pub ground: GroundSearch,
-}
+/// Largest number of separate areas.
+pub(crate) const MAX_AREAS: usize = 16;
 
-impl Focus<'_> {
-    /// The whole frame.
-    pub const WHOLE: Self =
-        Self { areas: None, row_offset_q5: None, ground: GroundSearch::Everywhere };
-    /// Largest number of separate areas.
-    pub const MAX_AREAS: usize = 16;
-}
-
-type Areas = Vec<Area, { Focus::MAX_AREAS }>;
+type Areas = Vec<Area, MAX_AREAS>;
 
 /// Areas to search, or everywhere.
 pub(crate) struct SearchRegions {
@@ -63,8 +43,10 @@ pub(crate) struct SearchRegions {
 }
 
 impl SearchRegions {
-    pub(crate) fn new(focus: &Focus<'_>, dims: Dims) -> Self {
-        let areas = focus.areas.map(|areas| {
+    /// Of more than [`MAX_AREAS`] areas the last ones are joined to one. `None` is the whole frame;
+    /// without a pixel in any of them nothing is matched.
+    pub(crate) fn new(areas: Option<&[Area]>, dims: Dims) -> Self {
+        let areas = areas.map(|areas| {
             let mut list = Areas::new();
             for area in
                 areas.iter().map(|area| area.common(Area::of(dims))).filter(|area| !area.is_empty())
@@ -122,7 +104,7 @@ impl SearchRegions {
         &self,
         left: &[Segment],
         disparities: (i32, i32),
-    ) -> Option<Vec<WindowExtent, { Focus::MAX_AREAS }>> {
+    ) -> Option<Vec<WindowExtent, MAX_AREAS>> {
         self.areas.as_ref().map(|areas| {
             let mut list = Vec::new();
             for &area in areas {

@@ -16,7 +16,7 @@ pub const MAX_WIDTH: u16 = 1280;
 pub const MAX_HEIGHT: u16 = 1280;
 
 /// Width and height of an image in pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Dims {
     /// Width, px.
     pub width: u16,
@@ -75,7 +75,7 @@ pub const MARGIN: u16 = 4;
 /// everywhere. `spans` has the rows of the image in order; the result holds for all frames.
 ///
 /// ```
-/// use linestereo::Span;
+/// use linestereo::image::Span;
 /// use linestereo::image::shrink_to_valid;
 /// let mut spans = [Span { start: 3, end: 40 }; 20];
 /// spans[0].end = 0; // nothing in the first row
@@ -118,6 +118,7 @@ impl defmt::Format for Dims {
 /// Reason why a slice is not an image of the given geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ViewError {
     /// A side is outside [`MIN_SIDE`] ..= [`MAX_WIDTH`] / [`MAX_HEIGHT`].
     #[error("an image of {0} is outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}")]

@@ -6,7 +6,7 @@
 //! # Example
 //!
 //! ```
-//! use linestereo::{Area, Capacity, Dims, Gray, Pair, Params, Region, Rig};
+//! use linestereo::{Area, Capacity, Dims, Gray, Matcher, Params, Region, Rig};
 //!
 //! # fn main() -> Result<(), Box<dyn core::error::Error>> {
 //! const DIMS: Dims = Dims { width: 160, height: 120 };
@@ -14,7 +14,8 @@
 //!
 //! // Once: a focal length of 200 px and a baseline of 0.06 m; parameters are checked here.
 //! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
-//! let mut matcher = Params { max_disparity: 32, rig, ..Params::default() }.matcher(DIMS)?;
+//! let params = Params { max_disparity: 32, rig, ..Params::default() };
+//! let mut matcher = Matcher::new(params, DIMS)?;
 //! let mut memory = Memory::new(); // in a static on a board
 //!
 //! # let grey = |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) as u8;
@@ -23,34 +24,30 @@
 //! // For each pair: grey pixels, row by row.
 //! let left = Gray::new(&left, DIMS, 160)?;
 //! let right = Gray::new(&right, DIMS, 160)?;
-//! let pair = Pair { left, right, times_us: None };
-//! let mut matched = matcher.run(pair, &mut memory)?;
+//! let mut result = matcher.run(&mut memory, left, right)?;
 //!
-//! if matched.health().flags.is_fit() {
-//!     for segment in matched.segments() {
-//!         let _ = (segment.depth, segment.confidence);
-//!     }
-//!     let found = Area { left: 60, top: 30, right: 120, bottom: 90 }; // by a detector
-//!     matched.objects(&[Region::boxed(1, found, DIMS)?], |object| {
-//!         let _ = object.depth; // None where it is not credible
-//!     });
+//! for segment in result.segments() {
+//!     let _ = (segment.depth, segment.confidence);
 //! }
+//! let found = Area { left: 60, top: 30, right: 120, bottom: 90 }; // by a detector
+//! let object = result.object(&Region::boxed(1, found, DIMS)?);
+//! let _ = object.map(|object| object.metres); // an error where it is not credible
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! # Parameters
 //!
-//! [`Params`] holds the disparity range, the rig and the limits of a report. [`Params::matcher`]
+//! [`Params`] holds the disparity range, the rig and the limits of a report. [`Matcher::new`]
 //! checks them for an image size and does all floating-point work. [`Rig`] is the focal length, the
 //! baseline and the principal point of a *rectified* pair: a point lies on the same row in both
 //! images. The package `linestereo-rig` rectifies raw frames.
 //!
 //! # Matching
 //!
-//! [`Matcher::run`] takes a [`Pair`] of [`Gray`] images and gives a [`Matched`]. A matcher keeps
-//! the health of the rig and the row offset from pair to pair. [`Matcher::run_with`] limits the
-//! work to the surroundings of detected objects ([`Focus`]) and observes the stages.
+//! [`Matcher::run`] takes a memory and two [`Gray`] images and gives a [`Matched`]. A matcher keeps
+//! the health of the rig and the row offset from pair to pair. [`Matcher::run_with`] takes
+//! [`Options`]: times of capture, areas that are matched, an observer of the stages.
 //!
 //! # Memory
 //!
@@ -62,10 +59,10 @@
 //! - [`Matched::health`]: faults of the pair by name. A pair that is not fit knows no depths.
 //! - [`Matched::segments`] and [`Matched::points`]: everything credible, most probable first.
 //! - [`Matched::bars`]: poles and legs, in front of what is around them.
-//! - [`Matched::objects`]: the depth of boxes and masks ([`objects`]).
+//! - [`Matched::object`]: the depth of a box or a mask ([`objects`]).
 //! - [`Matched::pixel`]: the depth of one pixel.
 //! - [`obstacles`]: the nearest obstacle of each direction, kept over pairs.
-//! - [`GroundPlane`]: the floor, where one is seen.
+//! - [`Matched::ground`]: the floor, where one is seen.
 //!
 //! # Conventions
 //!
@@ -83,12 +80,14 @@
 //! - `dsp`: the kernels for Cortex-M33 and above. Cortex-M4 and M7 always have them.
 //! - `defmt`: parameters, errors, health, depths and results implement `defmt::Format`.
 //! - `serde`: matches, points, numbers of health, margins and parts can be serialized.
+//! - `unstable`: inner loops, models and stages, for fits, tests and comparisons. What it shows may
+//!   change with any version.
 //!
 //! No feature changes a number.
 //!
 //! # Stages
 //!
-//! For readers of the source; [`diagnostics`] makes the stages visible to fits and tests.
+//! For readers of the source; the feature `unstable` makes the stages visible to fits and tests.
 //!
 //! ```text
 //! health      faults of the images and the rig, before and after matching
@@ -104,6 +103,10 @@
 #![deny(unsafe_code)]
 #![deny(missing_debug_implementations)]
 #![warn(clippy::indexing_slicing, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![cfg_attr(
+    not(feature = "unstable"),
+    allow(dead_code, unused_imports, unreachable_pub, reason = "only `unstable` shows it")
+)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "a test may fail"))]
 
 mod area;
@@ -116,10 +119,8 @@ mod focus;
 pub mod ground;
 pub mod health;
 pub mod image;
-#[doc(hidden)] // re-exported in `diagnostics`
-pub mod kernel;
-#[doc(hidden)] // re-exported in `diagnostics`
-pub mod lines;
+mod kernel;
+mod lines;
 #[allow(unsafe_code, reason = "elements beyond the length are not initialised")]
 mod list;
 mod matched;
@@ -129,7 +130,7 @@ mod memory;
 pub mod objects;
 mod observe;
 pub mod obstacles;
-mod params;
+pub mod params;
 mod pipeline;
 mod plan;
 mod query;
@@ -140,34 +141,37 @@ mod row_memory;
 mod side_pixels;
 mod sort;
 mod support;
-mod units;
+pub mod units;
 
 pub use area::Area;
-pub use bars::{Bar, MOST_BARS};
-pub use focus::Focus;
-pub use ground::{CameraPose, GroundPlane, GroundSearch, PoseError};
-pub use health::{HealthFlags, HealthLimits, PairHealth};
-pub use image::{Dims, Gray, Span};
-pub use kernel::KERNELS;
-pub use matched::{Matched, Summary};
-pub use matcher::{Matcher, Pair};
-pub use memory::{Capacity, Memory, MemorySlice, RunError, Word};
-pub use objects::{NoDepth, ObjectDepth, Region, RegionError};
-pub use params::{Margin, ParamError, Params, Parts};
-pub use plan::Plan;
-pub use query::{PixelDepth, PixelRejection};
-pub use result::{Counts, ImagePosition, Match, Owner, Point, Rejection, Source};
-pub use rig::{Rig, RigError};
-pub use support::{Support, SupportPoint};
-pub use units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
+pub use fixed;
+pub use image::{Dims, Gray};
+pub use matched::Matched;
+pub use matcher::{Matcher, Options};
+pub use memory::{Capacity, Memory, MemorySlice, RunError};
+pub use objects::{NoDepth, ObjectDepth, Region};
+pub use params::{Params, Rig};
 
-/// Evidence, models, stages of a run and inner loops, for fitting, tests and comparisons.
-pub mod diagnostics {
+/// Results of a pair: segments, points, bars, support points, the depth of a pixel, counts.
+pub mod results {
+    pub use crate::bars::{Bar, MOST_BARS};
+    pub use crate::query::{PixelDepth, PixelRejection};
+    pub use crate::result::{
+        Counts, ImagePosition, Match, Owner, Point, Rejection, Source, Techniques,
+    };
+    pub use crate::support::{Support, SupportPoint};
+}
+
+/// Evidence, models, stages of a run and inner loops, for fitting, tests and comparisons: it may
+/// change with any version.
+#[cfg(feature = "unstable")]
+pub mod unstable {
     pub use crate::bars::evidence::{BAR_EVIDENCE, BarEvidence, BarKind};
     pub use crate::bars::{FITTED_BAR, FITTED_LEVEL_BAR, LEAST_BAR};
     pub use crate::confidence::{FITTED, Model, Models, NODES};
     pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
+    pub use crate::kernel::KERNELS;
     pub use crate::lines::Segment;
     pub use crate::list::List;
     pub use crate::matching::{
@@ -178,12 +182,20 @@ pub mod diagnostics {
     pub use crate::query::{
         FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PIXEL_EVIDENCE, PixelEvidence, PixelKind, SECOND_BEST_Q8,
     };
-    pub use crate::result::Techniques;
     pub use crate::side_pixels::ValidPixels;
     pub use crate::support::SupportModels;
     pub use crate::support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
     pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH, SupportCurves};
-    pub use crate::{kernel, lines};
+
+    /// Inner loops, portable and as chosen for this machine.
+    pub mod kernel {
+        pub use crate::kernel::*;
+    }
+
+    /// Edges and straight segments.
+    pub mod lines {
+        pub use crate::lines::*;
+    }
 }
 
 /// The example of the package's page.

@@ -18,18 +18,15 @@ impl<'a, T> List<'a, T> {
         Self { slots, len: 0 }
     }
 
+    /// The elements, for as long as the slots live.
+    pub(crate) fn into_slice(self) -> &'a [T] {
+        // SAFETY: `len` is at most the number of slots, and so many are values.
+        unsafe { core::slice::from_raw_parts(self.slots.as_ptr().cast(), self.len) }
+    }
+
     /// An empty list in the same slots, for a time.
     pub(crate) fn lent(&mut self) -> List<'_, T> {
         List::new(self.slots)
-    }
-
-    /// A list of some elements.
-    ///
-    /// # Safety
-    /// The first `len` slots, or all if there are fewer, are values.
-    pub(crate) unsafe fn of_len(slots: &'a mut [MaybeUninit<T>], len: usize) -> Self {
-        let len = len.min(slots.len());
-        Self { slots, len }
     }
 
     /// Largest number of elements.

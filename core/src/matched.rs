@@ -1,29 +1,29 @@
 //! Matched pair: access to its results, and evaluation on demand.
 //!
-//! In: a plan, the pair, the memory of its run. Out: segments, points, the depth of objects and
-//! pixels.
+//! In: the pair, the memory of its run. Out: segments, points, the depth of objects and pixels.
 //!
 //! It borrows the pair and the memory: while it lives, no other pair can be matched there.
 //!
-//! A pair that is not [fit](crate::HealthFlags::is_fit) to be used has no segments, no points and
-//! no ground, and no object and no pixel has a depth. [`Matched::findings`],
-//! [`Matched::candidates`] and [`Matched::support`] keep what was matched, to explain it.
+//! A pair that is not [fit](Matched::is_fit) to be used has no segments, no points and no ground,
+//! and no object and no pixel has a depth. [`Matched::findings`] and [`Matched::support`] keep what
+//! was matched, to explain it.
 
 use crate::bars::{self, Bar};
 use crate::ground::GroundPlane;
 use crate::health::{Findings, HealthFlags, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::list::List;
-use crate::matching::Candidate;
 use crate::memory::Buffers;
-use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Region};
+use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Reason, Region};
 use crate::params::Parts;
 use crate::plan::Plan;
-use crate::query::{self, PixelDepth, PixelEvidence, PixelRejection, Query};
+use crate::query::{self, PixelDepth, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::side_pixels::ValidPixels;
 use crate::support::{RangeCheck, Support};
+#[cfg(feature = "unstable")]
+use crate::{matching::Candidate, query::PixelEvidence};
 
 /// Least row offset by which rows are moved, 1/32 px: that by edges is known within some 0.2 px,
 /// and most pairs are rectified to less than half a pixel.
@@ -31,13 +31,12 @@ const LEAST_OFFSET_Q5: i32 = 22;
 
 /// Counts, row offset and health of a run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Summary {
+pub(crate) struct Summary {
     pub(crate) counts: Counts,
     /// Rows to add to a left row for the matching right one, 1/32 px; `None` when they were neither
     /// measured nor given.
     pub(crate) row_offset_q5: Option<i16>,
-    /// Detail of the left image, [`SupportKind::Detail`](crate::diagnostics::SupportKind::Detail),
-    /// Q8.
+    /// Detail of the left image, `SupportKind::Detail`, Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
     pub(crate) plane: Option<GroundPlane>,
@@ -45,49 +44,10 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// The ground plane that was found in a pair that is fit to be used, or that the camera's pose
-    /// says.
-    #[must_use]
-    pub const fn ground(&self) -> Option<GroundPlane> {
-        if self.is_fit() { self.plane } else { None }
-    }
-
-    /// Numbers of segments found, dropped, matched and rejected.
-    #[must_use]
-    pub fn counts(&self) -> &Counts {
-        &self.counts
-    }
-
-    /// Health of the pair; good when it was not checked.
-    #[must_use]
-    pub fn health(&self) -> &PairHealth {
-        &self.health
-    }
-
-    /// Windows that match beyond the disparity range.
-    #[must_use]
-    pub fn range(&self) -> RangeCheck {
-        self.range
-    }
-
     /// Row of the right image that matches row 0 of the left one, px.
     pub(crate) fn row_offset(&self) -> i32 {
-        let offset_q5 = i32::from(self.row_offset_q5());
+        let offset_q5 = i32::from(self.row_offset_q5.unwrap_or(0));
         offset_q5.signum() * ((offset_q5.abs() + 32 - LEAST_OFFSET_Q5) >> 5)
-    }
-
-    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments
-    /// of both images, or as given by [`Focus`](crate::Focus); 0 when neither says them.
-    #[must_use]
-    pub fn row_offset_q5(&self) -> i16 {
-        self.row_offset_q5.unwrap_or(0)
-    }
-
-    /// True when the pair is [fit](crate::HealthFlags::is_fit) to be used: only then segments,
-    /// points, objects and pixels are answered.
-    #[must_use]
-    pub const fn is_fit(&self) -> bool {
-        self.health.flags.is_fit()
     }
 }
 
@@ -105,7 +65,7 @@ impl<'a> Matched<'a> {
     /// says.
     #[must_use]
     pub const fn ground(&self) -> Option<GroundPlane> {
-        self.summary.ground()
+        if self.is_fit() { self.summary.plane } else { None }
     }
 
     /// Size of both images.
@@ -114,16 +74,24 @@ impl<'a> Matched<'a> {
         self.plan.dims
     }
 
-    /// Counts, row offset and health of the run.
-    #[must_use]
-    pub fn summary(&self) -> &Summary {
-        &self.summary
-    }
-
-    /// Health of the pair; good when it was not checked.
+    /// Health of the pair.
     #[must_use]
     pub fn health(&self) -> &PairHealth {
         &self.summary.health
+    }
+
+    /// True when the pair is [fit](HealthFlags::is_fit) to be used: only then segments, points,
+    /// objects and pixels are answered.
+    #[must_use]
+    pub const fn is_fit(&self) -> bool {
+        self.summary.health.flags.is_fit()
+    }
+
+    /// Rows to add to a left row for the matching right one, 1/32 px: by near-horizontal segments
+    /// of both images, or that of the last whole pair; 0 when neither says them.
+    #[must_use]
+    pub fn row_offset_q5(&self) -> i16 {
+        self.summary.row_offset_q5.unwrap_or(0)
     }
 
     /// Adds faults of the pair that the caller knows of. The pairs after it do not inherit them.
@@ -137,7 +105,6 @@ impl<'a> Matched<'a> {
     pub(crate) fn drop_segments(&mut self) {
         self.buffers.candidates.clear();
         self.buffers.matches.clear();
-        self.buffers.keep();
         self.summary.counts = Counts::default();
     }
 
@@ -150,7 +117,7 @@ impl<'a> Matched<'a> {
     /// Matched segments, most confident first.
     #[must_use]
     pub fn segments(&self) -> &[Match] {
-        if self.summary.is_fit() { &self.buffers.matches } else { &[] }
+        if self.is_fit() { &self.buffers.matches } else { &[] }
     }
 
     /// Matches, counts and support points by which the health of the pair is judged.
@@ -166,29 +133,18 @@ impl<'a> Matched<'a> {
         }
     }
 
-    /// Segments that passed the hard tests, with their hypotheses: the data that confidence models
-    /// are fitted on.
-    #[must_use]
-    pub fn candidates(&self) -> &[Candidate] {
-        &self.buffers.candidates
-    }
-
     /// The grid of support points.
     #[must_use]
     pub fn support(&self) -> Support<'_> {
-        Support::new(
-            &self.plan.params,
-            self.plan.dims,
-            &self.buffers.support,
-            self.summary.detail_q8,
-        )
-        .with_plane(self.summary.plane)
+        let Plan { params, dims, .. } = &self.plan;
+        Support::new(params, *dims, &self.buffers.support, self.summary.detail_q8)
+            .with_plane(self.summary.plane)
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence);
     /// [`Matched::points`] lists each pixel once.
     pub fn support_points(&self) -> impl Iterator<Item = Point> + use<'_> {
-        let is_fit = self.summary.is_fit();
+        let is_fit = self.is_fit();
         self.support().credible(self.plan.params.min_confidence).filter(move |_| is_fit)
     }
 
@@ -197,10 +153,11 @@ impl<'a> Matched<'a> {
     /// points, whatever [`Params::min_confidence`](crate::Params::min_confidence) is: many of
     /// little confidence that agree are an obstacle too.
     pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {
-        let is_fit = self.summary.is_fit();
+        let is_fit = self.is_fit();
         let least_q16 = self.plan.params.min_confidence.to_bits();
         let bars = self.bars().iter().flat_map(Bar::three_points);
-        let unlisted = self.candidates().iter().filter(|candidate| candidate.listed.is_none());
+        let unlisted = self.buffers.candidates.iter();
+        let unlisted = unlisted.filter(|candidate| candidate.listed.is_none());
         let sides = unlisted.flat_map(move |candidate| {
             let credible = candidate.sides.iter().flatten();
             let credible =
@@ -214,36 +171,36 @@ impl<'a> Matched<'a> {
     /// Bars, thin things in front of what is around them.
     #[must_use]
     pub fn bars(&self) -> &[Bar] {
-        if self.summary.is_fit() { bars::in_front(&self.buffers.bars) } else { &[] }
+        if self.is_fit() { bars::in_front(&self.buffers.bars) } else { &[] }
     }
 
-    /// Calls `each` with every point: those of bars, of segments, most probable sides first, then
-    /// support points; at most one per pixel.
+    /// Every point: those of bars, of segments, most probable sides first, then support points; at
+    /// most one per pixel.
     ///
     /// # Cost
     /// Some 40 instructions a point.
-    pub fn points(&mut self, mut each: impl FnMut(Point)) {
-        if self.summary.is_fit() {
-            let (mut report, _) =
-                Report::new(&self.plan, self.images, &mut self.buffers, self.summary.detail_q8);
-            report.list_points(&mut each);
-        }
+    pub fn points(&mut self) -> impl Iterator<Item = Point> + use<'_> {
+        let is_fit = self.is_fit();
+        let (report, _) =
+            Report::new(&self.plan, self.images, &mut self.buffers, self.summary.detail_q8);
+        report.points(is_fit)
     }
 
-    /// Calls `each` with the depth of every region, in the order given.
+    /// The depth of an object that fills this region.
+    ///
+    /// # Errors
+    /// The reason why there is none; [`Reason::UnhealthyPair`] for a pair that is not fit to be
+    /// used.
     ///
     /// # Cost
     /// On a Cortex-M7 some 92 000 instructions for a box of a fifteenth of a QVGA image.
-    pub fn objects(&mut self, regions: &[Region<'_>], mut each: impl FnMut(ObjectDepth)) {
-        if !self.summary.is_fit() {
-            let refused = |region: &Region<'_>| {
-                ObjectDepth::refused(region.label(), NoDepth::UnhealthyPair, 0)
-            };
-            return regions.iter().map(refused).for_each(each);
+    pub fn object(&mut self, region: &Region<'_>) -> Result<ObjectDepth, NoDepth> {
+        if !self.is_fit() {
+            return Err(NoDepth { reason: Reason::UnhealthyPair, support: 0 });
         }
         let Buffers { candidates, support, neighbours, order, marks, bars, .. } = &mut self.buffers;
         let Plan { params, dims, models, .. } = &self.plan;
-        let mut query = ObjectQuery {
+        let query = ObjectQuery {
             candidates,
             support: Support::new(params, *dims, support, self.summary.detail_q8)
                 .with_plane(self.summary.plane),
@@ -255,13 +212,10 @@ impl<'a> Matched<'a> {
             marks,
             bars,
         };
-        for region in regions {
-            each(query.depth_of(region));
-        }
+        query.depth_of(region)
     }
 
-    /// The depth of one pixel, on a segment or not; `region` is the one that it belongs to, if
-    /// known.
+    /// The depth of one pixel, on a segment or not.
     ///
     /// # Errors
     /// The reason why there is none; [`PixelRejection::UnhealthyPair`] for a pair that is not fit
@@ -270,25 +224,31 @@ impl<'a> Matched<'a> {
     /// # Cost
     /// At 64 disparities 40 000 to 53 000 instructions on a Cortex-M7 (means of the built-in
     /// pairs), at most 70 000 where segments are dense.
-    pub fn pixel(
+    pub fn pixel(&mut self, pixel: (u16, u16)) -> Result<PixelDepth, PixelRejection> {
+        self.pixel_answer(pixel, None)
+    }
+
+    /// [`Matched::pixel`] of an object that fills this region: what lies outside of it is no
+    /// evidence.
+    ///
+    /// # Errors
+    /// As [`Matched::pixel`].
+    pub fn pixel_of(
+        &mut self,
+        pixel: (u16, u16),
+        region: &Region<'_>,
+    ) -> Result<PixelDepth, PixelRejection> {
+        self.pixel_answer(pixel, Some(region))
+    }
+
+    fn pixel_answer(
         &mut self,
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<PixelDepth, PixelRejection> {
-        let is_fit = self.summary.is_fit();
+        let is_fit = self.is_fit();
         let answer = self.query(is_fit, |query| query.answer(pixel, region));
         query::on_bars(&self.buffers.bars, pixel, answer, self.plan.params.rig)
-    }
-
-    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability and of any
-    /// pair that was matched: the data that models are fitted on.
-    pub fn pixel_evidence(
-        &mut self,
-        pixel: (u16, u16),
-        region: Option<&Region<'_>>,
-    ) -> Result<(i32, PixelEvidence), PixelRejection> {
-        let is_matched = !self.summary.health.is_refused();
-        self.query(is_matched, |query| query.evidence_of(pixel, region))
     }
 
     fn query<T>(
@@ -313,6 +273,35 @@ impl<'a> Matched<'a> {
             rows,
             work,
         })
+    }
+}
+
+/// Data that models are fitted on.
+#[cfg(feature = "unstable")]
+impl Matched<'_> {
+    /// Answers although the pair is not fit to be used: for scores of the method, beside those of
+    /// its health.
+    pub fn ignore_health(&mut self) {
+        self.summary.health = PairHealth::default();
+    }
+
+    /// Segments that passed the hard tests, with their hypotheses.
+    #[must_use]
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.buffers.candidates
+    }
+
+    /// Disparity of [`Matched::pixel`], 1/64 px, and its evidence, at any probability and of any
+    /// pair that was matched.
+    ///
+    /// # Errors
+    /// As [`Matched::pixel`].
+    pub fn pixel_evidence(
+        &mut self,
+        pixel: (u16, u16),
+    ) -> Result<(i32, PixelEvidence), PixelRejection> {
+        let is_matched = !self.summary.health.is_refused();
+        self.query(is_matched, |query| query.evidence_of(pixel, None))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Matching of consecutive pairs of one rig: health before and after, the run between.
 //!
-//! In: a plan, pairs. Out: a [`Matched`] each. State: the health monitor, the row offset of the
+//! In: parameters, pairs. Out: a [`Matched`] each. State: the health monitor, the row offset of the
 //! last whole pair that was fit, and the ground plane of the last pair.
 //!
 //! ```text
@@ -15,7 +15,7 @@
 //! ```
 
 use crate::area::Area;
-use crate::focus::Focus;
+use crate::focus::{self, SearchRegions};
 use crate::ground::{GroundPlane, GroundSearch};
 use crate::health::{Findings, HealthLimits, HealthMonitor, PairHealth};
 use crate::image::{Dims, Gray};
@@ -23,17 +23,43 @@ use crate::matched::{Matched, Summary};
 use crate::memory::{MemorySlice, RunError};
 use crate::observe::{Observer, StageEvent};
 use crate::params::{ParamError, Params, Parts};
+use crate::pipeline::Run;
 use crate::plan::Plan;
+#[cfg(feature = "unstable")]
+use crate::{confidence::Models, support::SupportModels};
+use core::fmt;
 
-/// A rectified pair.
-#[derive(Clone, Copy, Debug)]
-pub struct Pair<'a> {
-    /// The left image, the reference of all results.
-    pub left: Gray<'a>,
-    /// The right image.
-    pub right: Gray<'a>,
+/// Rare options of [`Matcher::run_with`].
+///
+/// ```
+/// use linestereo::Options;
+/// let options = Options { times_us: Some([1000, 1010]), ..Options::default() };
+/// ```
+#[derive(Default)]
+pub struct Options<'o> {
+    /// Areas of the left image that are matched, with their surroundings, with the row offset of
+    /// the last whole pair, or, before the first, one estimated in them. Of more than
+    /// [`Options::MAX_AREAS`] the last ones are joined to one. `None` is the whole image; without
+    /// a pixel in any of them nothing is matched.
+    pub areas: Option<&'o [Area]>,
     /// Times of capture, left and right, us of one clock, if known.
     pub times_us: Option<[u64; 2]>,
+    /// Is called at the end of each stage. The trait is in `unstable`.
+    pub observer: Option<&'o mut dyn Observer>,
+}
+
+impl Options<'_> {
+    /// Largest number of separate areas.
+    pub const MAX_AREAS: usize = focus::MAX_AREAS;
+}
+
+impl fmt::Debug for Options<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { areas, times_us, observer } = self;
+        let mut out = f.debug_struct("Options");
+        out.field("areas", areas).field("times_us", times_us);
+        out.field("is_observed", &observer.is_some()).finish()
+    }
 }
 
 /// Pairs from one search of the ground to the next, while none is found.
@@ -43,8 +69,8 @@ const CHECK_PERIOD: u8 = 64;
 /// The same while the row offset is not known, or the pair was not fit.
 const SHORT_CHECK_PERIOD: u8 = 8;
 
-/// A plan, the health monitor, the row offset of the last whole pair and the ground plane of the
-/// last pair.
+/// Checked parameters for one size of images, the health monitor, the row offset of the last whole
+/// pair and the ground plane of the last pair.
 #[derive(Clone, Debug)]
 pub struct Matcher {
     /// Limits of health, in the units of each field.
@@ -64,39 +90,50 @@ pub struct Matcher {
     unchecked: u8,
 }
 
-impl Params {
-    /// [`Params::plan`], with default limits of health for its rig.
-    pub fn matcher(self, dims: Dims) -> Result<Matcher, ParamError> {
-        self.plan(dims).map(Matcher::new)
-    }
-}
-
 impl Matcher {
-    /// A matcher before the first pair.
-    #[must_use]
-    pub const fn new(plan: Plan) -> Self {
-        let limits = HealthLimits::DEFAULT.of_rig(plan.rig().as_ref());
-        Self {
-            limits,
-            plan,
+    /// A matcher before the first pair, for images of this size, with default limits of health for
+    /// the rig. All floating-point work is done here.
+    ///
+    /// # Errors
+    /// The parameter that cannot be used.
+    pub fn new(params: Params, dims: Dims) -> Result<Self, ParamError> {
+        Ok(Self {
+            limits: HealthLimits::DEFAULT.of_rig(params.rig.as_ref()),
+            plan: Plan::new(params, dims)?,
             monitor: HealthMonitor::new(),
             row_offset_q5: None,
             ground: None,
             unsearched: 0,
             expected: None,
             unchecked: 0,
-        }
+        })
     }
 
-    /// Plan of the matching.
+    /// Parameters of the matching.
     #[must_use]
-    pub fn plan(&self) -> &Plan {
-        &self.plan
+    pub const fn params(&self) -> &Params {
+        &self.plan.params
     }
 
-    /// Changes the plan for further pairs of the same cameras; the state of health stays.
-    pub fn set_plan(&mut self, plan: Plan) {
-        self.plan = plan;
+    /// Size of both images.
+    #[must_use]
+    pub const fn dims(&self) -> Dims {
+        self.plan.dims
+    }
+
+    /// Changes the parameters for further pairs of the same cameras. The state of health, the row
+    /// offset and the ground plane stay, unless the images have another size.
+    ///
+    /// # Errors
+    /// As [`Matcher::new`]; then nothing is changed.
+    pub fn set_params(&mut self, params: Params, dims: Dims) -> Result<(), ParamError> {
+        params.check(dims)?;
+        if dims != self.plan.dims {
+            self.row_offset_q5 = None;
+            self.forget_health();
+        }
+        self.plan = Plan { dims, params, ..self.plan };
+        Ok(())
     }
 
     /// Says where the ground is in pairs from now on, by the camera's pose
@@ -113,45 +150,43 @@ impl Matcher {
         self.row_offset_q5.is_some()
     }
 
-    /// Matches the next pair.
+    /// Matches the next pair. `left` is the reference of all results.
     ///
     /// # Errors
-    /// As [`Plan::run`]; such a pair does not change the state.
+    /// Images of another size, and a memory that is too small for them (see
+    /// [`Capacity`](crate::Capacity)); such a pair does not change the state.
     pub fn run<'a>(
         &mut self,
-        pair: Pair<'a>,
         memory: &'a mut MemorySlice,
+        left: Gray<'a>,
+        right: Gray<'a>,
     ) -> Result<Matched<'a>, RunError> {
-        self.run_observed(pair, memory, None, &mut ())
+        self.run_with(memory, left, right, Options::default())
     }
 
-    /// [`Matcher::run`]; with `areas` in these parts of the left image alone, with the row offset
-    /// of the last whole pair, or, before the first, one estimated in them. Calls `observer` at
-    /// every step.
+    /// [`Matcher::run`] with options.
+    ///
+    /// # Errors
+    /// As [`Matcher::run`].
+    #[inline(never)]
     pub fn run_with<'a>(
         &mut self,
-        pair: Pair<'a>,
         memory: &'a mut MemorySlice,
-        areas: Option<&[Area]>,
-        observer: &mut impl Observer,
+        left: Gray<'a>,
+        right: Gray<'a>,
+        options: Options<'_>,
     ) -> Result<Matched<'a>, RunError> {
-        self.run_observed(pair, memory, areas, observer)
-    }
-
-    #[inline(never)]
-    fn run_observed<'a>(
-        &mut self,
-        pair: Pair<'a>,
-        memory: &'a mut MemorySlice,
-        areas: Option<&[Area]>,
-        observer: &mut dyn Observer,
-    ) -> Result<Matched<'a>, RunError> {
-        let Pair { left, right, times_us } = pair;
-        let mut buffers = self.plan.buffers([left, right], memory)?;
+        let Options { areas, times_us, observer } = options;
+        let mut nobody = ();
+        let observer = observer.unwrap_or(&mut nobody);
+        let Plan { params, dims, .. } = self.plan;
+        if let Some(image) = [left, right].iter().find(|image| image.dims() != dims) {
+            return Err(RunError::SizeMismatch { planned: dims, given: image.dims() });
+        }
+        let buffers = memory.cut(dims, params.cell)?;
         let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
         observer.on_event(StageEvent::Health(&health));
         if health.is_refused() {
-            buffers.clear();
             return Ok(Matched {
                 plan: self.plan,
                 images: [left, right],
@@ -161,7 +196,7 @@ impl Matcher {
         }
         // Support points alone say too little about rows, and about whether most of the pair
         // matches.
-        let are_points_alone = self.plan.params.parts == Parts::Support;
+        let are_points_alone = params.parts == Parts::Support;
         let has_segments = !are_points_alone || self.unchecked == 0;
         let parts = if has_segments { Parts::Both } else { Parts::Support };
         let row_offset_q5 = self.row_offset_q5.filter(|_| areas.is_some() || !has_segments);
@@ -171,8 +206,15 @@ impl Matcher {
             (None, None, 0) => GroundSearch::Everywhere,
             (None, None, _) => GroundSearch::Off,
         };
-        let focus = Focus { areas, row_offset_q5, ground };
-        let mut matched = self.plan.run_stages([left, right], (&focus, parts), buffers, observer);
+        let run = Run {
+            plan: &self.plan,
+            images: [left, right],
+            regions: SearchRegions::new(areas, dims),
+            row_offset_q5,
+            ground,
+            parts,
+        };
+        let mut matched = run.stages(buffers, observer);
         self.ground = matched.summary.plane;
         self.unsearched = match ground {
             GroundSearch::Off => self.unsearched.saturating_sub(1),
@@ -212,5 +254,24 @@ impl Matcher {
     pub fn forget_health(&mut self) {
         self.monitor = HealthMonitor::new();
         (self.ground, self.unsearched, self.unchecked) = (None, 0, 0);
+    }
+}
+
+/// Other models, for fits and comparisons.
+#[cfg(feature = "unstable")]
+impl Matcher {
+    /// Rates segments and support points by other models.
+    pub fn set_models(&mut self, segments: &'static Models, support: &'static SupportModels) {
+        self.plan = Plan { models: segments, support_models: support, ..self.plan };
+    }
+
+    /// Takes this row offset, 1/32 px, for that of the last whole pair.
+    pub fn set_row_offset_q5(&mut self, row_offset_q5: i16) {
+        self.row_offset_q5 = Some(row_offset_q5);
+    }
+
+    /// Looks for no bars.
+    pub fn leave_out_bars(&mut self) {
+        self.plan.has_bars = false;
     }
 }

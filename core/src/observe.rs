@@ -39,8 +39,7 @@ pub enum StageEvent<'a> {
     Consistency(&'a [Candidate], &'a [SupportPoint]),
     /// The list of matches.
     Report(&'a [Match]),
-    /// Health of the pair, from [`Matcher`](crate::Matcher): a [`Plan`](crate::Plan) alone does not
-    /// compute it.
+    /// Health of the pair.
     Health(&'a PairHealth),
 }
 

@@ -1,12 +1,12 @@
 //! Parameters of the method, checked once.
 //!
-//! In: plain numbers with documented defaults. Out: a [`Plan`](crate::Plan) for one image size, or
-//! the name and range of the invalid number. A run then fails only on images of another size or too
-//! little memory.
+//! In: plain numbers with documented defaults. Out: a [`Matcher`](crate::Matcher) for one image
+//! size, or the name and range of the invalid number. A run then fails only on images of another
+//! size or too little memory.
 
 use crate::curve::MAX_DISPARITIES;
 use crate::image::Dims;
-use crate::rig::Rig;
+pub use crate::rig::{Rig, RigError};
 use crate::units::{Confidence, Depth, Disparity};
 
 /// Largest difference between the techniques (Eq. 13).
@@ -97,26 +97,33 @@ impl Params {
         if widest < Self::DEFAULT.max_disparity { widest } else { Self::DEFAULT.max_disparity }
     }
 
-    pub(crate) fn check(&self, dims: Dims) -> Result<(), ParamError> {
-        in_range("min_disparity", self.min_disparity, -32_i16, 0_i16)?;
+    /// Checks all parameters for images of this size, as [`Matcher::new`](crate::Matcher::new).
+    ///
+    /// # Errors
+    /// The parameter that cannot be used.
+    pub fn check(&self, dims: Dims) -> Result<(), ParamError> {
+        in_range(Param::MinDisparity, self.min_disparity, -32_i16, 0_i16)?;
         let most = MAX_DISPARITIES as i32 + i32::from(self.min_disparity);
         let widest = most.min(i32::from(dims.width) - 1);
-        in_range("max_disparity", self.max_disparity, i32::from(self.min_disparity) + 8, widest)?;
-        in_range("anchor_gradient", self.anchor_gradient, 4_i32, 1020_i32)?;
-        in_range("edge_gradient", self.edge_gradient, 4_i32, self.anchor_gradient)?;
-        in_range("min_extent", self.min_extent, 6_i32, 32_i32)?;
-        in_range("cell", self.cell, 8_i32, 256_i32)?;
-        in_range("reach", self.reach, 1_i32, 6_i32)?;
+        in_range(
+            Param::MaxDisparity,
+            self.max_disparity,
+            i32::from(self.min_disparity) + 8,
+            widest,
+        )?;
+        in_range(Param::AnchorGradient, self.anchor_gradient, 4_i32, 1020_i32)?;
+        in_range(Param::EdgeGradient, self.edge_gradient, 4_i32, self.anchor_gradient)?;
+        in_range(Param::MinExtent, self.min_extent, 6_i32, 32_i32)?;
+        in_range(Param::Cell, self.cell, 8_i32, 256_i32)?;
+        in_range(Param::Reach, self.reach, 1_i32, 6_i32)?;
         let percent = (u32::from(self.min_confidence.to_bits()) * 100) >> 16;
-        in_range("min_confidence (percent)", percent, 10_i32, 99_i32)?;
+        in_range(Param::MinConfidence, percent, 10_i32, 99_i32)?;
         match self.margin {
-            Margin::Pixels(margin) => {
-                in_range("margin (1/64 px)", margin.to_bits(), 16_i32, 1024_i32)
-            }
+            Margin::Pixels(margin) => in_range(Param::Margin, margin.to_bits(), 16_i32, 1024_i32),
             Margin::Metres { .. } if self.rig.is_none() => Err(ParamError::MarginNeedsRig),
             Margin::Metres { nearer, farther } => {
-                in_range("margin nearer (mm)", millimetres(nearer), 1_i32, 1_000_000_i32)?;
-                in_range("margin farther (mm)", millimetres(farther), 1_i32, 1_000_000_i32)
+                in_range(Param::MarginNearer, millimetres(nearer), 1_i32, 1_000_000_i32)?;
+                in_range(Param::MarginFarther, millimetres(farther), 1_i32, 1_000_000_i32)
             }
         }
     }
@@ -133,7 +140,7 @@ fn millimetres(depth: Depth) -> i32 {
 }
 
 fn in_range(
-    name: &'static str,
+    param: Param,
     value: impl Into<i64>,
     low: impl Into<i64>,
     high: impl Into<i64>,
@@ -142,19 +149,69 @@ fn in_range(
     if (low..=high).contains(&value) {
         Ok(())
     } else {
-        Err(ParamError::OutOfRange { name, value, low, high })
+        Err(ParamError::OutOfRange { param, value, low, high })
+    }
+}
+
+/// A field of [`Params`], in the unit of its limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Param {
+    /// [`Params::min_disparity`], px.
+    MinDisparity,
+    /// [`Params::max_disparity`], px.
+    MaxDisparity,
+    /// [`Params::anchor_gradient`].
+    AnchorGradient,
+    /// [`Params::edge_gradient`].
+    EdgeGradient,
+    /// [`Params::min_extent`], px.
+    MinExtent,
+    /// [`Params::cell`], px.
+    Cell,
+    /// [`Params::reach`], px.
+    Reach,
+    /// [`Params::min_confidence`], percent.
+    MinConfidence,
+    /// [`Margin::Pixels`], 1/64 px.
+    Margin,
+    /// [`Margin::Metres`] towards the cameras, mm.
+    MarginNearer,
+    /// [`Margin::Metres`] away from the cameras, mm.
+    MarginFarther,
+}
+
+impl Param {
+    /// The name of the field, with the unit of its limits where it is not the field's.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::MinDisparity => "min_disparity",
+            Self::MaxDisparity => "max_disparity",
+            Self::AnchorGradient => "anchor_gradient",
+            Self::EdgeGradient => "edge_gradient",
+            Self::MinExtent => "min_extent",
+            Self::Cell => "cell",
+            Self::Reach => "reach",
+            Self::MinConfidence => "min_confidence (percent)",
+            Self::Margin => "margin (1/64 px)",
+            Self::MarginNearer => "margin nearer (mm)",
+            Self::MarginFarther => "margin farther (mm)",
+        }
     }
 }
 
 /// A parameter that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ParamError {
     /// A number outside its range.
-    #[error("{name} is {value} but must be {low} to {high}")]
+    #[error("{} is {value} but must be {low} to {high}", .param.name())]
     OutOfRange {
-        /// Name of the field of [`Params`].
-        name: &'static str,
+        /// The parameter.
+        param: Param,
         /// Its value.
         value: i64,
         /// Least allowed value.

@@ -4,12 +4,11 @@ use crate::confidence::{FITTED, Model, Models};
 use crate::image::Dims;
 use crate::params::{ParamError, Params};
 use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
-use crate::rig::Rig;
 use crate::support::{FITTED_SUPPORT, SupportModels};
 
 /// Checked parameters for one image size, constant over frames.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan {
+pub(crate) struct Plan {
     pub(crate) dims: Dims,
     pub(crate) params: Params,
     pub(crate) models: &'static Models,
@@ -18,50 +17,22 @@ pub struct Plan {
     pub(crate) has_bars: bool,
 }
 
-impl Params {
+impl Plan {
     /// Checks all parameters for images of this size.
-    pub fn plan(self, dims: Dims) -> Result<Plan, ParamError> {
-        self.check(dims)?;
-        Ok(Plan {
+    pub(crate) fn new(params: Params, dims: Dims) -> Result<Self, ParamError> {
+        params.check(dims)?;
+        Ok(Self {
             dims,
-            params: self,
+            params,
             models: &FITTED,
             pixel_model: &FITTED_PIXEL,
             support_models: &FITTED_SUPPORT,
             has_bars: true,
         })
     }
-}
 
-impl Plan {
-    /// Size of both images.
-    #[must_use]
-    pub fn dims(&self) -> Dims {
-        self.dims
-    }
-
-    /// The rig that depths are measured with.
-    #[must_use]
-    pub const fn rig(&self) -> Option<Rig> {
-        self.params.rig
-    }
-
-    /// The same plan with other confidence models.
-    #[must_use]
-    pub fn with_models(self, models: &'static Models) -> Self {
-        Self { models, ..self }
-    }
-
-    /// The same plan with other confidence models for support points.
-    #[must_use]
-    pub fn with_support_models(self, support_models: &'static SupportModels) -> Self {
-        Self { support_models, ..self }
-    }
-
-    /// The same plan without bars, for comparisons.
-    #[doc(hidden)]
-    #[must_use]
-    pub fn without_bars(self) -> Self {
-        Self { has_bars: false, ..self }
+    /// First disparity, and the one after the last, px.
+    pub(crate) fn disparities(&self) -> (i32, i32) {
+        (self.params.min_disparity.into(), self.params.max_disparity.into())
     }
 }

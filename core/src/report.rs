@@ -24,11 +24,12 @@ use crate::matching::consistency::{Neighbour, for_each_contradiction};
 use crate::matching::{Candidate, Side};
 use crate::params::Params;
 use crate::result::{Counts, Match, Owner, Point, Rejection, Source, Techniques};
-use crate::side_pixels::ValidPixels;
+use crate::side_pixels::{SidePixels, ValidPixels};
 use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
+use core::ops::Range;
 
 /// Difference between two sides' disparities, summed over both ends, above which they are two
 /// surfaces, 1/64 px.
@@ -59,7 +60,7 @@ pub(crate) struct Report<'a> {
     pub(crate) bars: &'a [Bar],
 }
 
-impl Report<'_> {
+impl<'r> Report<'r> {
     pub(crate) fn run(&mut self, matches: &mut List<'_, Match>, counts: &mut Counts) {
         for candidate in self.candidates.iter_mut() {
             rate(candidate, self.models);
@@ -160,32 +161,9 @@ impl Report<'_> {
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// Calls `put` with every pixel of bars.
-    fn list_bars(&mut self, put: &mut impl FnMut(Point)) {
-        let least = self.least();
-        for bar in bars::in_front(self.bars) {
-            let [first, last] = bar.rows();
-            for y in first..=last {
-                let d_q6 = bar.disparity_at_q6(y.into());
-                for x in bar.columns(y) {
-                    // Support points there have the bar's disparity, and are listed as such.
-                    let is_support =
-                        self.support.at(x, y).is_some_and(|point| point.probability_q16 >= least);
-                    if !is_support
-                        && self.views.allow(x.into(), y.into(), d_q6)
-                        && take(self.marks, self.views.dims(), x, y)
-                    {
-                        let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
-                        put(Point { x, y, disparity, confidence, source: Source::Side });
-                    }
-                }
-            }
-        }
-    }
-
-    /// Calls `put` with every point: those of bars, of segments, most probable sides first, then
-    /// support points.
-    pub(crate) fn list_points(&mut self, put: &mut impl FnMut(Point)) {
+    /// Every point of a pair that is fit: those of bars, of segments, most probable sides first,
+    /// then support points.
+    pub(crate) fn points(mut self, is_fit: bool) -> Points<'r> {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -195,52 +173,152 @@ impl Report<'_> {
         }
         self.sort_order();
         self.marks.fill(0);
-        let (least, support) = (self.least(), self.support);
-        self.list_bars(put);
-        for ranked in self.order.iter() {
-            let Some(candidate) = self.candidates.get(usize::from(ranked.candidate)) else {
+        let least = self.least();
+        let Self { params, models, views, candidates, order, support, marks, bars, .. } = self;
+        Points {
+            reach: params.reach,
+            least,
+            models,
+            views,
+            support,
+            marks,
+            bars: if is_fit { bars::in_front(bars) } else { &[] },
+            y: 0,
+            columns: 0..0,
+            candidates,
+            order: if is_fit { order.into_slice() } else { &[] },
+            side: 0,
+            distance: 0,
+            pixels: SidePixels::NONE,
+            probability: 0,
+            index: if is_fit { 0 } else { usize::MAX },
+        }
+    }
+}
+
+/// The points of a pair, made one by one: it is small, and compiled here once.
+#[derive(Debug)]
+pub(crate) struct Points<'a> {
+    reach: u16,
+    least: u16,
+    models: &'a Models,
+    views: ValidPixels<'a>,
+    support: Support<'a>,
+    /// A bit for each pixel that is listed.
+    marks: &'a mut [u32],
+    /// Bars that are not listed yet; row of the first of them, and the columns left there.
+    bars: &'a [Bar],
+    y: u16,
+    columns: Range<u16>,
+    candidates: &'a [Candidate],
+    /// Candidates that are not listed yet; side and distance of the first of them, the pixels left
+    /// there, and their probability.
+    order: &'a [Ranked],
+    side: usize,
+    distance: u16,
+    pixels: SidePixels,
+    probability: u16,
+    /// The next support point.
+    index: usize,
+}
+
+impl Points<'_> {
+    /// The next pixel of a bar that is not listed as a support point.
+    fn of_bar(&mut self) -> Option<Point> {
+        loop {
+            let (bar, rest) = self.bars.split_first()?;
+            let [first, last] = bar.rows();
+            let Some(x) = self.columns.next() else {
+                // Rows begin at 0 after another bar, and each begins behind the one before.
+                let y = self.y.max(first);
+                if y > last {
+                    (self.bars, self.y) = (rest, 0);
+                } else {
+                    (self.columns, self.y) = (bar.columns(y), y + 1);
+                }
                 continue;
             };
-            let (model, _) = self.models.of(candidate.segment.near_horizontal);
-            for (index, side) in candidate.sides.iter().enumerate() {
-                let Some(side) = side.as_ref().filter(|side| !side.rejected) else { continue };
-                for distance in 1..=self.params.reach {
-                    let further = i32::from(distance) - 1;
-                    let next_to_edge = distance == 1 && !candidate.is_one_surface();
-                    let score = side.rated_q8(model)
-                        + model.coefficient_q8(SegmentKind::Distance) * further
-                        + if next_to_edge {
-                            model.coefficient_q8(SegmentKind::NextToEdge)
-                        } else {
-                            0
-                        };
-                    let probability = model.probability_q16(score);
-                    if probability < least {
-                        continue;
-                    }
-                    let source = candidate.listed.map_or(Source::Side, Source::Segment);
-                    let confidence = Confidence::from_bits(probability);
-                    let marks = &mut *self.marks;
-                    candidate.for_each_pixel(index, distance, self.views, |x, y, d_q6| {
-                        let is_outranked = support
-                            .at(x, y)
-                            .is_some_and(|point| point.probability_q16 > probability);
-                        if is_outranked || !take(marks, self.views.dims(), x, y) {
-                            return;
-                        }
-                        put(Point { x, y, disparity: disparity_from_q6(d_q6), confidence, source });
-                    });
-                }
+            let y = self.y - 1;
+            let d_q6 = bar.disparity_at_q6(y.into());
+            // Support points there have the bar's disparity, and are listed as such.
+            let at = self.support.at(x, y);
+            let is_support = at.is_some_and(|point| point.probability_q16 >= self.least);
+            if !is_support && self.views.allow(x.into(), y.into(), d_q6) {
+                let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
+                return Some(Point { x, y, disparity, confidence, source: Source::Side });
             }
         }
-        for ((x, y), point) in support.iter().filter(|(_, point)| point.probability_q16 >= least) {
-            let (disparity, confidence) = (point.disparity(), point.confidence());
-            if !self.views.allow(x.into(), y.into(), point.disparity_q6.into())
-                || !take(self.marks, self.views.dims(), x, y)
-            {
+    }
+
+    /// The next pixel beside a segment that no support point outranks.
+    fn of_side(&mut self) -> Option<Point> {
+        loop {
+            let (ranked, rest) = self.order.split_first()?;
+            let candidate = self.candidates.get(usize::from(ranked.candidate))?;
+            let Some((x, y, d_q6)) = self.pixels.next(self.views) else {
+                self.distance += 1;
+                if self.distance > self.reach {
+                    (self.side, self.distance) = (self.side + 1, 0);
+                } else {
+                    self.begin(candidate);
+                }
+                if self.side > 1 {
+                    (self.order, self.side) = (rest, 0);
+                }
                 continue;
+            };
+            let at = self.support.at(x, y);
+            if at.is_none_or(|point| point.probability_q16 <= self.probability) {
+                return Some(Point {
+                    x,
+                    y,
+                    disparity: disparity_from_q6(d_q6),
+                    confidence: Confidence::from_bits(self.probability),
+                    source: candidate.listed.map_or(Source::Side, Source::Segment),
+                });
             }
-            put(Point { x, y, disparity, confidence, source: Source::Support });
+        }
+    }
+
+    /// Begins with the pixels at this distance, if they are probable enough.
+    fn begin(&mut self, candidate: &Candidate) {
+        let Some(Some(side)) = candidate.sides.get(self.side) else { return };
+        let (model, _) = self.models.of(candidate.segment.near_horizontal);
+        let next_to_edge = self.distance == 1 && !candidate.is_one_surface();
+        let score = side.rated_q8(model)
+            + model.coefficient_q8(SegmentKind::Distance) * (i32::from(self.distance) - 1)
+            + if next_to_edge { model.coefficient_q8(SegmentKind::NextToEdge) } else { 0 };
+        self.probability = model.probability_q16(score);
+        if !side.rejected && self.probability >= self.least {
+            self.pixels = candidate.side_pixels(self.side, self.distance);
+        }
+    }
+
+    /// The next credible support point.
+    fn of_grid(&mut self) -> Option<Point> {
+        loop {
+            let ((x, y), point) = self.support.nth(self.index)?;
+            self.index += 1;
+            if point.probability_q16 >= self.least
+                && self.views.allow(x.into(), y.into(), point.disparity_q6.into())
+            {
+                let (disparity, confidence) = (point.disparity(), point.confidence());
+                return Some(Point { x, y, disparity, confidence, source: Source::Support });
+            }
+        }
+    }
+}
+
+impl Iterator for Points<'_> {
+    type Item = Point;
+
+    #[inline(never)] // for each point, in whatever crate it is used
+    fn next(&mut self) -> Option<Point> {
+        loop {
+            let point = self.of_bar().or_else(|| self.of_side()).or_else(|| self.of_grid())?;
+            if take(self.marks, self.views.dims(), point.x, point.y) {
+                return Some(point);
+            }
         }
     }
 }

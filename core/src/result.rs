@@ -95,6 +95,7 @@ impl Point {
 /// Origin of a point: a segment or a support point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Source {
     /// A segment, at this index of the list of matches.
     Segment(u16),
@@ -117,6 +118,7 @@ enum SerializedSource {
 /// Reason why a left segment (or one piece of it) has no match.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Rejection {
     /// Another segment in the same cell has more extent and contrast, or there were too many to be
     /// searched over the whole range.

@@ -17,13 +17,14 @@ use crate::units::{Depth, Disparity, INFINITE_DEPTH};
 /// `z = f*B / (d + offset)`.
 ///
 /// ```
-/// use linestereo::{Depth, Disparity, INFINITE_DEPTH, Rig};
+/// use linestereo::Rig;
+/// use linestereo::units::{Depth, Disparity, INFINITE_DEPTH};
 /// let rig = Rig::new(400.0, 0.1, 0.0).unwrap();
 /// assert_eq!(rig.depth(Disparity::from_num(20)), Depth::from_num(2)); // 400 * 0.1 / 20
 /// assert_eq!(rig.depth(Disparity::ZERO), INFINITE_DEPTH);
 ///
 /// let rig = rig.with_principal_point([160.0, 120.0]).unwrap();
-/// let at = linestereo::ImagePosition { x: 180_u8.into(), y: 120_u8.into() };
+/// let at = linestereo::results::ImagePosition { x: 180_u8.into(), y: 120_u8.into() };
 /// // 20 px right of the optical axis, 2 m away: 2 * 20 / 400.
 /// let [x, y, z] = rig.xyz(at, Disparity::from_num(20)).unwrap();
 /// assert!((x.to_num::<f64>() - 0.1).abs() < 1e-4 && y == 0 && z == 2);
@@ -44,6 +45,7 @@ pub struct Rig {
 /// Number of a rig that is not valid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum RigError {
     /// Focal length in pixels, outside 1 ..= 100 000 or not finite.
     #[error("focal length {0} px is outside 1 to 100000")]

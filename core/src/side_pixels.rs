@@ -54,46 +54,93 @@ impl<'a> ValidPixels<'a> {
     }
 }
 
+/// The pixels of a segment's edge, one a row, or a column of a near-horizontal one.
+#[derive(Debug)]
+enum EdgePixels {
+    Steep(SteepLine),
+    Flat(HorizontalLine),
+}
+
+/// Pixels at one distance from an edge, one after the other.
+#[derive(Debug)]
+pub(crate) struct SidePixels {
+    line: EdgePixels,
+    /// Row, or column of a near-horizontal segment: the first, the next, and the end.
+    from: i32,
+    at: i32,
+    end: i32,
+    /// To the pixel from the edge, px.
+    offset: i32,
+    /// Disparity at the first one, 1/64 px, and its change, 1/64 px in Q8.
+    first_q6: i32,
+    step_q8: i32,
+}
+
+impl SidePixels {
+    /// None.
+    pub(crate) const NONE: Self = Self {
+        line: EdgePixels::Steep(SteepLine::NONE),
+        from: 0,
+        at: 0,
+        end: 0,
+        offset: 0,
+        first_q6: 0,
+        step_q8: 0,
+    };
+
+    /// As [`Candidate::pixels`].
+    pub(crate) fn next(&mut self, views: ValidPixels<'_>) -> Option<(u16, u16, i32)> {
+        while self.at < self.end {
+            let at = self.at;
+            self.at += 1;
+            let (x, y) = match &self.line {
+                EdgePixels::Flat(line) => (at, line.row(at) + self.offset),
+                EdgePixels::Steep(line) => (line.column(at) + self.offset, at),
+            };
+            let d_q6 = self.first_q6 + (((at - self.from) * self.step_q8) >> 8);
+            if views.allow(x, y, d_q6)
+                && let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y))
+            {
+                return Some((x, y, d_q6));
+            }
+        }
+        None
+    }
+}
+
 impl Candidate {
-    /// Calls `each(x, y, disparity in 1/64 px)` for each pixel `distance` (1, 2, ...; 0 is the edge
+    /// Column, row and disparity, 1/64 px, of each pixel `distance` (1, 2, ...; 0 is the edge
     /// itself) from the edge on `side` (0 = left or above). Pixels that are not valid are left out.
-    pub fn for_each_pixel(
+    pub fn pixels<'v>(
         &self,
         side: usize,
         distance: u16,
-        views: ValidPixels<'_>,
-        mut each: impl FnMut(u16, u16, i32),
-    ) {
-        let Some(Some(owner)) = self.sides.get(side) else { return };
-        let sign = if side == 0 { -1 } else { 1 };
-        let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
-        let [d0, d1] = owner.disparity_q6.map(i32::from);
-        let mut emit = |x: i32, y: i32, edge_q6: i32, off: i32| {
-            let d_q6 = edge_q6 + ((i32::from(owner.across_q10) * off) >> 4);
-            if views.allow(x, y, d_q6)
-                && let (Ok(column), Ok(row)) = (u16::try_from(x), u16::try_from(y))
-            {
-                each(column, row, d_q6);
-            }
-        };
-        // Change of d along the segment, 1/64 px in Q8.
-        let ramp = |from: i32, to: i32| ((d1 - d0) << 8) / (to - from).max(1);
-        if self.segment.near_horizontal {
+        views: ValidPixels<'v>,
+    ) -> impl Iterator<Item = (u16, u16, i32)> + use<'v> {
+        let mut pixels = self.side_pixels(side, distance);
+        core::iter::from_fn(move || pixels.next(views))
+    }
+
+    pub(crate) fn side_pixels(&self, side: usize, distance: u16) -> SidePixels {
+        let Some(Some(owner)) = self.sides.get(side) else { return SidePixels::NONE };
+        let (line, (from, to), flat_offset) = if self.segment.near_horizontal {
             let line = HorizontalLine::new(&self.segment);
-            let (from, to) = line.columns();
-            let step = ramp(from, to);
-            for x in from..to + 1 {
-                let off = i32::from(distance) + flat_offset;
-                emit(x, line.row(x) + sign * off, d0 + (((x - from) * step) >> 8), off);
-            }
+            let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
+            (EdgePixels::Flat(line), line.columns(), flat_offset)
         } else {
             let line = SteepLine::new(&self.segment);
-            let (from, to) = line.rows();
-            let step = ramp(from, to);
-            for y in from..to + 1 {
-                let off = i32::from(distance);
-                emit(line.column(y) + sign * off, y, d0 + (((y - from) * step) >> 8), off);
-            }
+            (EdgePixels::Steep(line), line.rows(), 0)
+        };
+        let off = i32::from(distance) + flat_offset;
+        let [d0, d1] = owner.disparity_q6.map(i32::from);
+        SidePixels {
+            line,
+            from,
+            at: from,
+            end: to + 1,
+            offset: if side == 0 { -off } else { off },
+            first_q6: d0 + ((i32::from(owner.across_q10) * off) >> 4),
+            step_q8: ((d1 - d0) << 8) / (to - from).max(1),
         }
     }
 }

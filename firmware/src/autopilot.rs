@@ -9,7 +9,7 @@
 use crate::ports::{ByteSink, packets};
 use crate::vehicle::Vehicle;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
-use linestereo::{HealthFlags, Matched};
+use linestereo::{Matched, health::HealthFlags};
 use linestereo_mavlink::{
     AutopilotParams, AutopilotStream, Mavlink, ParamValue, Received, Receiver, Sender,
 };

@@ -80,7 +80,7 @@ const fn flashes(cause: ResetCause) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::HealthFlags;
+    use linestereo::health::HealthFlags;
 
     /// Starts and lengths of light in ms, over some time.
     fn lights(

@@ -1,19 +1,19 @@
 //! Commands of a host so far, and their answers: the same for a serial port and for a file.
 
-use crate::memory::{Memory, NoRoom, RunError};
+use crate::memory::{Memory, NoRoom, PairError};
 use crate::settings::{self, KeptSettings};
 use crate::slot_store::{Keeper, Loaded, Slot};
 use crate::vehicle::{VEHICLE, Vehicle};
 use heapless::Vec;
-use linestereo::image::MIN_SIDE;
 use linestereo::obstacles::ObstaclePlan;
-use linestereo::{Area, Counts, Dims, HealthLimits, Matched, Matcher, ObjectDepth, Params};
+use linestereo::results::Counts;
+use linestereo::{Area, Dims, Matched, Matcher, Params, health::HealthLimits, image::MIN_SIDE};
 use linestereo_boards::Board;
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    Answer, Command, FrameHead, Health, Hello, KeptReport, MAX_REGIONS, Message, Outcome, PairHead,
-    Refusal, Regions, Request, Reset, RigFault, RigInUse, RigReport, Setting, SettingValue,
-    SettingValues, name,
+    Answer, Command, FrameHead, Health, Hello, KeptReport, MAX_REGIONS, Message, ObjectRecord,
+    Outcome, PairHead, Refusal, Regions, Request, Reset, RigFault, RigInUse, RigReport, Setting,
+    SettingValue, SettingValues, name,
 };
 
 /// The state that commands change.
@@ -28,11 +28,8 @@ pub struct Session<'a> {
     /// A reset changes none of the settings.
     is_kept: bool,
     settings_slots: [Result<u32, RigFault>; 2],
-    /// Plan for the size of the last pair, health and row offset of the pairs so far; `None` before
-    /// the first.
+    /// For pairs of the size of the last one; `None` before the first.
     matcher: Option<Matcher>,
-    /// The matcher's plan is one of these parameters.
-    is_planned: bool,
     /// Limits of a pair's health.
     pub limits: HealthLimits,
     /// The rig that the memory was made ready for, as bytes: it is smaller so.
@@ -94,7 +91,6 @@ impl<'a> Session<'a> {
             is_kept: true,
             settings_slots: RigReport::NONE.slots,
             matcher: None,
-            is_planned: false,
             limits: HealthLimits::DEFAULT,
             rig: None,
             vehicle: VEHICLE,
@@ -184,8 +180,8 @@ impl<'a> Session<'a> {
             }
             // Checked for the largest pairs; a smaller one may still be too narrow for the
             // disparities.
-            Request::SetParams(update) => match update.plan(self.params, self.board.largest) {
-                Ok((params, _)) => {
+            Request::SetParams(update) => match update.checked(self.params, self.board.largest) {
+                Ok(params) => {
                     self.set_params(params);
                     self.is_kept = false;
                 }
@@ -225,7 +221,6 @@ impl<'a> Session<'a> {
 
     fn set_params(&mut self, params: Params) {
         self.params = params;
-        self.is_planned = false;
         self.directions = None;
     }
 
@@ -243,13 +238,13 @@ impl<'a> Session<'a> {
         self.use_values(&values)
     }
 
-    #[inline(never)] // a plan is on the stack only while it works
+    #[inline(never)] // copies are on the stack only while it works
     fn use_values(&mut self, values: &SettingValues) -> Result<(), Refusal> {
         for (number, &value) in (0..).zip(values) {
             Setting::check(number, value)?;
         }
         let (params, vehicle) = settings::with_values(self.params, values);
-        params.plan(self.board.largest)?;
+        params.check(self.board.largest)?;
         vehicle.check()?;
         self.set_params(params);
         self.vehicle = vehicle;
@@ -332,15 +327,13 @@ impl<'a> Session<'a> {
     /// Depths of the wanted objects in this pair. Boxes that a smaller pair does not show are left
     /// out.
     #[inline(never)]
-    pub fn objects(&self, matched: &mut Matched<'_>) -> Vec<ObjectDepth, MAX_REGIONS> {
-        let mut regions: Vec<_, MAX_REGIONS> = Vec::new();
-        for region in self.regions.boxes.iter().filter_map(|of| of.region(matched.dims()).ok()) {
-            let _ = regions.push(region); // as many as there are
-        }
+    pub fn objects(&self, matched: &mut Matched<'_>) -> Vec<ObjectRecord, MAX_REGIONS> {
         let mut found = Vec::new();
-        matched.objects(&regions, |object| {
-            let _ = found.push(object);
-        });
+        for of in &self.regions.boxes {
+            let Ok(region) = of.region(matched.dims()) else { continue };
+            // As many as there are.
+            let _ = found.push(ObjectRecord::new(of.label, &matched.object(&region)));
+        }
         found
     }
 
@@ -367,7 +360,7 @@ impl<'a> Session<'a> {
         let dims = image.remap().dims();
         self.check_size(dims)?;
         let params = image.params(self.params).map_err(|error| Refusal::Rig(error.into()))?;
-        params.plan(dims)?;
+        params.check(dims)?;
         Ok(params)
     }
 
@@ -388,18 +381,16 @@ impl<'a> Session<'a> {
     }
 
     /// The matcher for pairs of this size.
-    #[inline(never)] // its plans are on the stack only while it works
+    #[inline(never)] // a new one is on the stack only while it works
     pub fn matcher(&mut self, dims: Dims) -> Result<&mut Matcher, Refusal> {
-        let plan = match &self.matcher {
-            Some(matcher) if self.is_planned && matcher.plan().dims() == dims => *matcher.plan(),
-            _ => {
-                self.check_size(dims)?;
-                self.params.plan(dims)?
-            }
+        self.check_size(dims)?;
+        let matcher = match &mut self.matcher {
+            Some(matcher) => matcher,
+            none => none.insert(Matcher::new(self.params, dims)?),
         };
-        self.is_planned = true;
-        let matcher = self.matcher.get_or_insert(Matcher::new(plan));
-        matcher.set_plan(plan);
+        if (matcher.params(), matcher.dims()) != (&self.params, dims) {
+            matcher.set_params(self.params, dims)?;
+        }
         matcher.limits = self.limits.of_rig(self.params.rig.as_ref());
         Ok(matcher)
     }
@@ -481,15 +472,15 @@ pub fn failed_frame(sequence: u32, capture_time_us: u64, dims: Dims, health: Hea
 
 /// Answer for a pair that cannot be matched.
 #[must_use]
-pub fn refusal(error: RunError) -> Refusal {
+pub fn refusal(error: PairError) -> Refusal {
     match error {
-        RunError::Size(dims) => out_of_range(
+        PairError::Size(dims) => out_of_range(
             "width",
             dims.width.into(),
             MIN_SIDE.into(),
             linestereo::image::MAX_WIDTH.into(),
         ),
-        RunError::NoRoom(error) => error.into(),
+        PairError::NoRoom(error) => error.into(),
     }
 }
 

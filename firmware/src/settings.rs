@@ -16,7 +16,7 @@
 //! ```
 
 use crate::vehicle::{VEHICLE, Vehicle};
-use linestereo::{Confidence, Params, Parts};
+use linestereo::{Params, params::Parts, units::Confidence};
 use linestereo_mavlink::Policy;
 use linestereo_rig::RigImageError;
 use linestereo_rig::checksum::{CRC_32, CRC_BYTES};

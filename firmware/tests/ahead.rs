@@ -7,7 +7,7 @@ use crate::stream::{
 };
 use crate::support::random::Random;
 use core::cell::RefCell;
-use linestereo_firmware::boards::mps2_an386::Workspace;
+use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource, TimedCameras};
@@ -95,8 +95,8 @@ fn work(
     let eyes = SideBySide::new(FakeStream(fake.clone()));
     let capture = Capture::new(limits(2 * WIDTH, 1), FrameStart::Triggered);
     let source = CameraSource::new(eyes.eyes(WIDTH), cameras, capture, DIMS, PATIENCE_US as u32);
-    let mut memory = Box::new(Workspace::new());
-    let mut turn = |number: u64, pair: &mut dyn FnMut(&mut Workspace) -> Option<CapturedPair>| {
+    let mut memory = Box::new(BoardMemory::CLEARED);
+    let mut turn = |number: u64, pair: &mut dyn FnMut(&mut BoardMemory) -> Option<CapturedPair>| {
         let times_us = pair(&mut memory)?.times_us.unwrap();
         let count = usize::from(WIDTH * DIMS.height);
         let [left, right] = frames_of(memory.frames().map(|frame| &frame[..count])).unwrap();

@@ -48,9 +48,9 @@ fn boards_take_the_rigs_of_their_sensors_and_name_what_is_too_large() {
     let rigs = [&strong_lens, &wide, &rolled];
     let accepted = "accepted";
     for found in [
-        answers(Board::STM32H743, &mut *Box::new(stm32h743::Workspace::new()), rigs),
-        answers(Board::PORTENTA_H7, &mut *Box::new(portenta_h7::Workspace::new()), rigs),
-        answers(Board::PICO2, &mut *Box::new(pico2::Workspace::new()), rigs),
+        answers(Board::STM32H743, &mut *Box::new(stm32h743::BoardMemory::CLEARED), rigs),
+        answers(Board::PORTENTA_H7, &mut *Box::new(portenta_h7::BoardMemory::CLEARED), rigs),
+        answers(Board::PICO2, &mut *Box::new(pico2::BoardMemory::CLEARED), rigs),
     ] {
         let [first, second, third] = found.each_ref().map(String::as_str);
         assert_eq!(
@@ -63,7 +63,7 @@ fn boards_take_the_rigs_of_their_sensors_and_name_what_is_too_large() {
         );
     }
     let [first, second, third] =
-        answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::Workspace::new()), rigs);
+        answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::BoardMemory::CLEARED), rigs);
     assert_eq!(
         [&*first, &*second],
         [accepted, "raw row of the board's memory holds 480, these images need 640"]

@@ -6,9 +6,8 @@
 
 use crate::support::{random::Random, rectification};
 use core::cell::RefCell;
-use linestereo::Matcher;
-use linestereo::{Dims, HealthFlags};
-use linestereo_firmware::boards::mps2_an386::Workspace;
+use linestereo::{Dims, Matcher, Options, Params, health::HealthFlags};
+use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{CapturedPair, FrameStart, PairSource};
@@ -655,7 +654,7 @@ fn running(frames: u32, later_us: u64, longer_us: u64) -> Rc<RefCell<Hardware>> 
 fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
     let hardware = running(400, 0, 1);
     let mut source = source(&hardware, FrameStart::Free, 200 * PERIOD_US);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut skews = Vec::new();
     while let Some(pair) = source.next_pair(&mut *memory, None) {
         assert_eq!(pair.frame_start, Some(FrameStart::Free));
@@ -675,7 +674,7 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
 fn no_pair_for_long_is_a_pair_that_is_missing() {
     let hardware = hardware(0);
     let mut source = source(&hardware, FrameStart::Triggered, 5000);
-    assert_eq!(source.next_pair(&mut *Box::new(Workspace::new()), None), None);
+    assert_eq!(source.next_pair(&mut *Box::new(BoardMemory::CLEARED), None), None);
     assert_eq!(
         CameraSide::BOTH
             .map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]),
@@ -688,7 +687,7 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
 fn cameras_that_nobody_asked_have_not_stopped() {
     let hardware = hardware(0);
     let mut source = source(&hardware, FrameStart::Triggered, PERIOD_US);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     // Two frames, far more than the longest silence apart, each just after it was asked for.
     for frame in [2, 40] {
         let start_us = u64::from(frame) * PERIOD_US;
@@ -712,7 +711,7 @@ fn a_frame_that_was_begun_for_another_call_is_left() {
     }
     // The first call ends two rows after frame 2 has started.
     let mut source = source(&hardware, FrameStart::Triggered, 2 * PERIOD_US + 25);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut next = || {
         let pair = source.next_pair(&mut *memory, None);
         pair.map(|pair| (frame_of(&frames(&mut *memory)).unwrap(), pair.times_us.unwrap()[0]))
@@ -727,16 +726,17 @@ fn a_frame_that_was_begun_for_another_call_is_left() {
 fn the_skew_of_a_pair_reaches_the_health_check() {
     // Of a size that the core takes; only the times matter.
     let dims = Dims { width: 128, height: 96 };
-    let plan = linestereo::Params::DEFAULT.plan(dims).unwrap();
+    let matcher = Matcher::new(Params::DEFAULT, dims).unwrap();
     for (later_us, middle_us, is_refused) in
         [(20, [0, 0], false), (20, [0, 1000], true), (20, [-400, 0], false)]
     {
         let hardware = running(3, later_us, 0);
         let mut source = source(&hardware, FrameStart::Triggered, 1000);
         source.capture.set_middle_us(middle_us);
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         let pair = source.next_pair(&mut *memory, None).unwrap();
-        let matched = memory.run(&mut Matcher::new(plan), None, pair.times_us, &mut ()).unwrap();
+        let options = Options { times_us: pair.times_us, ..Options::default() };
+        let matched = memory.run(&mut matcher.clone(), options).unwrap();
         let health = *matched.health();
         // Times do not begin before 0.
         let skew_us = (20 + middle_us[1]).abs_diff(0);
@@ -751,7 +751,7 @@ fn rows_go_through_the_rectifiers_and_a_frame_that_is_begun_again_leaves_no_trac
     let (dims, rectification) = (Dims { width: 64, height: 48 }, rectification());
     let grey = |eye: CameraSide, x: usize, y: usize| (x * 3 + y * 5 + eye as usize * 77) as u8;
     let rectified = |torn_after: usize| {
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         memory.set_rig(&rectification.remap()).unwrap();
         let mut sink = MemoryRows::new(&mut *memory, dims);
         sink.restart(CameraSide::Left);

@@ -2,7 +2,7 @@
 
 use crate::support::port::Port;
 use linestereo::Dims;
-use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, PairSource};
@@ -47,7 +47,7 @@ impl ByteSink for SlowLine {
 
 #[test]
 fn a_frame_says_how_long_it_waited_and_took_and_how_long_the_one_before_was_written() {
-    let (port, mut memory) = (Port::with_look(LOOK_US), Box::new(Workspace::new()));
+    let (port, mut memory) = (Port::with_look(LOOK_US), Box::new(BoardMemory::CLEARED));
     let mut camera = SlowCamera(port.clone(), Painter::new(Dims { width: 128, height: 96 }));
     let mut live = Live::start(Session::new(BOARD), port.clone(), SlowLine(port.clone()));
     let hello = port.bytes().len() as u32 - 1; // the first delimiter is written before anything is counted

@@ -1,11 +1,11 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
 use crate::support::port::{Port, push};
-use linestereo::health::Skewed;
-use linestereo::{Dims, HealthFlags, ObjectDepth};
+use linestereo::health::{HealthFlags, Skewed};
+use linestereo::{Dims, Matcher, Options, Params};
 use linestereo_boards::built_in::Scene;
 use linestereo_firmware::boards::NODES;
-use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSource};
@@ -46,7 +46,7 @@ fn push_pair(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
 /// Output of `replay` for this input, which comes in pieces of so many bytes.
 fn replay(
     session: &mut Session<'_>,
-    memory: &mut Workspace,
+    memory: &mut BoardMemory,
     input: Vec<u8>,
     step: usize,
 ) -> (Port, Counters, Vec<Event>) {
@@ -58,14 +58,12 @@ fn replay(
 }
 
 /// Depths of objects from the board, pair by pair.
-fn objects(messages: &[Message]) -> Vec<Vec<ObjectDepth>> {
+fn objects(messages: &[Message]) -> Vec<Vec<ObjectRecord>> {
     let mut pairs = Vec::new();
     for message in messages {
         match message {
             Message::Frame(_) => pairs.push(Vec::new()),
-            Message::Objects(objects) => {
-                pairs.last_mut().unwrap().extend(objects.list.iter().map(ObjectDepth::from))
-            }
+            Message::Objects(objects) => pairs.last_mut().unwrap().extend(&objects.list),
             _ => {}
         }
     }
@@ -101,28 +99,30 @@ fn objects_that_are_asked_for_come_with_every_pair() {
     push(&mut input, 7, Request::SetRegions(Regions::default()));
     push_pair(&mut input, 8, DIMS, Scene::Blocks);
 
-    let messages =
-        replay(&mut Session::new(BOARD), &mut Box::new(Workspace::new()), input, 64).0.received();
+    let messages = replay(&mut Session::new(BOARD), &mut Box::new(BoardMemory::CLEARED), input, 64)
+        .0
+        .received();
     let found = objects(&messages);
     let refused =
         Message::Answer(Answer { command: 5, outcome: Outcome::Refused(Refusal::Region(1)) });
     assert!(messages.contains(&refused));
     assert_eq!(found.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, 0]);
 
-    let mut twin = Box::new(Workspace::new());
+    let mut twin = Box::new(BoardMemory::CLEARED);
     let regions = boxes.map(|of| of.region(DIMS).unwrap());
     let areas = regions.map(|region| region.area());
-    let mut matcher = linestereo::Params::DEFAULT.matcher(DIMS).unwrap();
+    let mut matcher = Matcher::new(Params::DEFAULT, DIMS).unwrap();
     for (scene, found) in [Scene::Bricks, Scene::Blocks].into_iter().zip(&found) {
         let [left, right] = twin.frames();
         scene.paint(DIMS, left, right);
         // The second pair is matched around the boxes alone, by the rows of the first.
-        let mut matched = twin.run(&mut matcher, Some(&areas), None, &mut ()).unwrap();
-        let mut expected = Vec::new();
-        matched.objects(&regions, |object| expected.push(object));
-        assert!(*found == expected, "{found:?} instead of {expected:?}");
+        let options = Options { areas: Some(&areas), ..Options::default() };
+        let mut matched = twin.run(&mut matcher, options).unwrap();
+        let expected =
+            regions.map(|region| ObjectRecord::new(region.label(), &matched.object(&region)));
+        assert!(*found == expected[..], "{found:?} instead of {expected:?}");
     }
-    assert!(found[0].iter().any(|object| object.disparity.is_ok()), "{:?}", found[0]);
+    assert!(found[0].iter().any(|object| object.disparity_q6.is_ok()), "{:?}", found[0]);
 }
 
 #[test]
@@ -136,8 +136,12 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     push(&mut input, 5, Request::Stop); // the delimiter before it is taken for the last pixel
     let mut outputs = Vec::new();
     for step in [1, 7, 256, usize::MAX] {
-        let (port, counters, events) =
-            replay(&mut Session::new(BOARD), &mut Box::new(Workspace::new()), input.clone(), step);
+        let (port, counters, events) = replay(
+            &mut Session::new(BOARD),
+            &mut Box::new(BoardMemory::CLEARED),
+            input.clone(),
+            step,
+        );
         assert_eq!((counters.good, counters.bad()), (5, 1), "{counters:?}");
         assert!(matches!(
             events[..],
@@ -151,10 +155,10 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     }
     assert!(outputs.iter().all(|output| *output == outputs[0]));
 
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let [left, right] = memory.frames();
     Scene::Blocks.paint(DIMS, left, right);
-    let plan = linestereo::Params::DEFAULT.plan(DIMS).unwrap();
+    let mut matcher = Matcher::new(Params::DEFAULT, DIMS).unwrap();
     let (mut matches, mut points, mut heads, mut answers) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for message in outputs.swap_remove(0) {
@@ -182,9 +186,8 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             }
         }
     }
-    let mut listed = Vec::new();
-    let mut matched = memory.run(&mut linestereo::Matcher::new(plan), None, None, &mut ()).unwrap();
-    matched.points(|point| listed.push(point));
+    let mut matched = memory.run(&mut matcher, Options::default()).unwrap();
+    let listed: Vec<_> = matched.points().collect();
     assert!(
         points == listed && !listed.is_empty(),
         "{} points instead of {}",
@@ -234,7 +237,7 @@ fn push_raw(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
 /// Answers of `replay`: by command, and the frames.
 fn replayed(
     session: &mut Session<'_>,
-    memory: &mut Workspace,
+    memory: &mut BoardMemory,
     input: Vec<u8>,
 ) -> (Vec<(u16, Outcome)>, Vec<Message>) {
     let (port, counters, _) = replay(session, memory, input, 97);
@@ -253,7 +256,7 @@ fn replayed(
 
 #[test]
 fn raw_pairs_are_rectified_row_by_row() {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(BOARD);
     let mut input = Vec::new();
     push_raw(&mut input, 1, RAW, Scene::Blocks);
@@ -274,7 +277,7 @@ fn raw_pairs_are_rectified_row_by_row() {
 
     // The same frames, rectified whole.
     let image = rig(DIMS);
-    let mut twin = Box::new(Workspace::new());
+    let mut twin = Box::new(BoardMemory::CLEARED);
     for (eye, raw) in CameraSide::BOTH.into_iter().zip(painted(RAW, Scene::Blocks)) {
         let mut mesh: Box<Mesh<NODES, 96>> = Box::new(Mesh::new());
         let mut band: Box<Band<{ 200 * 150 }>> = Box::new(Band::new());
@@ -283,8 +286,8 @@ fn raw_pairs_are_rectified_row_by_row() {
             band.push(&mesh, row, twin.frames()[eye as usize]).unwrap();
         }
     }
-    let mut matcher = image.params(linestereo::Params::DEFAULT).unwrap().matcher(DIMS).unwrap();
-    let expected = twin.run(&mut matcher, None, None, &mut ()).unwrap().segments().to_vec();
+    let mut matcher = Matcher::new(image.params(Params::DEFAULT).unwrap(), DIMS).unwrap();
+    let expected = twin.run(&mut matcher, Options::default()).unwrap().segments().to_vec();
     assert!(
         expected.len() > 3 && expected.iter().all(|found| found.depth.is_some()),
         "{}",
@@ -308,7 +311,7 @@ fn raw_pairs_are_rectified_row_by_row() {
 
 #[test]
 fn what_is_no_rig_for_this_board_is_refused_and_the_old_one_stays() {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(BOARD);
     let good = rig(DIMS).encode(0);
     let mut damaged = good;
@@ -392,7 +395,7 @@ impl Kept for Keeper {
 
 #[test]
 fn a_rig_is_kept_where_there_is_flash() {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let empty = Err(SlotError::Image(RigImageError::Empty));
     let damaged = Err(SlotError::Image(RigImageError::Damaged));
     let mut keeper =
@@ -407,7 +410,7 @@ fn a_rig_is_kept_where_there_is_flash() {
     assert_eq!(session.hello().rig.to_string(), expected);
 
     // After a reset.
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
     assert_eq!(session.hello().rig.to_string(), expected);
     let mut raw = Vec::new();
@@ -418,7 +421,7 @@ fn a_rig_is_kept_where_there_is_flash() {
 
     // Flash that does not keep: nothing changes.
     keeper.keeps = false;
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
     let mut other = Vec::new();
     push_rig(&mut other, 1, &rig(Dims { width: 100, height: 80 }).encode(0));
@@ -473,7 +476,7 @@ impl PairSource for LooseCamera {
 fn live_serves_commands_and_survives_its_camera() {
     let port = Port::with_look(1);
     let (send, received) = (|id, request| port.send(id, request), || port.received());
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = LooseCamera(0, Painter::new(DIMS));
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     assert!(matches!(&received()[..], [Message::Hello(hello)] if hello.board == BOARD.name));
@@ -537,7 +540,7 @@ fn of_what_takes_long_there_is_one_a_turn() {
         push(&mut bytes, id, request);
     }
     let port = Port::holding(bytes, 0);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     // The watchdog is fed between two turns, and waits for one sector that is erased, not for two.
     let mut answered_in = Vec::new();
@@ -580,7 +583,7 @@ fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
         port.send(1, Request::Start);
         let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
         let mut camera = InTurnCamera(Painter::new(DIMS), still_us);
-        live.turn(&mut *Box::new(Workspace::new()), &mut camera);
+        live.turn(&mut *Box::new(BoardMemory::CLEARED), &mut camera);
         let received = port.received();
         let head = received
             .iter()
@@ -611,7 +614,8 @@ fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
         // A sensor never gives the same picture twice.
         input.extend([&left, &right].into_iter().flatten().map(|&grey| grey + changed));
     }
-    let (port, ..) = replay(&mut Session::new(BOARD), &mut Box::new(Workspace::new()), input, 256);
+    let (port, ..) =
+        replay(&mut Session::new(BOARD), &mut Box::new(BoardMemory::CLEARED), input, 256);
     let (mut heads, mut refused) = (Vec::new(), Vec::new());
     for message in port.received() {
         match message {
@@ -655,7 +659,7 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
             .filter(|(id, _)| *id != 111)
             .collect::<Vec<_>>()
     };
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = LooseCamera(0, Painter::new(DIMS));
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
         .with_autopilot(autopilot.clone());
@@ -707,7 +711,7 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
 #[test]
 fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
     let port = Port::with_capacity(6000);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Painter::new(DIMS);
     let mut session = Session::new(BOARD);
     // The picture stays, and is small.
@@ -746,7 +750,7 @@ fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
 #[test]
 fn a_photograph_is_no_pair_to_an_autopilot() {
     let (port, autopilot) = (Port::with_look(17_000), Port::default());
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Painter::new(DIMS);
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
         .with_autopilot(autopilot.clone());
@@ -792,7 +796,7 @@ impl PairSource for OnePair {
 #[test]
 fn a_photograph_that_fails_ends_the_one_before() {
     let port = Port::with_look(1);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = OnePair(Some(Painter::new(DIMS)));
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     port.send(1, Request::Photograph);
@@ -828,10 +832,10 @@ fn a_photograph_that_fails_ends_the_one_before() {
 
 #[test]
 fn a_new_rig_starts_anew() {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(BOARD);
     assert!(Painter::new(DIMS).next_pair(&mut *memory, None).is_some());
-    memory.run(session.matcher(DIMS).unwrap(), None, None, &mut ()).unwrap();
+    memory.run(session.matcher(DIMS).unwrap(), Options::default()).unwrap();
     assert!(session.matcher(DIMS).unwrap().knows_rows());
     let request = Request::SetRig(rig(DIMS).encode(0).into_iter().collect());
     session.command(&Command { id: 1, request }, &mut *memory);

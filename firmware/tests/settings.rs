@@ -2,8 +2,8 @@
 
 use crate::support::port::Port;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use linestereo::{Confidence, Dims};
-use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo::{Dims, units::Confidence};
+use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::{ByteSink as _, CapturedPair, PairSource};
@@ -58,7 +58,7 @@ fn store() -> BoardStore<Flash> {
     BoardStore::new(Flash(vec![0xff; 2048]), [0, 512], [1024, 1536]).unwrap()
 }
 
-fn outcome(session: &mut Session<'_>, memory: &mut Workspace, request: Request) -> Outcome {
+fn outcome(session: &mut Session<'_>, memory: &mut BoardMemory, request: Request) -> Outcome {
     match session.command(&Command { id: 1, request }, memory) {
         Reply::Answer(answer) => answer.outcome,
         other => panic!("{other:?}"),
@@ -101,7 +101,7 @@ fn report(session: &Session<'_>) -> (SettingValues, KeptReport, usize) {
 
 #[test]
 fn what_is_kept_outlives_a_reset_and_what_is_not_does_not() {
-    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let (mut store, mut memory) = (store(), Box::new(BoardMemory::CLEARED));
     let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
     let built = report(&session);
     assert_eq!(
@@ -167,7 +167,7 @@ fn every_setting_is_the_one_that_is_set() {
             min_confidence: Some(Confidence::from_bits(bits)),
             ..ParamUpdate::default()
         };
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         assert_eq!(
             outcome(&mut session, &mut memory, Request::SetParams(update)),
             Outcome::Accepted
@@ -198,7 +198,7 @@ fn numbers_names_and_ranges_are_those_of_the_table() {
 
 #[test]
 fn what_is_refused_is_named_and_changes_nothing() {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(BOARD);
     session.set(11, 0.5).unwrap();
     let before = report(&session);
@@ -239,7 +239,7 @@ fn rig(max_disparity: u16) -> Request {
 
 #[test]
 fn a_new_rig_brings_its_own_range_over_a_reset_as_well() {
-    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let (mut store, mut memory) = (store(), Box::new(BoardMemory::CLEARED));
     let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
     for request in [rig(40)].into_iter().chain(changes()).chain([Request::KeepSettings]) {
         assert_eq!(outcome(&mut session, &mut memory, request), Outcome::Accepted);
@@ -257,7 +257,7 @@ fn a_new_rig_brings_its_own_range_over_a_reset_as_well() {
 
 #[test]
 fn kept_settings_that_this_program_does_not_take_are_named() {
-    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let (mut store, mut memory) = (store(), Box::new(BoardMemory::CLEARED));
     let mut values = [None; SETTINGS];
     (values[5], values[10]) = (Some(16.0), Some(0.0));
     store.store_settings(&KeptSettings { rig: None, values, regions: Regions::default() }).unwrap();
@@ -333,7 +333,7 @@ fn values(mut bytes: &[u8]) -> Vec<(String, f32, u16, u16)> {
 
 #[test]
 fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
-    let (mut store, mut memory) = (store(), Box::new(Workspace::new()));
+    let (mut store, mut memory) = (store(), Box::new(BoardMemory::CLEARED));
     // A turn takes two looks at the clock at least, 50 ms.
     let (host, autopilot) = (Port::with_look(25_000), Port::default());
     let session = Session::with_flash(BOARD, &mut store, &mut *memory);
@@ -394,7 +394,7 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     assert!((4..=8).contains(&first), "{first}");
     assert_eq!(first + ask(&[], 10).len(), 20);
 
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(session.values()[1..], sets[1..]);
     assert!(host.room().free > 0);
@@ -403,7 +403,7 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
 #[test]
 fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
     let port = Port::with_look(1000);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Painter::new(Dims { width: 128, height: 96 });
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     let mut turn = |requests: &[Request]| {
@@ -440,7 +440,7 @@ fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
 #[test]
 fn times_are_in_the_autopilots_clock_by_its_answers() {
     let (port, autopilot) = (Port::with_look(5000), Port::default());
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Painter::new(Dims { width: 128, height: 96 });
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
         .with_autopilot(autopilot.clone());
@@ -487,7 +487,7 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
 
 #[test]
 fn a_board_leaves_for_its_boot_loader_after_the_answer() {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Painter::new(Dims { width: 128, height: 96 });
     for (has_bootloader, expected) in [(false, Turn::Idle), (true, Turn::Leave)] {
         let port = Port::with_look(1);
@@ -519,7 +519,7 @@ fn the_light_follows_the_pairs() {
     }
 
     let port = Port::with_look(0);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Once(Some(Painter::new(Dims { width: 128, height: 96 })));
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     let mut lit_at = |live: &mut Live<'_, Port, Port>, ms: u32| {

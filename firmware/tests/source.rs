@@ -8,7 +8,7 @@ use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, OutputPin};
 use linestereo::Dims;
-use linestereo_firmware::boards::mps2_an386::Workspace;
+use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::camera::{
     Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
     Trigger,
@@ -131,7 +131,7 @@ fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
 }
 
 /// The pair that lies in a memory.
-fn pixels(memory: &Workspace) -> [Vec<u8>; 2] {
+fn pixels(memory: &BoardMemory) -> [Vec<u8>; 2] {
     memory
         .views(DIMS)
         .unwrap()
@@ -140,7 +140,7 @@ fn pixels(memory: &Workspace) -> [Vec<u8>; 2] {
 
 /// A frame of both cameras, by a rig.
 fn rectified(remap: &Remap, frame: u32) -> [Vec<u8>; 2] {
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     memory.set_rig(remap).unwrap();
     memory.restart();
     for y in 0..48 {
@@ -156,7 +156,7 @@ fn rectified(remap: &Remap, frame: u32) -> [Vec<u8>; 2] {
 #[test]
 fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
     let (_, mut source) = source(1_000_000);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     memory.set_rig(&rectification().remap()).unwrap();
     for frame in 0..3 {
         let pair = source.next_pair(&mut *memory, Some(DIMS)).unwrap();
@@ -174,7 +174,7 @@ fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
 fn ahead_a_call_has_its_own_rig_and_takes_what_was_triggered_before_it() {
     let (bench, source) = source(1_000_000);
     let mut source = AheadSource::new(source);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let [first, second] =
         [View::default(), View::Focal(60.0)].map(|view| rectification_to(view).remap());
     for (frame, remap) in (0..).zip([None, Some(&first), None, Some(&second), Some(&first), None]) {
@@ -206,7 +206,7 @@ fn ahead_a_call_has_its_own_rig_and_takes_what_was_triggered_before_it() {
 fn ahead_cameras_that_fail_cost_what_comes_after_them() {
     let (bench, source) = source(0);
     let mut source = AheadSource::new(source);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     assert!(source.next_pair(&mut *memory, None).is_some());
     // Triggered already: it is whole, and the next one is not.
     bench.is_dead.set(true);
@@ -228,7 +228,7 @@ fn ahead_cameras_that_fail_cost_what_comes_after_them() {
 #[test]
 fn sensors_that_cannot_be_triggered_give_no_pair_and_are_counted() {
     let (bench, mut source) = source(0);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     bench.is_dead.set(true);
     assert_eq!(source.next_pair(&mut *memory, None), None);
     assert!(bench.now_us.get() > u64::from(PATIENCE_US), "a loop without a camera would not pause");
@@ -241,7 +241,7 @@ fn sensors_that_cannot_be_triggered_give_no_pair_and_are_counted() {
 #[test]
 fn a_camera_that_stops_is_started_again_and_its_next_pair_comes() {
     let (bench, mut source) = source(0);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     assert!(source.next_pair(&mut *memory, None).is_some());
     bench.is_silent.set(true);
     assert_eq!(source.next_pair(&mut *memory, None), None);
@@ -383,7 +383,7 @@ fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
     let cameras = Exposing { bench: bench.clone(), exposures_us: [3000, 1000] };
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
     let mut source = CameraSource::new(rings, cameras, capture, DIMS, 15_000);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     assert_eq!(source.next_pair(&mut *memory, None), None);
     assert_eq!(source.losses().unwrap().unpaired, 1);
     for exposure_us in [3800, 4600, 5400] {
@@ -464,7 +464,7 @@ fn last_pulse(bench: &Timed, before: usize) -> (u64, u64) {
 fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
     for late_us in [[300, 700], [700, 300], [500, 500], [0, 0]] {
         let (bench, mut source, _) = held(late_us.map(Some), LIMITS);
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         for pairs in 0..3 {
             let requested_us = bench.now_us.get();
             // Starting the sensors takes longer than the longest silence, and than a pair may take.
@@ -498,7 +498,7 @@ fn a_level_is_lowered_when_no_pair_comes() {
         ([None, Some(300)], patient, PATIENCE_US),
     ] {
         let (bench, mut source, _) = held(late_us, limits);
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         assert_eq!(source.next_pair(&mut *memory, None), None);
         let (_, held_us) = last_pulse(&bench, 0);
         let least_us = u64::from(least_us);
@@ -515,7 +515,7 @@ fn a_level_is_lowered_when_no_pair_comes() {
 fn a_level_is_not_raised_for_sensors_that_do_not_start() {
     let (bench, mut source, [left, _]) = held([Some(300); 2], LIMITS);
     left.0.borrow_mut().fails_after = Some(9);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     assert_eq!(source.next_pair(&mut *memory, None), None);
     assert_eq!((bench.edges.borrow().len(), source.losses().unwrap().sensors), (0, [1, 0]));
     assert!(source.next_pair(&mut *memory, None).is_some());
@@ -524,7 +524,7 @@ fn a_level_is_not_raised_for_sensors_that_do_not_start() {
 #[test]
 fn frames_that_nobody_asked_for_do_not_lower_a_level() {
     let (bench, mut source, _) = held([Some(8000); 2], LIMITS);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     assert!(source.next_pair(&mut *memory, None).is_some());
     for eye in CameraSide::BOTH {
         bench.begin(eye, bench.now_us.get() + 50);
@@ -539,7 +539,7 @@ fn frames_that_nobody_asked_for_do_not_lower_a_level() {
 #[test]
 fn sensors_that_are_started_again_have_not_been_silent() {
     let (_, mut source, [left, right]) = held([Some(300); 2], LIMITS);
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     // The right one does not take what the left one has chosen: neither runs.
     assert!(source.next_pair(&mut *memory, None).is_some());
     [(0x0202, 0), (0x0203, 77)].into_iter().for_each(|(register, value)| left.set(register, value)); // rows

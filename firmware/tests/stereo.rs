@@ -6,7 +6,7 @@ use crate::support::sensor::Fake;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use linestereo::Dims;
-use linestereo_firmware::boards::mps2_an386::{BOARD, Workspace};
+use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::camera::*;
 use linestereo_firmware::capture::Fault;
 use linestereo_firmware::memory::Memory;
@@ -157,7 +157,7 @@ impl PairSource for Lossy {
 #[test]
 fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished_frames() {
     let port = Port::default();
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Lossy { calls: 0, painter: Painter::new(Dims { width: 128, height: 96 }) };
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
@@ -183,7 +183,7 @@ fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished
 fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
     let dims = Dims { width: 128, height: 96 };
     let port = Port::default();
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut camera = Lossy { calls: 0, painter: Painter::new(dims) };
     let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
     port.received();
@@ -265,7 +265,7 @@ fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
     let image = RigImage::new(rig, dims, View::default(), (0, 48)).unwrap();
     for (raw, good) in [(dims, true), (Dims { width: 160, height: 120 }, false)] {
         let port = Port::default();
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
         port.send(1, Request::SetRig(RigBytes::from_slice(&image.encode(1)).unwrap()));
         port.send(1, Request::Start);

@@ -7,7 +7,7 @@
 use crate::support::random::Random;
 use core::cell::{Cell, RefCell};
 use linestereo::Dims;
-use linestereo_firmware::boards::mps2_an386::Workspace;
+use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
@@ -484,7 +484,7 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
         DIMS,
         patience_us,
     );
-    let mut memory = Box::new(Workspace::new());
+    let mut memory = Box::new(BoardMemory::CLEARED);
     let mut seen = Vec::new();
     for _ in 0..5 {
         let pair = source.next_pair(&mut *memory, None);

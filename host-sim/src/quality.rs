@@ -22,8 +22,7 @@
 //! tools/depth-quality/rs-depth-quality.cpp (its texts on Z accuracy, plane fit RMS error, subpixel
 //! RMS error and fill rate).
 
-use linestereo::diagnostics::SUPPORT_PITCH;
-use linestereo::{Area, Point, Rig};
+use linestereo::{Area, Rig, results::Point, unstable::SUPPORT_PITCH};
 use linestereo_frames::statistics::quantile;
 use serde::Serialize;
 use std::collections::HashMap;

@@ -3,10 +3,10 @@
 
 use crate::support::{linestereo, refused, succeed};
 use core::cell::Cell;
-use linestereo::diagnostics::Stage;
+use linestereo::unstable::Stage;
 use linestereo_boards::Board;
 use linestereo_boards::built_in::{Case, digests};
-use linestereo_firmware::boards::mps2_an500::Workspace;
+use linestereo_firmware::boards::mps2_an500::BoardMemory;
 use linestereo_firmware::ports::{BarePeripherals, ByteSink, ByteSource, Clock, NoWatchdog};
 use linestereo_firmware::programs::case_server::CaseServer;
 use linestereo_sim::board::numbers::{BoardNumbers, PerInstruction, SiliconNumbers};
@@ -106,7 +106,7 @@ fn board(
     let address = listener.local_addr().unwrap().to_string();
     let thread = thread::spawn(move || {
         let (stream, is_open) = (listener.accept().unwrap().0, Rc::new(Cell::new(true)));
-        let (counter, mut memory) = (Cycles::default(), Box::new(Workspace::new()));
+        let (counter, mut memory) = (Cycles::default(), Box::new(BoardMemory::CLEARED));
         let parts = BarePeripherals {
             clock: Time(counter.clone()),
             counter,

@@ -1,9 +1,7 @@
 //! Explanations agree with the core: its curves, its tests, its results.
 
 use crate::support::{POLE_DIMS, all_refused, pole, succeed, with_pole, with_scene};
-use linestereo::diagnostics::{
-    CurveKind, Observer, Segment, SegmentCurves, SegmentKind, StageEvent,
-};
+use linestereo::unstable::{CurveKind, Observer, Segment, SegmentCurves, SegmentKind, StageEvent};
 use linestereo::{Dims, Params};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::explain::{Account, CurveLog, Explanation};
@@ -127,7 +125,7 @@ fn what_is_accepted_passed_and_what_is_rejected_failed_at_its_last_test() {
     let result = engine.run_observed(left, right, &mut log).unwrap();
     let (mut accepted, mut by_test, mut near_vertical) = (0, 0, 0);
     for segment in &detected.0 {
-        let middle = |a: linestereo::Position, b: linestereo::Position| {
+        let middle = |a: linestereo::units::Position, b: linestereo::units::Position| {
             (0.5 * (a.to_num::<f64>() + b.to_num::<f64>())) as u16
         };
         let [a, b] = segment.ends;

@@ -2,7 +2,7 @@
 //! and everything that can be wrong.
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb};
-use linestereo::{Dims, HealthFlags, Params, Rig};
+use linestereo::{Dims, Params, Rig, health::HealthFlags};
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::{
     Dataset, DisparityFault, FrameError, Layout, LayoutFault, Scene, find_scenes, layouts,

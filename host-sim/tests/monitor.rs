@@ -2,11 +2,9 @@
 //! port, and bad input.
 
 use crate::support::{linestereo, refused_with};
-use linestereo::diagnostics::Techniques;
-use linestereo::{
-    Confidence, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, Owner, Params,
-    Position,
-};
+use linestereo::results::{ImagePosition, Match, Owner, Techniques};
+use linestereo::units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
+use linestereo::{Dims, Params};
 use linestereo_wire::*;
 use serde_json::Value;
 use std::fs;
@@ -58,7 +56,7 @@ fn found(id: u16) -> Match {
 
 /// The packets of a frame: its head, and its segments by tens.
 pub(crate) fn frame(sequence: u32, segments: u16) -> Vec<Vec<u8>> {
-    let mut core = linestereo::Counts::default();
+    let mut core = linestereo::results::Counts::default();
     (core.segments_left, core.matched, core.segments_left_dropped) =
         (40, segments, u16::from(sequence == 1));
     let times = FrameTimes { waiting_us: 11_000, matching_us: 21_500, port_us: 300 };
@@ -306,7 +304,7 @@ impl<P: Read + Write> Board<P> {
             }
             let outcome = match &request {
                 Request::SetParams(update) => {
-                    update.plan(self.params, DIMS).map(|(params, _)| self.params = params).into()
+                    update.checked(self.params, DIMS).map(|params| self.params = params).into()
                 }
                 Request::Describe => {
                     self.port.write_all(&packet(&hello())).unwrap();

@@ -1,7 +1,8 @@
 //! Plans of rigs: figures that makers publish, the equations by another way, and wishes that cannot
 //! be had.
 
-use linestereo::{Depth, Dims, Disparity, Rig};
+use linestereo::units::{Depth, Disparity};
+use linestereo::{Dims, Rig};
 use linestereo_sim::planning::{Focal, RigPlan, USUAL_SIGMA, Wish, suggest};
 
 const VGA: Dims = Dims { width: 640, height: 480 };

@@ -2,7 +2,9 @@
 //! through its arithmetic.
 
 use crate::support::{all_refused, json, succeed};
-use linestereo::{Area, Confidence, Dims, Disparity, Point, Rig, Source};
+use linestereo::results::{Point, Source};
+use linestereo::units::{Confidence, Disparity};
+use linestereo::{Area, Dims, Rig};
 use linestereo_sim::quality::Wall;
 use linestereo_sim::scene::{self, Pair, Pattern, Scene, Sensor, Surface, Texture};
 use serde_json::Value;

@@ -1,8 +1,7 @@
 //! Files of detectors: every form gives the same regions, and what is wrong with one object costs
 //! nothing else.
 
-use linestereo::objects::Run;
-use linestereo::{Area, Dims, Span};
+use linestereo::{Area, Dims, image::Span, objects::Run};
 use linestereo_frames::regions::{
     Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load,
 };

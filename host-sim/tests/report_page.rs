@@ -2,7 +2,7 @@
 //! say so and pass.
 
 use crate::support::pole;
-use linestereo::{Area, Dims, Params, Rejection, Rig};
+use linestereo::{Area, Dims, Params, Rig, results::Rejection};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -39,8 +39,8 @@ fn run_of(images: [GrayImage; 2]) -> Run {
     let rejected = log.rejected(engine.matched().candidates());
     let area = Area { left: 40, top: 30, right: 200, bottom: 200 };
     let object = Object { label: 5, name: Some("<box>".to_owned()), pixels: Pixels::Box(area) };
-    let depths = engine.objects(&[object.region(DIMS).unwrap()]);
-    let objects = vec![(object, listing::Object::new(&depths[0], Some("<box>")))];
+    let found = engine.object(&object.region(DIMS).unwrap());
+    let objects = vec![(object, listing::Object::new(5, &found, Some("<box>")))];
     let mut log = CurveLog::default();
     engine.run_observed(views.0, views.1, &mut log).unwrap();
     let tests = TestTexts::new(&log, &mut engine, &params, &result);

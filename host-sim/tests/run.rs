@@ -144,7 +144,8 @@ fn json_has_the_promised_keys_and_shapes() {
     let count = |name: &str| {
         json["counts"][name].as_u64().unwrap_or_else(|| panic!("{name} is not counted"))
     };
-    let rejected: u64 = linestereo::Rejection::ALL.iter().map(|reason| count(reason.name())).sum();
+    let rejected: u64 =
+        linestereo::results::Rejection::ALL.iter().map(|reason| count(reason.name())).sum();
     assert_eq!(count("segments_left"), count("matched") + rejected);
     assert_eq!(count("matched") as usize, segments.len());
     assert!(count("segments_right") > 0);

@@ -1,6 +1,6 @@
 //! Synthetic scenes against closed forms: what the renderer says must follow from geometry alone.
 
-use linestereo::{Dims, Owner};
+use linestereo::{Dims, results::Owner};
 use linestereo_frames::load_scene;
 use linestereo_sim::scene::{
     self, DisparityPlane, EdgeCase, Kind, Pair, Pattern, Rendering, Scene, Sensor, Texture,

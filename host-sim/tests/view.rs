@@ -419,7 +419,7 @@ fn a_pair_that_the_board_missed_is_told_and_ends_nothing() {
         5,
         Dims { width: 0, height: 0 },
         Health::PAIR_MISSING,
-        &linestereo::Counts::default(),
+        &linestereo::results::Counts::default(),
     )));
     let bytes = [missed, frame(2, 3).concat()].concat();
     fs::write(folder.path().join("run.bin"), bytes).unwrap();

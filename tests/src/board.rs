@@ -1,14 +1,14 @@
 //! Boards for tests: emulated where a compiler and QEMU can be had.
 
 use core::any::Any;
-use linestereo::{Matcher, ObjectDepth, Params, Region};
+use linestereo::{Matcher, Options, Params, Region};
 use linestereo_boards::Board;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
-use linestereo_firmware::memory::{Memory, RunError};
+use linestereo_firmware::memory::{Memory, PairError};
 use linestereo_frames::GrayImage;
 use linestereo_sim::board::{Machine, firmware, tested};
 use linestereo_sim::engine::FrameResult;
-use linestereo_wire::Health;
+use linestereo_wire::{Health, ObjectRecord};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -71,10 +71,10 @@ impl Twin {
     #[must_use]
     pub fn of(board: &Board) -> Self {
         if *board == mps2_an500::BOARD {
-            return Self(Box::new(mps2_an500::Workspace::new()));
+            return Self(Box::new(mps2_an500::BoardMemory::CLEARED));
         }
         assert_eq!(*board, mps2_an386::BOARD);
-        Self(Box::new(mps2_an386::Workspace::new()))
+        Self(Box::new(mps2_an386::BoardMemory::CLEARED))
     }
 
     /// Matches a pair that stands alone.
@@ -83,8 +83,9 @@ impl Twin {
         params: &Params,
         left: &GrayImage,
         right: &GrayImage,
-    ) -> Result<FrameResult, RunError> {
-        let mut matcher = params.matcher(left.dims).map_err(|_| RunError::Size(left.dims))?;
+    ) -> Result<FrameResult, PairError> {
+        let matcher = Matcher::new(*params, left.dims);
+        let mut matcher = matcher.map_err(|_| PairError::Size(left.dims))?;
         self.run_next(&mut matcher, [left, right], &[]).map(|(result, _)| result)
     }
 
@@ -94,12 +95,12 @@ impl Twin {
         matcher: &mut Matcher,
         pair: [&GrayImage; 2],
         objects: &[Region<'_>],
-    ) -> Result<(FrameResult, Vec<ObjectDepth>), RunError> {
-        match self.0.downcast_mut::<mps2_an500::Workspace>() {
+    ) -> Result<(FrameResult, Vec<ObjectRecord>), PairError> {
+        match self.0.downcast_mut::<mps2_an500::BoardMemory>() {
             Some(large) => run(large, matcher, pair, objects),
-            None => match self.0.downcast_mut::<mps2_an386::Workspace>() {
+            None => match self.0.downcast_mut::<mps2_an386::BoardMemory>() {
                 Some(small) => run(small, matcher, pair, objects),
-                None => Err(RunError::Size(pair[0].dims)),
+                None => Err(PairError::Size(pair[0].dims)),
             },
         }
     }
@@ -110,17 +111,16 @@ fn run(
     matcher: &mut Matcher,
     pair: [&GrayImage; 2],
     objects: &[Region<'_>],
-) -> Result<(FrameResult, Vec<ObjectDepth>), RunError> {
-    let dims = matcher.plan().dims();
+) -> Result<(FrameResult, Vec<ObjectRecord>), PairError> {
+    let dims = matcher.dims();
     if !memory.fits(dims) {
-        return Err(RunError::Size(dims));
+        return Err(PairError::Size(dims));
     }
     for (frame, image) in memory.frames().into_iter().zip(pair) {
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
-    let mut matched = memory.run(matcher, None, None, &mut ())?;
-    let mut points = Vec::new();
-    matched.points(|point| points.push(point));
+    let mut matched = memory.run(matcher, Options::default())?;
+    let points = matched.points().collect();
     let health = matched.health();
     let mut result = FrameResult {
         matches: matched.segments().to_vec(),
@@ -134,7 +134,6 @@ fn run(
         exchanged: None,
     };
     result.counts.points = result.points.len() as u32;
-    let mut found = Vec::new();
-    matched.objects(objects, |object| found.push(object));
-    Ok((result, found))
+    let object = |region: &Region<'_>| ObjectRecord::new(region.label(), &matched.object(region));
+    Ok((result, objects.iter().map(object).collect()))
 }

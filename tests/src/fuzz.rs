@@ -54,7 +54,7 @@ pub fn wire(bytes: &[u8]) {
         record_again::<Message, MAX_PACKET>(record);
     } else if let Some(command) = record_again::<Command, MAX_COMMAND>(record) {
         match command.request {
-            Request::SetParams(update) => _ = update.plan(Params::default(), DIMS),
+            Request::SetParams(update) => _ = update.checked(Params::default(), DIMS),
             Request::SetRig(bytes) => _ = RigImage::decode(&bytes),
             Request::SetRegions(asked) => {
                 asked.boxes.iter().for_each(|asked| _ = asked.region(DIMS))
@@ -197,11 +197,11 @@ pub fn pair(bytes: &[u8]) {
         ..ParamUpdate::default()
     };
     // Refused parameters are left out, so that most inputs are matched.
-    let (params, _) = update
-        .plan(Params::default(), dims)
+    let params = update
+        .checked(Params::default(), dims)
         .or_else(|_| {
             ParamUpdate { max_disparity: Some(8), ..ParamUpdate::default() }
-                .plan(Params::default(), dims)
+                .checked(Params::default(), dims)
         })
         .expect("fits any image");
     let count = usize::from(dims.width) * usize::from(dims.height);
@@ -224,15 +224,14 @@ pub fn pair(bytes: &[u8]) {
             // Without health, which refuses most of what is drawn so.
             let mut matched =
                 engine.run_in_place(left_image, right_image).expect("of the planned size");
-            let mut points = Vec::new();
-            matched.points(|point| points.push(point));
+            let points: Vec<_> = matched.points().collect();
             (matched.segments().to_vec(), points)
         };
         let first = run(engine);
         for point in &first.1 {
             assert!(point.x < dims.width && point.y < dims.height);
         }
-        engine.focus(Some(vec![area]));
+        engine.areas = Some(vec![area]);
         let _ = engine.run(left_image, right_image).expect("of the planned size");
         assert!(first == run(engine), "memory of another pair is seen");
     });

@@ -1,6 +1,6 @@
 //! Poles before walls, drawn with exact truth.
 
-use linestereo::{Dims, Params, Region, Span, objects::Run};
+use linestereo::{Dims, Params, Region, image::Span, objects::Run};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_tests::drawn::{Random, painted};
@@ -63,7 +63,7 @@ fn poles_have_their_own_disparity() {
         let [first, last] = bar.rows();
         let y = first.midpoint(last);
         for x in bar.columns(y) {
-            let found = engine.depth_at((x, y), None).unwrap();
+            let found = engine.depth_at((x, y)).unwrap();
             assert!(
                 (found.disparity.to_num::<f64>() - f64::from(d)).abs() <= 1.0,
                 "{x}, {y}: {found:?}"
@@ -71,8 +71,8 @@ fn poles_have_their_own_disparity() {
         }
         let span = Span { start: start as u16, end: (start + width) as u16 };
         let runs: Vec<Run> = (30..210).map(|y| Run { label: 1, y, span }).collect();
-        let object = engine.objects(&[Region::masked(1, &runs, DIMS).unwrap()])[0];
-        let found = object.disparity.unwrap().to_num::<f64>();
+        let object = engine.object(&Region::masked(1, &runs, DIMS).unwrap()).unwrap();
+        let found = object.disparity.to_num::<f64>();
         assert!((found - f64::from(d)).abs() <= 1.0, "{width} px: {object:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! The boards under QEMU: the PC's bits, and an end for everything that must not happen.
 
 use core::time::Duration;
-use linestereo::{Confidence, Dims, Params, Span};
+use linestereo::{Dims, Matcher, Params, image::Span, units::Confidence};
 use linestereo_boards::built_in::Case;
 use linestereo_boards::{Board, Exit};
 use linestereo_calibration::rectify::PairRectifier;
@@ -92,7 +92,7 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
     };
     ended.success("pixels", &board).unwrap();
     let table = std::fs::read_to_string(folder.path().join("table")).unwrap();
-    let mut memory = Box::new(mps2_an500::Workspace::new());
+    let mut memory = Box::new(mps2_an500::BoardMemory::CLEARED);
     assert_eq!(table.lines().count(), Case::all(&board).count(), "{table}");
     for (line, case) in table.lines().zip(Case::all(&board)) {
         let expected = pixels::measure(&mut *memory, &NoClock, &case).unwrap();
@@ -195,10 +195,10 @@ fn worst_cases_are_the_same_to_the_last_byte() {
             let pairs: Vec<_> = painted.iter().map(|(left, right)| (left, right)).collect();
             let replayed = machine.run_pairs(&board::update(&params, None), &pairs).unwrap();
             // Faults of a pair are held over the next ones.
-            let mut matcher = params.matcher(cases[0].dims).unwrap();
+            let mut matcher = Matcher::new(params, cases[0].dims).unwrap();
             for ((case, found), (left, right)) in cases.iter().zip(&replayed.pairs).zip(&painted) {
                 let found = &found.as_ref().unwrap().result;
-                matcher.set_plan(params.plan(case.dims).unwrap());
+                matcher.set_params(params, case.dims).unwrap();
                 let (expected, _) = twin.run_next(&mut matcher, [left, right], &[]).unwrap();
                 assert_eq!(found.matches, expected.matches, "{case}");
                 assert_eq!(found.points, expected.points, "{case}");
@@ -371,7 +371,7 @@ fn a_live_board_answers_on_its_port() {
     running.command(3, Request::Start);
     assert_eq!(running.answer(3), Outcome::Accepted);
     let mut twin = Twin::of(&board);
-    let mut matcher = Params::default().matcher(board.largest).unwrap();
+    let mut matcher = Matcher::new(Params::default(), board.largest).unwrap();
     for (sequence, case) in (0..3).zip(Case::all(&board)) {
         let (left, right) = paint(&case);
         let (mut expected, _) = twin.run_next(&mut matcher, [&left, &right], &[]).unwrap();

@@ -4,7 +4,7 @@
 //! The worst damages of the fault bench on drawn pairs, and on captured ones (`LINESTEREO_FRAMES`,
 //! or `../shared/frames` beside the project).
 
-use linestereo::{Area, Dims, HealthFlags, NoDepth, Params};
+use linestereo::{Area, Dims, Matcher, Params, health::HealthFlags, objects::Reason};
 use linestereo_firmware::boards::mps2_an500;
 use linestereo_frames::{Scene, Truth, load_scene};
 use linestereo_lab::faults::{Damage, Source};
@@ -88,7 +88,8 @@ fn compare(scenes: [&Scene; 2]) -> Option<Vec<(HealthFlags, BTreeSet<String>)>> 
         machine.run_pairs_with_objects(&board::update(&params, Some(RIG)), &sent).unwrap();
     assert_eq!((replayed.pairs.len(), replayed.bad_packets), (pairs.len(), 0));
 
-    let (mut twin, mut matcher) = (Twin::of(&mps2_an500::BOARD), params.matcher(dims).unwrap());
+    let (mut twin, mut matcher) =
+        (Twin::of(&mps2_an500::BOARD), Matcher::new(params, dims).unwrap());
     let mut seen = Vec::new();
     for ((pair, found), (damage, _)) in pairs.iter().zip(replayed.pairs).zip(DAMAGES) {
         let (expected, objects) = twin.run_next(&mut matcher, pair.each_ref(), &regions).unwrap();
@@ -102,10 +103,10 @@ fn compare(scenes: [&Scene; 2]) -> Option<Vec<(HealthFlags, BTreeSet<String>)>> 
         assert_eq!(found.result.matches, expected.matches, "{name}");
         assert_eq!(found.result.points, expected.points, "{name}");
         assert_eq!(found.objects, objects, "{name}");
-        let refusals = found.objects.iter().filter_map(|object| object.disparity.err());
+        let refusals = found.objects.iter().filter_map(|object| object.depth().err());
         seen.push((
             found.result.health.of_pair(),
-            refusals.map(|why| format!("{why:?}")).collect(),
+            refusals.map(|why| format!("{:?}", why.reason)).collect(),
         ));
     }
     Some(seen)
@@ -115,7 +116,7 @@ fn compare(scenes: [&Scene; 2]) -> Option<Vec<(HealthFlags, BTreeSet<String>)>> 
 fn damaged_drawn_pairs_have_the_bits_of_the_pc() {
     let scenes = [5, 6].map(drawn);
     let Some(seen) = compare(scenes.each_ref()) else { return };
-    let unhealthy = format!("{:?}", NoDepth::UnhealthyPair);
+    let unhealthy = format!("{:?}", Reason::UnhealthyPair);
     for ((flags, refusals), (damage, flag)) in seen.iter().zip(DAMAGES) {
         let is_named = flag.is_none_or(|flag| flags.contains(flag));
         assert!(is_named && flags.is_fit() == flag.is_none(), "{damage}: {flags:?}");

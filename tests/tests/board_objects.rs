@@ -1,14 +1,14 @@
 //! Objects on the boards under QEMU: the PC's bits, also of pairs that are matched around them
 //! alone.
 
-use linestereo::{Area, Dims, ObjectDepth, Params};
+use linestereo::{Area, Dims, Params};
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_sim::board;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::scene::{Kind, Rendering};
 use linestereo_tests::board::machine;
 use linestereo_tests::drawn::rendered;
-use linestereo_wire::{RegionBox, Regions, RigUpdate};
+use linestereo_wire::{ObjectRecord, RegionBox, Regions, RigUpdate};
 
 const RIG: RigUpdate = RigUpdate { focal_px: 300.0, baseline_m: 0.1, offset_px: 0.0 };
 
@@ -31,14 +31,14 @@ fn expected(
     rendering: &Rendering,
     boxes: &[RegionBox],
     only: bool,
-) -> Vec<ObjectDepth> {
+) -> Vec<ObjectRecord> {
     let dims = rendering.left.dims;
     let regions: Vec<_> = boxes.iter().map(|of| of.region(dims).unwrap()).collect();
-    engine.focus(only.then(|| regions.iter().map(linestereo::Region::area).collect()));
+    engine.areas = only.then(|| regions.iter().map(linestereo::Region::area).collect());
     // The next pair of the same cameras: the ground is looked for near that of the pair before.
     let images = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
     engine.run_next(images, None, &mut ()).unwrap();
-    engine.objects(&regions)
+    regions.iter().map(|of| ObjectRecord::new(of.label(), &engine.object(of))).collect()
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn a_board_says_of_objects_what_the_pc_says() {
         for ((pair, found), only) in pairs.iter().zip(&replayed.pairs).zip([false, true, true]) {
             let found = &found.as_ref().unwrap().objects;
             assert_eq!(*found, expected(&mut engine, pair, &boxes, only), "{}", board.name);
-            answered += found.iter().filter(|object| object.depth.is_some()).count();
+            answered += found.iter().filter(|object| object.depth_q16.is_some()).count();
         }
         assert_eq!(replayed.pairs.len(), 3);
         assert!(answered > 12, "{answered} of 48 objects");

@@ -9,8 +9,9 @@
 
 use core::f64::consts::TAU;
 use core::time::Duration;
-use linestereo::diagnostics::{Observer, Segment, StageEvent};
-use linestereo::{Area, Capacity, Counts, Dims, Focus, Match, Pair, Params, Rejection};
+use linestereo::results::{Counts, Match, Rejection};
+use linestereo::unstable::{Observer, Segment, StageEvent};
+use linestereo::{Area, Capacity, Dims, Matcher, Options, Params};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Scene, find_scenes, load_scene};
 use linestereo_sim::draw::gray_png;
@@ -142,13 +143,13 @@ impl Steps {
 
 /// Matches a pair and returns what it cost, thousands of instructions, and what was counted.
 fn run(memory: &mut Memory, [left, right]: [&GrayImage; 2], part: Part) -> (f64, Counts) {
-    let plan = Params::default().plan(left.dims).unwrap();
+    let mut matcher = Matcher::new(Params::default(), left.dims).unwrap();
+    let (left, right, areas) = (left.view().unwrap(), right.view().unwrap(), part.areas());
+    matcher.set_row_offset_q5(0); // areas are matched with that of a whole pair
     let mut steps = Steps::default();
-    let (images, areas) = ([left.view().unwrap(), right.view().unwrap()], part.areas());
-    // Areas are matched with the row offset of a whole pair.
-    let focus =
-        Focus { areas: areas.as_deref(), row_offset_q5: areas.as_ref().map(|_| 0), ..Focus::WHOLE };
-    let matched = plan.run_on(images, &focus, memory, &mut steps).unwrap();
+    let options =
+        Options { areas: areas.as_deref(), observer: Some(&mut steps), ..Options::default() };
+    let matched = matcher.run_with(memory, left, right, options).unwrap();
     (steps.cost(part, matched.counts()), *matched.counts())
 }
 
@@ -377,9 +378,10 @@ fn a_grating_is_cut_in_every_part_alike() {
     let mut memory = Box::new(Memory::new());
     let [left, right] = PLAIN.pair();
     let mut seen = LeftSegments::default();
-    let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
-    let mut matcher = Params::default().matcher(DIMS).unwrap();
-    matcher.run_with(pair, &mut memory, None, &mut seen).unwrap();
+    let (left, right) = (left.view().unwrap(), right.view().unwrap());
+    let mut matcher = Matcher::new(Params::default(), DIMS).unwrap();
+    let options = Options { observer: Some(&mut seen), ..Options::default() };
+    matcher.run_with(&mut memory, left, right, options).unwrap();
     let mut parts = [0; 16];
     for segment in &seen.0 {
         let [a, b] = segment.ends;
@@ -398,9 +400,9 @@ fn the_budget_grows_with_the_image() {
                 .round() as u8
         });
         let mut memory = Box::new(Large::new());
-        let params = Params::default().plan(image.dims).unwrap();
+        let mut matcher = Matcher::new(Params::default(), image.dims).unwrap();
         let view = image.view().unwrap();
-        let matched = params.run([view, view], &mut memory).unwrap();
+        let matched = matcher.run(&mut memory, view, view).unwrap();
         (matched.counts().edge_units(), matched.counts().edges_cut)
     };
     let (small, large) = (units(320, 240), units(1280, 960));
@@ -427,15 +429,14 @@ fn nothing_is_left_out_of_a_scene() {
     let mut memory = Box::new(Memory::new());
     let mut random = Random(3);
     for Scene { name, left, right, .. } in &scenes {
-        let mut matcher = Params::default().matcher(left.dims).unwrap();
+        let mut matcher = Matcher::new(Params::default(), left.dims).unwrap();
         let parts = Part::ALL.into_iter().map(Part::areas);
         let parts: Vec<_> =
             parts.chain((0..12).map(|_| Some(vec![boxes(left.dims, &mut random)]))).collect();
         for areas in parts {
-            let pair =
-                Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
-            let counts =
-                *matcher.run_with(pair, &mut memory, areas.as_deref(), &mut ()).unwrap().counts();
+            let (left, right) = (left.view().unwrap(), right.view().unwrap());
+            let options = Options { areas: areas.as_deref(), ..Options::default() };
+            let counts = *matcher.run_with(&mut memory, left, right, options).unwrap().counts();
             assert_eq!((counts.edges_cut, counts.comparisons_cut), (0, 0), "{name}, {areas:?}");
         }
         // The work of a scene is what it is said to be.
@@ -465,10 +466,9 @@ fn nothing_is_left_out_of_scenes_of_other_sizes() {
         let Some(folder) = captured::folder(set) else { continue };
         for folder in find_scenes(&folder).unwrap() {
             let scene = load_scene(&folder, None).unwrap();
-            let plan = Params::default().plan(scene.left.dims).unwrap();
-            let matched = plan
-                .run([scene.left.view().unwrap(), scene.right.view().unwrap()], &mut memory)
-                .unwrap();
+            let mut matcher = Matcher::new(Params::default(), scene.left.dims).unwrap();
+            let (left, right) = (scene.left.view().unwrap(), scene.right.view().unwrap());
+            let matched = matcher.run(&mut memory, left, right).unwrap();
             let counts = matched.counts();
             assert_eq!((counts.edges_cut, counts.comparisons_cut), (0, 0), "{set}, {}", scene.name);
             pairs += 1;

@@ -2,9 +2,9 @@
 //! and on an emulated Cortex-M7.
 
 use core::fmt::Write as _;
-use linestereo::{
-    Area, Dims, Disparity, HealthFlags, NoDepth, Params, PixelRejection, Region, Rig,
-};
+use linestereo::results::PixelRejection;
+use linestereo::units::Disparity;
+use linestereo::{Area, Dims, Params, Region, Rig, health::HealthFlags, objects::Reason};
 use linestereo_boards::Board;
 use linestereo_frames::GrayImage;
 use linestereo_sim::board::{qemu, toolchain::Toolchain};
@@ -166,13 +166,13 @@ fn results([left, right]: &[GrayImage; 2]) -> (String, FrameResult) {
     let [width, height] = [left.dims.width / 4, left.dims.height / 4];
     let middle = Area { left: width, top: height, right: 3 * width, bottom: 3 * height };
     let flags: HealthFlags = engine.matched().health().flags;
-    let object = engine.objects(&[Region::boxed(0, middle, left.dims).unwrap()]).remove(0);
-    match object.disparity {
+    match engine.object(&Region::boxed(0, middle, left.dims).unwrap()) {
         Err(reason) => writeln!(text, "middle: {reason}").unwrap(),
-        Ok(disparity) => {
-            let pixels = [disparity, object.sigma].map(Disparity::to_num::<f64>);
-            let metres = [object.depth, object.nearest]
-                .map(|depth| listing::finite_metres(depth.unwrap()).unwrap());
+        Ok(object) => {
+            let pixels = [object.disparity, object.sigma].map(Disparity::to_num::<f64>);
+            let metres = object.metres.unwrap();
+            let metres =
+                [metres.depth, metres.nearest].map(|depth| listing::finite_metres(depth).unwrap());
             writeln!(text, "middle: {} +- {} px,{},{}", pixels[0], pixels[1], metres[0], metres[1])
                 .unwrap();
         }
@@ -211,7 +211,7 @@ fn the_header_is_what_cbindgen_makes_of_the_source() {
 fn reasons_have_the_texts_of_the_core() {
     use status::Status;
     let text = |status: Status| status.text().to_str().unwrap().to_owned();
-    for reason in NoDepth::ALL {
+    for reason in Reason::ALL {
         assert_eq!(text(reason.into()), reason.to_string());
     }
     let of_pixels =

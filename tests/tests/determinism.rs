@@ -1,10 +1,12 @@
 //! The same bits whatever the stride, the padding, the memory's contents, the number of runs and
 //! the profile.
 
-use linestereo::diagnostics::{Stage, StageDigests};
-use linestereo::{Capacity, Confidence, Dims, Focus, Gray, Match, Params, Plan, Point, Rig};
+use linestereo::results::{Match, Point};
+use linestereo::unstable::{Stage, StageDigests};
+use linestereo::{Capacity, Dims, Gray, Options, Params, Rig, units::Confidence};
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{rendered, with_padding};
+use linestereo_tests::run_alone;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
@@ -18,7 +20,7 @@ fn scenes() -> Vec<scene::Rendering> {
     [Kind::Demo, Kind::Boxes, Kind::Corridor].map(|kind| rendered(kind, DIMS, 1.5, 7)).into()
 }
 
-fn plan() -> Plan {
+fn params() -> Params {
     let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());
     Params {
         max_disparity: 48,
@@ -26,14 +28,11 @@ fn plan() -> Plan {
         min_confidence: Confidence::from_num(0.5),
         ..Params::default()
     }
-    .plan(DIMS)
-    .unwrap()
 }
 
 fn run(memory: &mut Memory, left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
-    let mut matched = plan().run([left, right], memory).unwrap();
-    let mut points = Vec::new();
-    matched.points(|point| points.push(point));
+    let mut matched = run_alone(&params(), memory, [left, right], Options::default()).unwrap();
+    let points = matched.points().collect();
     (matched.segments().to_vec(), points)
 }
 
@@ -66,9 +65,9 @@ fn debug_and_release_give_the_blessed_bits() {
         .map(|rendering| {
             let images = [rendering.left.view().unwrap(), rendering.right.view().unwrap()];
             let mut digests = StageDigests::new();
-            let mut matched =
-                plan().run_on(images, &Focus::WHOLE, &mut memory, &mut digests).unwrap();
-            matched.points(|point| digests.add_point(&point));
+            let options = Options { observer: Some(&mut digests), ..Options::default() };
+            let mut matched = run_alone(&params(), &mut memory, images, options).unwrap();
+            matched.points().for_each(|point| digests.add_point(&point));
             digests.of(Stage::Report)
         })
         .collect();

@@ -3,9 +3,9 @@
 
 use crate::slopes::Texture;
 use linestereo::obstacles::{DropOff, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-use linestereo::{
-    Confidence, Dims, Disparity, GroundPlane, HealthFlags, Params, Point, Rig, Source,
-};
+use linestereo::results::{Point, Source};
+use linestereo::units::{Confidence, Disparity};
+use linestereo::{Dims, Params, Rig, ground::GroundPlane, health::HealthFlags};
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
 
@@ -134,7 +134,7 @@ fn drawn(edge_m: Option<f64>, seed: u64) -> [u32; 2] {
     let (params, [left, right]) = (params(), [0.0, 1.0].map(paint));
     let mut engine = Engine::new(&params, DIMS).unwrap();
     // Of two floors the larger one would be taken: an IMU or the pair before says which it is.
-    engine.expect_ground(Some(floor()));
+    engine.matcher.expect_ground(Some(floor()));
     let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
     let plan = plan(Some(0.05)).on_ground(result.ground);
     let mut obstacles = Obstacles::new();

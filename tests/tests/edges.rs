@@ -3,7 +3,8 @@
 //! The disparity of a match on its owning side is compared with that surface: a segment may rightly
 //! belong to the wall behind the edge, as long as it says so.
 
-use linestereo::{Dims, Match, Owner, Params};
+use linestereo::results::{Match, Owner};
+use linestereo::{Dims, Params};
 use linestereo_sim::board;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::scene::{self, EdgeCase, Sensor};

@@ -2,15 +2,18 @@
 //! integer overflow.
 
 use core::mem::MaybeUninit;
+use linestereo::params::{Margin, ParamError};
+use linestereo::results::Rejection;
+use linestereo::units::{Confidence, Depth, Disparity};
 use linestereo::{
-    Capacity, Confidence, Depth, Dims, Disparity, Gray, Margin, Memory, MemorySlice, ParamError,
-    Params, Rejection, Rig, RunError,
+    Capacity, Dims, Gray, Matcher, Memory, MemorySlice, Options, Params, Rig, RunError,
 };
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::health::is_fit;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, painted, rendered};
+use linestereo_tests::run_alone;
 use std::collections::HashSet;
 
 /// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in
@@ -109,13 +112,14 @@ fn boxes() -> scene::Rendering {
 fn with_few_places_segments_come_from_larger_squares_and_all_are_counted() {
     let rendering = boxes();
     let images = [rendering.left.view().unwrap(), rendering.right.view().unwrap()];
-    let plan = Params { max_disparity: 48, cell: 8, ..Params::default() }.plan(DIMS).unwrap();
+    let params = Params { max_disparity: 48, cell: 8, ..Params::default() };
     let fine = Capacity { cell: 8, ..Capacity::new(DIMS) };
     let coarse = Capacity::new(DIMS);
     let [mut many, mut few] =
         [fine, coarse].map(|capacity| vec![MaybeUninit::uninit(); capacity.words()]);
     let [many, few] = [&mut many, &mut few].map(|words| MemorySlice::new(words, coarse.segments));
-    let (all, some) = (plan.run(images, many).unwrap(), plan.run(images, few).unwrap());
+    let [all, some] =
+        [many, few].map(|memory| run_alone(&params, memory, images, Options::default()).unwrap());
     assert!(
         all.candidates().len() > 48 && !some.segments().is_empty() && some.candidates().len() <= 48
     );
@@ -157,9 +161,9 @@ fn every_parameter_out_of_range_is_named() {
         ("margin", Params { margin: Margin::Pixels(Disparity::ZERO), ..base }),
     ];
     for (field, params) in cases {
-        match params.plan(DIMS) {
-            Err(ParamError::OutOfRange { name, value, low, high }) => {
-                assert!(name.starts_with(field), "{name} is not {field}");
+        match params.check(DIMS) {
+            Err(ParamError::OutOfRange { param, value, low, high }) => {
+                assert!(param.name().starts_with(field), "{param:?} is not {field}");
                 assert!(
                     !(low..=high).contains(&value),
                     "{field}: {value} is inside {low} to {high}"
@@ -170,11 +174,11 @@ fn every_parameter_out_of_range_is_named() {
     }
     let metres = Margin::Metres { nearer: Depth::from_num(0.1), farther: Depth::from_num(0.1) };
     assert_eq!(
-        Params { margin: metres, ..base }.plan(DIMS).err(),
+        Params { margin: metres, ..base }.check(DIMS).err(),
         Some(ParamError::MarginNeedsRig)
     );
     let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());
-    assert!(Params { margin: metres, rig, ..base }.plan(DIMS).is_ok());
+    assert!(Params { margin: metres, rig, ..base }.check(DIMS).is_ok());
 }
 
 #[test]
@@ -199,17 +203,17 @@ fn a_narrow_margin_in_metres_rejects_what_a_wide_one_accepts() {
 fn wrong_sizes_and_too_little_memory_are_refused() {
     let rendering = boxes();
     let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
-    let plan = Params::default().plan(DIMS).unwrap();
+    let mut matcher = Matcher::new(Params::default(), DIMS).unwrap();
     let mut memory = Box::new(Memory::<{ Capacity::new(DIMS).words() }>::new());
     let other = Dims { width: 160, height: 119 };
     let small = Gray::new(&rendering.left.pixels, other, 160).unwrap();
     let refused = Err(RunError::SizeMismatch { planned: DIMS, given: other });
-    assert_eq!(plan.run([small, right], &mut memory).map(|_| ()), refused);
-    assert_eq!(plan.run([left, small], &mut memory).map(|_| ()), refused);
-    assert!(plan.run([left, right], &mut memory).is_ok());
+    assert_eq!(matcher.run(&mut memory, small, right).map(|_| ()), refused);
+    assert_eq!(matcher.run(&mut memory, left, small).map(|_| ()), refused);
+    assert!(matcher.run(&mut memory, left, right).is_ok());
 
     const LESS: usize = Capacity::new(DIMS).words() - 1;
     let mut tiny = Box::new(Memory::<LESS>::new());
     let refused = Err(RunError::MemoryTooSmall { needed: LESS + 1, given: LESS });
-    assert_eq!(plan.run([left, right], &mut tiny).map(|_| ()), refused);
+    assert_eq!(matcher.run(&mut tiny, left, right).map(|_| ()), refused);
 }

@@ -3,8 +3,8 @@
 //! On captured frames where they are present (`LINESTEREO_FRAMES`, or `../shared/frames` beside the
 //! project).
 
-use linestereo::diagnostics::{Candidate, Segment};
-use linestereo::{Area, Capacity, Dims, Focus, Matched, Params, Plan};
+use linestereo::unstable::{Candidate, Segment};
+use linestereo::{Area, Capacity, Dims, Matched, Matcher, Options, Params};
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::object_cases;
 use linestereo_tests::captured;
@@ -13,28 +13,27 @@ const LARGEST: Dims = Dims { width: 320, height: 320 };
 type PairMemory =
     linestereo::Memory<{ Capacity { segments: 4096, ..Capacity::new(LARGEST) }.words() }, 4096>;
 
-fn plan(scene: &Scene) -> Plan {
-    Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }
-        .plan(scene.left.dims)
-        .unwrap()
+fn matcher(scene: &Scene) -> Matcher {
+    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
+    Matcher::new(params, scene.left.dims).unwrap()
 }
 
 fn memory() -> Box<PairMemory> {
     Box::new(PairMemory::new())
 }
 
+/// The ground is looked for everywhere, as in a first pair; the row offset is that of the last
+/// whole one.
 fn run<'a>(
-    plan: &Plan,
+    matcher: &mut Matcher,
     scene: &'a Scene,
-    focus: &Focus<'_>,
+    areas: Option<&[Area]>,
     memory: &'a mut PairMemory,
 ) -> Matched<'a> {
-    let images = [scene.left.view().unwrap(), scene.right.view().unwrap()];
-    plan.run_on(images, focus, memory, &mut ()).unwrap()
-}
-
-fn row_offset_q5(matched: &Matched<'_>) -> Option<i16> {
-    Some(matched.summary().row_offset_q5())
+    matcher.forget_health();
+    let (left, right) = (scene.left.view().unwrap(), scene.right.view().unwrap());
+    let options = Options { areas, ..Options::default() };
+    matcher.run_with(memory, left, right, options).unwrap()
 }
 
 fn is_near(segment: &Segment, area: Area) -> bool {
@@ -74,19 +73,14 @@ fn candidates_around_an_area_are_those_of_the_whole_frame() {
     let mut seed = 7;
     for scene in &scenes {
         let dims = scene.left.dims;
-        let plan = plan(scene);
-        let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
+        let mut matcher = matcher(scene);
+        let whole = run(&mut matcher, scene, None, &mut all_of_it);
         for _ in 0..40 {
             let [width, height] = [0; 2].map(|_| 20 + random(&mut seed, 90));
             let (left, top) =
                 (random(&mut seed, dims.width - width), random(&mut seed, dims.height - height));
             let area = Area { left, top, right: left + width, bottom: top + height };
-            let focus = Focus {
-                areas: Some(&[area]),
-                row_offset_q5: row_offset_q5(&whole),
-                ..Focus::WHOLE
-            };
-            let part = run(&plan, scene, &focus, &mut parts_of_it);
+            let part = run(&mut matcher, scene, Some(&[area]), &mut parts_of_it);
             let (a, b) = (near(&whole, area), near(&part, area));
             let common = a.iter().filter(|facts| b.contains(facts)).count();
             all += a.len();
@@ -110,18 +104,13 @@ fn all_of_the_image_is_the_whole_frame() {
     let Some(scenes) = captured::qvga() else { return };
     let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     for scene in &scenes {
-        let (plan, dims) = (plan(scene), scene.left.dims);
-        let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
-        let all = [Area::of(dims)];
-        for row_offset_q5 in [None, row_offset_q5(&whole)] {
-            let part = run(
-                &plan,
-                scene,
-                &Focus { areas: Some(&all), row_offset_q5, ..Focus::WHOLE },
-                &mut parts_of_it,
-            );
+        let mut knowing = matcher(scene);
+        let whole = run(&mut knowing, scene, None, &mut all_of_it);
+        let all = [Area::of(scene.left.dims)];
+        for mut matcher in [matcher(scene), knowing] {
+            let part = run(&mut matcher, scene, Some(&all), &mut parts_of_it);
             assert_eq!(part.segments(), whole.segments(), "{}", scene.name);
-            assert_eq!(part.summary().row_offset_q5(), whole.summary().row_offset_q5());
+            assert_eq!(part.row_offset_q5(), whole.row_offset_q5());
         }
     }
 }
@@ -136,12 +125,7 @@ fn nothing_is_matched_where_nothing_is_asked_for() {
     let (zero, outside) =
         (Area::default(), Area { left: dims.width, top: 0, right: u16::MAX, bottom: u16::MAX });
     for areas in [&[][..], &[zero][..], &[outside, zero][..]] {
-        let none = run(
-            &plan(scene),
-            scene,
-            &Focus { areas: Some(areas), row_offset_q5: None, ..Focus::WHOLE },
-            &mut parts_of_it,
-        );
+        let none = run(&mut matcher(scene), scene, Some(areas), &mut parts_of_it);
         assert!(none.segments().is_empty() && none.candidates().is_empty());
         assert_eq!(none.counts().segments_left, 0);
     }
@@ -153,19 +137,14 @@ fn more_areas_than_are_told_apart_lose_none() {
     let Some(scenes) = captured::qvga() else { return };
     let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     let scene = &scenes[0];
-    let (plan, dims) = (plan(scene), scene.left.dims);
-    let whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
-    let areas: Vec<Area> = (0..Focus::MAX_AREAS as u16 + 20)
+    let (mut matcher, dims) = (matcher(scene), scene.left.dims);
+    let whole = run(&mut matcher, scene, None, &mut all_of_it);
+    let areas: Vec<Area> = (0..Options::MAX_AREAS as u16 + 20)
         .map(|i| Area { left: 8 * i, top: 100, right: 8 * i + 12, bottom: 130 })
         .filter(|area| area.right <= dims.width)
         .collect();
-    assert!(areas.len() > Focus::MAX_AREAS);
-    let part = run(
-        &plan,
-        scene,
-        &Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE },
-        &mut parts_of_it,
-    );
+    assert!(areas.len() > Options::MAX_AREAS);
+    let part = run(&mut matcher, scene, Some(&areas), &mut parts_of_it);
     let number = |ran: &Matched<'_>| areas.iter().map(|&area| near(ran, area).len()).sum::<usize>();
     let (found, wanted) = (number(&part), number(&whole));
     // Without the areas that do not fit in the list it would be half; see above for the rest.
@@ -179,14 +158,9 @@ fn every_segment_is_counted_once() {
     let mut parts_of_it = memory();
     for scene in &scenes {
         let area = Area { left: 60, top: 50, right: 200, bottom: 150 };
-        let part = run(
-            &plan(scene),
-            scene,
-            &Focus { areas: Some(&[area]), row_offset_q5: None, ..Focus::WHOLE },
-            &mut parts_of_it,
-        );
+        let part = run(&mut matcher(scene), scene, Some(&[area]), &mut parts_of_it);
         let counts = part.counts();
-        let rejected: u32 = linestereo::Rejection::ALL
+        let rejected: u32 = linestereo::results::Rejection::ALL
             .iter()
             .map(|&reason| u32::from(counts.rejected(reason)))
             .sum();
@@ -206,26 +180,20 @@ fn objects_have_the_depths_of_the_whole_frame() {
     let (mut all_of_it, mut parts_of_it) = (memory(), memory());
     let (mut all, mut same, mut near, mut refusals, mut worst) = (0, 0, 0, 0, 0.0_f64);
     for scene in &scenes {
-        let plan = plan(scene);
-        let mut whole = run(&plan, scene, &Focus::WHOLE, &mut all_of_it);
+        let mut matcher = matcher(scene);
+        let mut whole = run(&mut matcher, scene, None, &mut all_of_it);
         for case in object_cases(scene).unwrap() {
             let Some(region) = case.region() else { continue };
             let areas = [region.area()];
-            let focus =
-                Focus { areas: Some(&areas), row_offset_q5: row_offset_q5(&whole), ..Focus::WHOLE };
-            let mut part = run(&plan, scene, &focus, &mut parts_of_it);
-            let depth = |ran: &mut Matched<'_>| {
-                let mut found = None;
-                ran.objects(&[region], |object| found = Some(object));
-                found.unwrap()
-            };
-            let (a, b) = (depth(&mut whole), depth(&mut part));
+            let mut part = run(&mut matcher, scene, Some(&areas), &mut parts_of_it);
+            let (a, b) = (whole.object(&region), part.object(&region));
             all += 1;
             same += usize::from(a == b);
-            refusals += usize::from(a.disparity.is_ok() != b.disparity.is_ok());
-            near += usize::from(match (a.disparity, b.disparity) {
+            refusals += usize::from(a.is_ok() != b.is_ok());
+            near += usize::from(match (a, b) {
                 (Ok(a), Ok(b)) => {
-                    let apart = (a.to_num::<f64>() - b.to_num::<f64>()).abs();
+                    let [a, b] = [a, b].map(|object| object.disparity.to_num::<f64>());
+                    let apart = (a - b).abs();
                     worst = worst.max(apart);
                     apart <= 0.25
                 }

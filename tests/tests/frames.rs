@@ -5,7 +5,7 @@
 //! them these tests say so and pass. The bounds are the promises of the README with room for other
 //! machines' frames, not the figures reached.
 
-use linestereo::{Confidence, Params, Parts};
+use linestereo::{Params, params::Parts, units::Confidence};
 use linestereo_frames::{Perturbation, Scene};
 use linestereo_lab::evaluate::{FrameScore, Summary};
 use linestereo_sim::engine::{Engine, FittedModels};

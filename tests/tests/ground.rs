@@ -4,7 +4,8 @@
 //! with its most probable point.
 
 use crate::slopes::Texture;
-use linestereo::{CameraPose, Dims, GroundPlane, Params};
+use linestereo::ground::{CameraPose, GroundPlane};
+use linestereo::{Dims, Params};
 use linestereo_frames::{GrayImage, SceneInfo};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_tests::captured;

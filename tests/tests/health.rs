@@ -4,8 +4,8 @@
 //! (`LINESTEREO_FRAMES`, or `../shared/frames` beside it): without them the tests that need them
 //! say so and pass.
 
-use linestereo::health::{Findings, HealthMonitor};
-use linestereo::{Counts, Dims, Gray, HealthFlags, HealthLimits, PairHealth, Params, Span};
+use linestereo::health::{Findings, HealthFlags, HealthLimits, HealthMonitor, PairHealth};
+use linestereo::{Dims, Gray, Params, image::Span, results::Counts};
 use linestereo_calibration::interchange::{Options, load_rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{

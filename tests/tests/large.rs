@@ -1,7 +1,7 @@
 //! Images that are matched at half of their size first: their points are true at full size.
 
 use crate::slopes::Texture;
-use linestereo::{Dims, Params, Source};
+use linestereo::{Dims, Params, results::Source};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_tests::drawn::painted;
 

@@ -9,10 +9,12 @@
 //! other at up to 20 % of the points; at most a tenth of that is allowed here. Upside down it is
 //! 2.1 % of the corridor's points (paths of costs run down alone): no law.
 
-use linestereo::{Capacity, Dims, Match, Params, Point};
+use linestereo::results::{Match, Point};
+use linestereo::{Capacity, Dims, Options, Params};
 use linestereo_frames::GrayImage;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::drawn::{painted, rendered};
+use linestereo_tests::run_alone;
 use std::collections::HashMap;
 
 const DIMS: Dims = Dims { width: 240, height: 160 };
@@ -41,10 +43,9 @@ fn moved(pair: &Pair, from: impl Fn(u16, u16) -> (u16, u16)) -> Pair {
 fn run([left, right]: &Pair, max_disparity: u16) -> (Vec<Match>, Vec<Point>) {
     let params = Params { max_disparity, ..Params::default() };
     let mut memory = Box::new(Memory::new());
-    let plan = params.plan(left.dims).unwrap();
-    let mut matched = plan.run([left.view().unwrap(), right.view().unwrap()], &mut memory).unwrap();
-    let mut points = Vec::new();
-    matched.points(|point| points.push(point));
+    let images = [left.view().unwrap(), right.view().unwrap()];
+    let mut matched = run_alone(&params, &mut memory, images, Options::default()).unwrap();
+    let points = matched.points().collect();
     (matched.segments().to_vec(), points)
 }
 

@@ -1,9 +1,8 @@
 //! The detector on drawn images: single edges of every direction, and images made to hurt it.
 
 use core::mem::MaybeUninit;
-use linestereo::diagnostics::List;
-use linestereo::diagnostics::lines::{LineParams, LineScratch, Segment, detect, mark_words};
-use linestereo::{Dims, Gray};
+use linestereo::unstable::lines::{LineParams, LineScratch, Segment, detect, mark_words};
+use linestereo::{Dims, Gray, unstable::List};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 use linestereo_tests::reference::{fit_line, sobel};
 
@@ -187,7 +186,8 @@ fn a_full_list_keeps_the_longest_and_counts_the_others() {
     let image = painted(160, 120, |x, y| blocks[usize::from(y / 8 * 20 + x / 8)]);
     let extent = |s: &Segment| {
         let [a, b] = s.ends;
-        let span = |a: linestereo::Position, b: linestereo::Position| a.max(b) - a.min(b);
+        let span =
+            |a: linestereo::units::Position, b: linestereo::units::Position| a.max(b) - a.min(b);
         if s.near_horizontal { span(a.x, b.x) } else { span(a.y, b.y) }
     };
     let (all, _) = segments::<4096>(image.view().unwrap(), 0);

@@ -1,14 +1,16 @@
 //! Depth per object: on captured frames against the promises, on drawn scenes against their
 //! geometry, and on whatever a detector may say.
 
-use linestereo::objects::{LabelRows, Run};
-use linestereo::{Area, Capacity, Dims, NoDepth, ObjectDepth, Params, Region, RegionError, Span};
+use linestereo::objects::{LabelRows, Reason, RegionError, Run};
+use linestereo::{
+    Area, Capacity, Dims, NoDepth, ObjectDepth, Options, Params, Region, image::Span,
+};
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
-use linestereo_tests::captured;
+use linestereo_tests::{captured, run_alone};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
@@ -103,19 +105,22 @@ fn mask_of(drawn: &Rendering, labels: &[u8]) -> Mask {
     Mask::new(DIMS, drawn.labels.iter().map(|label| labels.contains(label)).collect())
 }
 
-fn ask(engine: &mut Engine, mask: &Mask) -> ObjectDepth {
+fn ask(engine: &mut Engine, mask: &Mask) -> Result<ObjectDepth, NoDepth> {
     let runs = mask.runs(1);
-    engine.objects(&[Region::masked(1, &runs, DIMS).unwrap()])[0]
+    engine.object(&Region::masked(1, &runs, DIMS).unwrap())
 }
 
-fn ask_box(engine: &mut Engine, [left, top, right, bottom]: [u16; 4]) -> ObjectDepth {
+fn ask_box(
+    engine: &mut Engine,
+    [left, top, right, bottom]: [u16; 4],
+) -> Result<ObjectDepth, NoDepth> {
     let area = Area { left, top, right, bottom };
-    engine.objects(&[Region::boxed(1, area, DIMS).unwrap()])[0]
+    engine.object(&Region::boxed(1, area, DIMS).unwrap())
 }
 
 #[track_caller]
-fn assert_near(found: &ObjectDepth, disparity: f64, within: f64) {
-    let d = found.disparity.map(|d| d.to_num::<f64>());
+fn assert_near(found: &Result<ObjectDepth, NoDepth>, disparity: f64, within: f64) {
+    let d = found.map(|object| object.disparity.to_num::<f64>());
     assert!(d.is_ok_and(|d| (d - disparity).abs() <= within), "{found:?}, expected {disparity}");
 }
 
@@ -133,14 +138,13 @@ fn a_slanted_object_has_the_depth_of_its_centre_however_sloppy_its_mask() {
         println!("{name}: {found:?}");
         let centre = drawn.disparity[120 * usize::from(DIMS.width) + 150];
         assert_near(&found, centre.into(), 0.5);
+        let found = found.unwrap();
         let [across, down] = found.slope_q10.map(|slope| f64::from(slope) / 1024.0);
         assert!((0.05..0.11).contains(&across) && down.abs() < 0.02, "{name}: {across}, {down}");
-        let depth = found.depth.unwrap().to_num::<f64>();
+        let metres = found.metres.unwrap();
+        let depth = metres.depth.to_num::<f64>();
         assert!((depth - pair.depth(centre.into())).abs() < 0.05, "{name}: {depth} m");
-        assert!(
-            found.nearest.unwrap() < found.depth.unwrap() && found.depth_sigma.unwrap() > 0,
-            "{found:?}"
-        );
+        assert!(metres.nearest < metres.depth && metres.sigma > 0, "{found:?}");
         assert!(found.confidence > 0.9 && found.support >= 10, "{found:?}");
     }
 }
@@ -164,7 +168,8 @@ fn two_surfaces_under_one_mask_are_refused() {
     let (mut engine, drawn) = drawn(vec![left, right], Texture::plain(Pattern::Blank(120.0)));
     assert_near(&ask(&mut engine, &mask_of(&drawn, &[1])), 30.0, 0.3);
     assert_near(&ask(&mut engine, &mask_of(&drawn, &[2])), 14.0, 0.3);
-    assert_eq!(ask(&mut engine, &mask_of(&drawn, &[1, 2])).disparity, Err(NoDepth::TwoSurfaces));
+    let both = ask(&mut engine, &mask_of(&drawn, &[1, 2]));
+    assert_eq!(both.map_err(|why| why.reason), Err(Reason::TwoSurfaces));
 }
 
 #[test]
@@ -181,7 +186,9 @@ fn a_blank_surface_is_not_given_the_depth_of_what_stands_beside_it() {
     for mask in [between.clone(), between.grown(5), between.grown(7)] {
         let found = ask(&mut engine, &mask);
         assert!(
-            matches!(found.disparity, Err(NoDepth::OnlyOutline | NoDepth::LittleSupport)),
+            found.is_err_and(|why| {
+                matches!(why.reason, Reason::OnlyOutline | Reason::LittleSupport)
+            }),
             "{found:?}"
         );
     }
@@ -192,11 +199,7 @@ fn a_blank_surface_is_not_given_the_depth_of_what_stands_beside_it() {
 fn a_blank_image_supports_nothing() {
     let (mut engine, _) = drawn(Vec::new(), Texture::plain(Pattern::Blank(90.0)));
     let found = ask_box(&mut engine, [0, 0, 320, 240]);
-    assert_eq!(
-        (found.disparity, found.support, found.depth),
-        (Err(NoDepth::LittleSupport), 0, None)
-    );
-    assert_eq!((found.sigma.to_bits(), found.confidence.to_bits()), (0, 0));
+    assert_eq!(found, Err(NoDepth { reason: Reason::LittleSupport, support: 0 }));
 }
 
 /// Objects of the scenes that come with the program, which no parameter was chosen on. Not those
@@ -229,9 +232,8 @@ fn built_in_scenes() {
                     (truth[truth.len() / 20], truth[truth.len() - 1 - truth.len() / 20]);
                 for mask in [mask_of(&drawn, &[label]), mask_of(&drawn, &[label]).grown(2)] {
                     asked += 1;
-                    let Ok(d) = ask(&mut engine, &mask).disparity.map(|d| d.to_num::<f32>()) else {
-                        continue;
-                    };
+                    let Ok(found) = ask(&mut engine, &mask) else { continue };
+                    let d = found.disparity.to_num::<f32>();
                     answers += 1;
                     if d < low - 1.0 || d > high + 1.0 {
                         wrong.push(format!(
@@ -259,10 +261,7 @@ fn what_is_nearer_than_the_range_is_not_answered_by_what_is_behind_it() {
         let (mut engine, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));
         let boxed = ask_box(&mut engine, [left, 60, left + 95, 240]);
         let masked = ask(&mut engine, &mask_of(&drawn, &[1]));
-        assert!(
-            boxed.disparity.is_err() && masked.disparity.is_err(),
-            "at {left}: {boxed:?} {masked:?}"
-        );
+        assert!(boxed.is_err() && masked.is_err(), "at {left}: {boxed:?} {masked:?}");
     }
 }
 
@@ -284,12 +283,10 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
             Region::boxed(label, area, DIMS).unwrap()
         })
         .collect();
-    let all = engine.objects(&regions);
-    assert_eq!(all.len(), regions.len());
-    assert!(all.iter().zip(0..).all(|(found, label)| found.label == label));
+    let all: Vec<_> = regions.iter().map(|region| engine.object(region)).collect();
     // Neither the others nor what the memory held before matter.
     for i in (0..regions.len()).step_by(199) {
-        assert_eq!(engine.objects(&regions[i..=i])[0], all[i]);
+        assert_eq!(engine.object(&regions[i]), all[i]);
     }
 }
 
@@ -301,24 +298,17 @@ fn objects_leave_the_points_of_the_run_as_they_are() {
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
     let (_, drawn) = drawn(vec![object], mosaic(&pair, 6.0, 8));
     let (left, right) = (drawn.left.view().unwrap(), drawn.right.view().unwrap());
-    let plan = Params { max_disparity: 48, ..Params::default() }.plan(DIMS).unwrap();
+    let params = Params { max_disparity: 48, ..Params::default() };
     let mut memory = Box::new(Memory::new());
-    let mut matched = plan.run([left, right], &mut memory).unwrap();
-    let points = |matched: &mut Matched<'_>| {
-        let mut points = Vec::new();
-        matched.points(|point| points.push(point));
-        points
-    };
+    let mut matched = run_alone(&params, &mut memory, [left, right], Options::default()).unwrap();
+    let points = |matched: &mut Matched<'_>| matched.points().collect::<Vec<_>>();
     let before = points(&mut matched);
     let runs = mask_of(&drawn, &[1]).runs(1);
     let regions =
         [Region::masked(1, &runs, DIMS).unwrap(), Region::boxed(2, Area::of(DIMS), DIMS).unwrap()];
-    let mut first = Vec::new();
-    matched.objects(&regions, |found| first.push(found));
+    let first = regions.map(|region| matched.object(&region));
     assert_eq!(points(&mut matched), before);
-    let mut second = Vec::new();
-    matched.objects(&regions, |found| second.push(found));
-    assert_eq!(first, second);
+    assert_eq!(first, regions.map(|region| matched.object(&region)));
 }
 
 #[test]
@@ -351,7 +341,8 @@ fn regions_of_other_images_are_answered_without_harm() {
     let mask = Region::masked(1, &runs, large).unwrap();
     let boxed =
         Region::boxed(2, Area { left: 1000, top: 1000, right: 1280, bottom: 1280 }, large).unwrap();
-    for found in engine.objects(&[mask, boxed]) {
-        assert_eq!(found.disparity, Err(NoDepth::LittleSupport));
+    for region in [mask, boxed] {
+        let found = engine.object(&region);
+        assert_eq!(found.map_err(|why| why.reason), Err(Reason::LittleSupport));
     }
 }

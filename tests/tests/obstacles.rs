@@ -1,12 +1,10 @@
 //! Distance per direction: sectors against a naive reference, the rules of support, age and
 //! freedom, and real frames against their truth.
 
-use linestereo::diagnostics::Techniques;
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Point, Position,
-    Rig, Source,
-};
+use linestereo::results::{ImagePosition, Match, Owner, Point, Source, Techniques};
+use linestereo::units::{Confidence, Disparity, Position};
+use linestereo::{Dims, Params, Rig, health::HealthFlags};
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
 

@@ -1,6 +1,6 @@
 //! Surfaces that segments are credited to, on the built-in room.
 
-use linestereo::{Dims, Match, Params};
+use linestereo::{Dims, Params, results::Match};
 use linestereo_frames::Truth;
 use linestereo_lab::evaluate::OwnedMiddle;
 use linestereo_sim::engine::Engine;

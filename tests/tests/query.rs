@@ -1,17 +1,18 @@
 //! Depth at a pixel: on images with exact truth, and on captured frames.
 
-use linestereo::diagnostics::FITTED_PIXEL;
-use linestereo::{
-    Area, Capacity, Dims, Disparity, Gray, Matched, Pair, Params, PixelDepth, PixelRejection,
-    Region, Rig, RunError, Span,
-};
+use linestereo::image::Span;
+use linestereo::objects::Reason;
+use linestereo::results::{PixelDepth, PixelRejection};
+use linestereo::units::Disparity;
+use linestereo::unstable::FITTED_PIXEL;
+use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, Options, Params, Region, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Perturbation, Scene};
 use linestereo_lab::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
 use linestereo_lab::fitting::{fit_pixels, pixel_source_text};
 use linestereo_sim::engine::Engine;
-use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
+use linestereo_tests::{captured, run_alone};
 use std::path::PathBuf;
 
 const DIMS: Dims = Dims { width: 200, height: 120 };
@@ -82,7 +83,7 @@ fn ask(
     let mut engine = Engine::new(&params, left.dims).unwrap();
     let (left, right) = (left.view().unwrap(), right.view().unwrap());
     let mut matched = engine.run_in_place(left, right).unwrap();
-    grid(left.dims(), step).map(|pixel| (pixel, matched.pixel(pixel, None))).collect()
+    grid(left.dims(), step).map(|pixel| (pixel, matched.pixel(pixel))).collect()
 }
 
 #[test]
@@ -202,60 +203,51 @@ fn a_hidden_strip_has_no_wrong_depth() {
 /// Memory for a small pair.
 type Small = linestereo::Memory<{ Capacity { cell: 16, ..Capacity::new(DIMS) }.words() }>;
 
+fn params() -> Params {
+    Params { max_disparity: RANGE, ..Params::default() }
+}
+
+fn run<'a>(images: [Gray<'a>; 2], memory: &'a mut Small) -> Matched<'a> {
+    run_alone(&params(), memory, images, Options::default()).unwrap()
+}
+
 #[test]
 fn what_cannot_be_answered_is_named() {
     let (left, right) = pair_of(Plane { at: 10.0, across: 0.0, down: 0.0 }, 3);
-    let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
     let mut small = Box::new(Small::new());
     let (l, r) = (left.view().unwrap(), right.view().unwrap());
-    let mut matched = plan.run([l, r], &mut small).unwrap();
-    let mut at = |pixel, region: Option<&Region<'_>>| matched.pixel(pixel, region);
-    assert_eq!(at((DIMS.width, 5), None), Err(PixelRejection::Outside));
-    assert_eq!(at((5, DIMS.height), None), Err(PixelRejection::Outside));
-    assert_eq!(at((u16::MAX, u16::MAX), None), Err(PixelRejection::Outside));
-    assert_eq!(at((3, 60), None), Err(PixelRejection::NearBorder));
+    let mut matched = run([l, r], &mut small);
+    assert_eq!(matched.pixel((DIMS.width, 5)), Err(PixelRejection::Outside));
+    assert_eq!(matched.pixel((5, DIMS.height)), Err(PixelRejection::Outside));
+    assert_eq!(matched.pixel((u16::MAX, u16::MAX)), Err(PixelRejection::Outside));
+    assert_eq!(matched.pixel((3, 60)), Err(PixelRejection::NearBorder));
     let region =
         Region::boxed(1, Area { left: 90, top: 40, right: 120, bottom: 70 }, DIMS).unwrap();
-    assert_eq!(at((80, 50), Some(&region)), Err(PixelRejection::OutsideRegion));
-    assert!(at((100, 50), Some(&region)).is_ok());
+    assert_eq!(matched.pixel_of((80, 50), &region), Err(PixelRejection::OutsideRegion));
+    assert!(matched.pixel_of((100, 50), &region).is_ok());
 
     // Spans that leave out the pixel, or all right columns it could match.
-    let summary = *matched.summary();
     let spans = vec![Span { start: 60, end: DIMS.width }; DIMS.height.into()];
     let cut = l.with_valid(&spans).unwrap();
-    let mut matched = plan.resume(&summary, [cut, r], &mut small).unwrap();
-    assert_eq!(matched.pixel((50, 50), None), Err(PixelRejection::Outside));
+    let mut matched = run([cut, r], &mut small);
+    assert_eq!(matched.pixel((50, 50)), Err(PixelRejection::Outside));
     let cut = r.with_valid(&spans).unwrap();
-    let mut matched = plan.resume(&summary, [l, cut], &mut small).unwrap();
-    assert_eq!(matched.pixel((62, 50), None), Err(PixelRejection::NearBorder));
+    let mut matched = run([l, cut], &mut small);
+    assert_eq!(matched.pixel((62, 50)), Err(PixelRejection::NearBorder));
 
-    let other = painted(64, 48, |x, y| (x * y) as u8);
-    let other = other.view().unwrap();
-    assert!(matches!(
-        plan.resume(&summary, [other, r], &mut small),
-        Err(RunError::SizeMismatch { .. })
-    ));
-    let large = Params::default().plan(Dims { width: 640, height: 480 }).unwrap();
-    let wide = painted(640, 480, |x, y| (x ^ y) as u8);
-    let wide = wide.view().unwrap();
-    assert!(matches!(
-        large.resume(&summary, [wide, wide], &mut small),
-        Err(RunError::MemoryTooSmall { .. })
-    ));
     // A pair that is refused: captured too far apart.
-    let mut matcher = Params { max_disparity: RANGE, ..Params::default() }.matcher(DIMS).unwrap();
-    let pair = Pair { left: l, right: r, times_us: Some([0, 1_000_000]) };
-    let mut matched = matcher.run(pair, &mut small).unwrap();
+    let mut matcher = Matcher::new(params(), DIMS).unwrap();
+    let options = Options { times_us: Some([0, 1_000_000]), ..Options::default() };
+    let mut matched = matcher.run_with(&mut small, l, r, options).unwrap();
     assert!(
         matched.segments().is_empty()
             && matched.candidates().is_empty()
             && matched.health().is_refused()
     );
-    assert_eq!(matched.pixel((100, 50), None), Err(PixelRejection::UnhealthyPair));
-    matched.points(|point| panic!("{point:?} of a pair that was not matched"));
-    let mut objects = Vec::new();
-    matched.objects(&[region], |object| objects.push(object.disparity));
-    assert_eq!(objects, [Err(linestereo::NoDepth::UnhealthyPair)]);
+    assert_eq!(matched.pixel((100, 50)), Err(PixelRejection::UnhealthyPair));
+    assert_eq!(matched.points().next(), None);
+    let refused = matched.object(&region).map_err(|why| why.reason);
+    assert_eq!(refused, Err(Reason::UnhealthyPair));
     for reason in PixelRejection::ALL {
         assert!(!reason.to_string().is_empty() && !reason.name().contains(' '));
     }
@@ -271,7 +263,7 @@ fn metres_come_from_the_rig_and_the_least_probability_from_the_parameters() {
     engine.run(l, r).unwrap();
     let mut answered = 0;
     for pixel in grid(DIMS, 7) {
-        let Ok(found) = engine.depth_at(pixel, None) else { continue };
+        let Ok(found) = engine.depth_at(pixel) else { continue };
         answered += 1;
         assert_eq!(found.depth, Some(rig.depth(found.disparity)));
         assert_eq!(found.depth_sigma, Some(rig.depth_sigma(found.disparity, found.sigma)));
@@ -287,21 +279,18 @@ fn memory_and_order_do_not_matter() {
     let noise = painted(DIMS.width, DIMS.height, |x, y| {
         Random(u64::from(x) << 16 | u64::from(y)).bits() as u8
     });
-    let plan = Params { max_disparity: RANGE, ..Params::default() }.plan(DIMS).unwrap();
     let (mut fresh, mut used) = (Box::new(Small::new()), Box::new(Small::new()));
     let n = noise.view().unwrap();
-    let _ = plan.run([n, n], &mut used).unwrap().pixel((100, 60), None);
-    let mut fresh = plan.run([l, r], &mut fresh).unwrap();
-    let mut used = plan.run([l, r], &mut used).unwrap();
+    let _ = run([n, n], &mut used).pixel((100, 60));
+    let (mut fresh, mut used) = (run([l, r], &mut fresh), run([l, r], &mut used));
     let points = |matched: &mut Matched<'_>| {
-        let mut points = Vec::new();
-        matched.points(|point| points.push(point));
+        let points: Vec<_> = matched.points().collect();
         (matched.segments().to_vec(), points)
     };
     let before = points(&mut used);
     let pixels: Vec<_> = grid(DIMS, 6).collect();
-    let forward: Vec<_> = pixels.iter().map(|&pixel| fresh.pixel(pixel, None)).collect();
-    let mut backward: Vec<_> = pixels.iter().rev().map(|&pixel| used.pixel(pixel, None)).collect();
+    let forward: Vec<_> = pixels.iter().map(|&pixel| fresh.pixel(pixel)).collect();
+    let mut backward: Vec<_> = pixels.iter().rev().map(|&pixel| used.pixel(pixel)).collect();
     backward.reverse();
     assert_eq!(forward, backward);
     // The run's results are still what they were.
@@ -319,8 +308,11 @@ fn a_region_leaves_out_features_of_others() {
     let region = Region::boxed(1, Square::AREA, DIMS).unwrap();
     let answers = |engine: &mut Engine, region: Option<&Region<'_>>| -> (usize, usize) {
         let inside = grid(DIMS, 3).filter(|&(x, y)| Square::AREA.contains(x.into(), y.into()));
-        let found: Vec<_> =
-            inside.filter_map(|pixel| engine.depth_at(pixel, region).ok()).collect();
+        let mut ask = |pixel| match region {
+            Some(region) => engine.ask(|matched| matched.pixel_of(pixel, region)),
+            None => engine.depth_at(pixel),
+        };
+        let found: Vec<_> = inside.filter_map(|pixel| ask(pixel).ok()).collect();
         let wrong = found
             .iter()
             .filter(|f| (f.disparity.to_num::<f64>() - Square::NEAR).abs() > 1.0)
@@ -357,7 +349,7 @@ fn any_size_range_and_content_gives_an_answer_or_a_reason() {
                 for pixel in
                     grid(dims, 3).chain([(width - 1, height - 1), (width - 1, 0), (0, height - 1)])
                 {
-                    if let Ok(found) = engine.depth_at(pixel, None) {
+                    if let Ok(found) = engine.depth_at(pixel) {
                         let d = found.disparity.to_num::<f64>();
                         let (low, high) =
                             (f64::from(min_disparity) - 0.5, f64::from(max_disparity) - 0.5);

@@ -3,7 +3,7 @@
 //! Captured frames are not part of the project: `LINESTEREO_FRAMES`, or `../shared/frames` beside
 //! it. Tests that need them say so and pass without them.
 
-use linestereo::{Dims, Span};
+use linestereo::{Dims, image::Span};
 use linestereo_frames::GrayImage;
 use linestereo_frames::load_gray;
 use linestereo_rig::{

@@ -7,10 +7,10 @@
 use crate::bars;
 use crate::ground::Floor;
 use crate::slopes::Texture;
-use linestereo::{
-    Area, Capacity, Dims, HealthFlags, Matcher, NoDepth, Pair, Params, Parts, PixelRejection,
-    Region,
-};
+use linestereo::objects::Reason;
+use linestereo::params::Parts;
+use linestereo::results::PixelRejection;
+use linestereo::{Area, Capacity, Dims, Matcher, Options, Params, Region, health::HealthFlags};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -107,25 +107,25 @@ fn a_pair_that_is_not_fit_answers_nothing() {
         .points
         .iter()
         .map(|point| (point.x, point.y))
-        .find(|&at| engine.depth_at(at, None).is_ok());
+        .find(|&at| engine.depth_at(at).is_ok());
     assert!(!healthy.matches.is_empty() && !healthy.obstacle_points.is_empty());
     assert!(pixel.is_some());
     // One camera delivered twice: everything matches.
     let result = engine.run(left, left).unwrap();
     assert!(result.health.of_pair().contains(HealthFlags::NO_PARALLAX), "{}", result.health);
     assert!(is_empty(&result));
-    assert_eq!(engine.depth_at(pixel.unwrap(), None), Err(PixelRejection::UnhealthyPair));
-    let found = engine.objects(&[region]);
-    assert_eq!((found[0].label, found[0].disparity), (3, Err(NoDepth::UnhealthyPair)));
-    let mut matched = engine.matched();
+    assert_eq!(engine.depth_at(pixel.unwrap()), Err(PixelRejection::UnhealthyPair));
+    let found = engine.object(&region).map_err(|why| why.reason);
+    assert_eq!(found, Err(Reason::UnhealthyPair));
+    assert_eq!(engine.ask(|matched| matched.points().next()), None);
+    let matched = engine.matched();
     assert!(matched.segments().is_empty() && matched.support_points().next().is_none());
-    matched.points(|point| panic!("{point:?}"));
     assert!(!matched.findings().matches.is_empty(), "what explains it stays");
     // A fault that the caller knows of.
     engine.run(left, right).unwrap();
-    let mut matched = engine.matched();
-    assert!(!matched.segments().is_empty());
-    matched.add_faults(HealthFlags::LEFT_FROZEN);
+    assert!(!engine.matched().segments().is_empty());
+    engine.ask(|matched| matched.add_faults(HealthFlags::LEFT_FROZEN));
+    let matched = engine.matched();
     assert!(
         matched.segments().is_empty() && matched.health().now.contains(HealthFlags::LEFT_FROZEN)
     );
@@ -160,20 +160,15 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
     let pair = |row_offset: f64, seed: u64| {
         scene::render(&scene, DIMS, &Sensor { noise: 1.5, seed, row_offset, ..Sensor::default() })
     };
-    let plan = |parts| Params { max_disparity: 64, parts, ..Params::default() }.plan(DIMS).unwrap();
+    let params = |parts| Params { max_disparity: 64, parts, ..Params::default() };
     let areas = [Area { left: 60, top: 60, right: 200, bottom: 180 }];
-    let mut matcher = Matcher::new(plan(Parts::Support));
+    let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
     let mut memory = Box::new(<linestereo::Memory<{ Capacity::new(DIMS).words() }>>::new());
     let mut see = |matcher: &mut Matcher, pair: &scene::Rendering, areas: Option<&[Area]>| {
         let (left, right) = (pair.left.view().unwrap(), pair.right.view().unwrap());
-        let matched = matcher
-            .run_with(Pair { left, right, times_us: None }, &mut memory, areas, &mut ())
-            .unwrap();
-        (
-            matched.summary().row_offset_q5(),
-            matched.support_points().count(),
-            matched.health().flags,
-        )
+        let options = Options { areas, ..Options::default() };
+        let matched = matcher.run_with(&mut memory, left, right, options).unwrap();
+        (matched.row_offset_q5(), matched.support_points().count(), matched.health().flags)
     };
     let (rows_q5, points, flags) = see(&mut matcher, &pair(1.2, 1), None);
     assert!((rows_q5 - 38).abs() <= 8 && points > 400, "{rows_q5}, {points} points");
@@ -182,19 +177,22 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
         assert_eq!(see(&mut matcher, &pair(1.2, seed), None).0, rows_q5);
         assert_eq!(see(&mut matcher, &pair(1.2, seed + 9), Some(&areas)).0, rows_q5);
     }
-    matcher.set_plan(plan(Parts::Both));
+    matcher.set_params(params(Parts::Both), DIMS).unwrap();
     assert_eq!(
         see(&mut matcher, &pair(1.2, 5), Some(&areas)).0,
         rows_q5,
         "parts of a pair with segments"
     );
     // Known from pairs with segments, it holds for points alone.
-    let mut matcher = Matcher::new(plan(Parts::Both));
+    let mut matcher = Matcher::new(params(Parts::Both), DIMS).unwrap();
     assert!((see(&mut matcher, &pair(-1.2, 6), None).0 + 38).abs() <= 8);
-    matcher.set_plan(plan(Parts::Support));
+    matcher.set_params(params(Parts::Support), DIMS).unwrap();
     assert!((see(&mut matcher, &pair(-1.2, 7), None).0 + 38).abs() <= 8);
+    let smaller = Dims { width: 160, height: 120 };
+    matcher.set_params(params(Parts::Support), smaller).unwrap();
+    assert!(!matcher.knows_rows(), "of images of another size");
     // Images of two scenes, and how long that is held against the pairs after them.
-    let mut matcher = Matcher::new(plan(Parts::Support));
+    let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
     let other = scene::render(
         &scene::build(Kind::Boxes, DIMS, 8),
         DIMS,

@@ -1,6 +1,7 @@
 //! Disparity, depth and depth margins against the float equations, over every disparity there is.
 
-use linestereo::{Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Position, Rig, RigError};
+use linestereo::units::{Depth, Disparity, INFINITE_DEPTH, Position};
+use linestereo::{Dims, Rig, params::RigError, results::ImagePosition};
 use linestereo_tests::reference;
 
 /// Steps per metre of [`Depth`] and per pixel of [`Disparity`].

@@ -88,7 +88,7 @@ fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
             let result = run(&mut used, &pair);
             assert!(!result.health.of_pair().is_fit(), "{what}: {}", result.health);
             assert!(result.matches.is_empty() && result.points.is_empty(), "{what}");
-            assert!(pixels().all(|pixel| used.depth_at(pixel, None).is_err()), "{what}");
+            assert!(pixels().all(|pixel| used.depth_at(pixel).is_err()), "{what}");
             // Nor would the matches be any without the check of the pair.
             let mut alone = engine().answering_unfit();
             let result = run(&mut alone, &pair);
@@ -97,7 +97,7 @@ fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
                 assert!(point.disparity.to_num::<f64>() < LAST, "{what}: {point:?}");
             }
             for pixel in pixels() {
-                let found = alone.depth_at(pixel, None);
+                let found = alone.depth_at(pixel);
                 let is_last = found.is_ok_and(|found| found.disparity.to_num::<f64>() >= LAST);
                 assert!(!is_last, "{what}, {pixel:?}: {found:?}");
                 (answered, asked) = (answered + usize::from(found.is_ok()), asked + 1);
@@ -139,7 +139,7 @@ fn a_wall_whose_match_is_left_of_the_right_image_is_not_matched_elsewhere() {
             };
             possible += f64::from(seen) * area(true) / area(false);
             for (x, y) in pixels().filter(|&(x, y)| wall.is_cut_off(x, y)) {
-                let found = engine.depth_at((x, y), None);
+                let found = engine.depth_at((x, y));
                 asked += 1;
                 wrong_pixels += found.map_or(0, |found| is_wrong(found.disparity.to_num(), y));
             }

@@ -3,7 +3,7 @@
 //! A plane with a smooth random texture is drawn into both images exactly; the bias is the median
 //! of told minus true disparities, at the pixels that the points stand on.
 
-use linestereo::{Dims, Params, Parts, Source};
+use linestereo::{Dims, Params, params::Parts, results::Source};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::Engine;
 use linestereo_tests::drawn::Random;

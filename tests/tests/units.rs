@@ -1,7 +1,7 @@
 //! The fixed-point aliases hold what their docs say.
 
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
-use linestereo::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
+use linestereo::units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 
 #[test]
 fn ranges_and_steps() {

@@ -1,12 +1,13 @@
 //! Pixels without a source: nothing is found there, nothing is claimed there, and what they hold
 //! never matters.
 
-use linestereo::image::ViewError;
-use linestereo::image::{MARGIN, shrink_to_valid};
-use linestereo::{Capacity, Confidence, Dims, Gray, Match, Params, Point, Span};
+use linestereo::image::{MARGIN, Span, ViewError, shrink_to_valid};
+use linestereo::results::{Match, Point};
+use linestereo::{Capacity, Dims, Gray, Options, Params, units::Confidence};
 use linestereo_frames::GrayImage;
 use linestereo_sim::scene::{self, Kind};
 use linestereo_tests::drawn::{Random, rendered};
+use linestereo_tests::run_alone;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
@@ -50,10 +51,8 @@ fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
         min_confidence: Confidence::from_num(0.5),
         ..Params::default()
     };
-    let plan = params.plan(DIMS).unwrap();
-    let mut matched = plan.run([left, right], &mut memory).unwrap();
-    let mut points = Vec::new();
-    matched.points(|point| points.push(point));
+    let mut matched = run_alone(&params, &mut memory, [left, right], Options::default()).unwrap();
+    let points = matched.points().collect();
     (matched.segments().to_vec(), points)
 }
 

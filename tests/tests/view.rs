@@ -1,7 +1,6 @@
 //! Grey views: what is accepted, and that rows are exactly the rows.
 
-use linestereo::image::ViewError;
-use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
+use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE, ViewError};
 use linestereo::{Dims, Gray};
 use linestereo_tests::drawn::{Random, painted, with_padding};
 

@@ -4,7 +4,7 @@
 use super::c_library::{QVGA, RIG, expected, has, pairs};
 use core::mem::MaybeUninit;
 use image::{DynamicImage, ImageBuffer};
-use linestereo::{Area, Capacity, MemorySlice, Pair, Params, Region, Rig};
+use linestereo::{Area, Capacity, Matcher, MemorySlice, Params, Region, Rig};
 use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_frames::GrayImage;
 use linestereo_frames::{PairFiles, area_average, load_images};
@@ -88,7 +88,7 @@ fn assert_equal(name: &str, found: &Value, expected: &str) {
 
 /// Median time of the core, ms.
 fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
-    let mut matcher = Params::default().matcher(left.dims).unwrap();
+    let mut matcher = Matcher::new(Params::default(), left.dims).unwrap();
     let capacity = Capacity { dims: left.dims, segments: 4096, cell: Params::DEFAULT.cell };
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
     let memory = MemorySlice::new(&mut words, capacity.segments);
@@ -96,7 +96,7 @@ fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
     let mut times: Vec<f64> = (0..runs)
         .map(|_| {
             let started = std::time::Instant::now();
-            matcher.run(Pair { left, right, times_us: None }, memory).unwrap();
+            matcher.run(memory, left, right).unwrap();
             1e3 * started.elapsed().as_secs_f64()
         })
         .collect();
@@ -351,14 +351,13 @@ fn memory_has_room_for_all_hypotheses_of_an_object() {
     let region = Region::boxed(0, area, dims).unwrap();
     let capacity = Capacity { dims, segments: 1024, cell: Params::DEFAULT.cell };
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
-    let pair = Pair { left: left.view().unwrap(), right: right.view().unwrap(), times_us: None };
-    let mut matcher = Params::default().matcher(dims).unwrap();
+    let (left, right) = (left.view().unwrap(), right.view().unwrap());
+    let mut matcher = Matcher::new(Params::default(), dims).unwrap();
     let memory = MemorySlice::new(&mut words, capacity.segments);
-    let mut found = Vec::new();
-    matcher.run(pair, memory).unwrap().objects(&[region], |object| found.push(object));
+    let found = matcher.run(memory, left, right).unwrap().object(&region);
     let mut engine = Engine::new(&Params::default(), dims).unwrap();
-    engine.run(pair.left, pair.right).unwrap();
-    assert_eq!(found, engine.objects(&[region]));
+    engine.run(left, right).unwrap();
+    assert_eq!(found, engine.object(&region));
 }
 
 /// Line of an object, as the page has to say it.
@@ -368,14 +367,15 @@ fn said(images: &[GrayImage; 2], area: Area) -> String {
     let [left, right] = images;
     let mut engine = Engine::new(&params, left.dims).unwrap();
     engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-    let found = engine.objects(&[Region::boxed(0, area, left.dims).unwrap()]).remove(0);
-    let disparity = match found.disparity {
+    let found = match engine.object(&Region::boxed(0, area, left.dims).unwrap()) {
         Err(reason) => return format!("no depth: {reason}"),
-        // A browser rounds halves up, such as 22.125; Rust to the even digit.
-        Ok(disparity) => disparity.to_num::<f64>() + 1e-9,
+        Ok(found) => found,
     };
+    // A browser rounds halves up, such as 22.125; Rust to the even digit.
+    let disparity = found.disparity.to_num::<f64>() + 1e-9;
+    let metres = found.metres.unwrap();
     let [depth, sigma, nearest] =
-        [found.depth, found.depth_sigma, found.nearest].map(|z| z.unwrap().to_num::<f64>());
+        [metres.depth, metres.sigma, metres.nearest].map(|z| z.to_num::<f64>());
     let (px, sure) = (found.sigma.to_num::<f64>(), 100.0 * found.confidence.to_num::<f64>());
     format!(
         "{depth:.3} m ± {sigma:.3} m, nearest {nearest:.3} m; {disparity:.2} ± {px:.2} px, within 1 px with {sure:.1} %"

@@ -3,12 +3,12 @@
 use crate::status::Status;
 use crate::types::{Bar, Camera, Config, Depth, Health, Owner, Point, Segment};
 use core::mem::MaybeUninit;
-use linestereo::health::CameraHealth;
+use linestereo::health::{CameraHealth, HealthLimits};
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::{
-    Area, Capacity, Confidence, Dims, Disparity, Gray, HealthLimits, ImagePosition, Margin, Match, Matched, Matcher,
-    MemorySlice, ObjectDepth, Pair, Params, Parts, Plan, Position, Region, Rig, Source, Summary,
-};
+use linestereo::params::{Margin, Parts};
+use linestereo::results::{ImagePosition, Match, Source};
+use linestereo::units::{Confidence, Disparity, Position};
+use linestereo::{Capacity, Dims, Gray, Matched, Matcher, MemorySlice, ObjectDepth, Options, Params, Region, Rig};
 
 impl Config {
     /// The core's defaults for images of this size.
@@ -64,8 +64,8 @@ impl Config {
         (MIN_SIDE..=MAX_WIDTH).contains(&self.width) && (MIN_SIDE..=MAX_HEIGHT).contains(&self.height)
     }
 
-    /// Checks all parameters.
-    pub fn plan(&self) -> Result<Plan, Status> {
+    /// A matcher with these parameters, all of them checked.
+    pub fn matcher(&self) -> Result<Matcher, Status> {
         if !self.has_size() {
             return Err(Status::ImageSize);
         }
@@ -86,54 +86,51 @@ impl Config {
             parts: if self.support_only == 0 { Parts::Both } else { Parts::Support },
             ground: true,
         };
-        Ok(params.plan(self.dims())?)
+        let mut matcher = Matcher::new(params, self.dims())?;
+        matcher.limits.skew_us = self.skew_limit_us;
+        Ok(matcher)
     }
 
     /// Words of memory behind the matcher itself.
     pub fn words(&self) -> Result<usize, Status> {
-        self.plan().map(|_| self.capacity().words())
+        self.matcher().map(|_| self.capacity().words())
     }
 }
 
 /// A matcher with its memory, in which the last pair is.
 pub struct Engine {
     matcher: Matcher,
-    memory: &'static mut MemorySlice,
+    /// Lent to the last pair.
+    memory: *mut MemorySlice,
     /// The last pair, or why there is none.
-    last: Result<(Summary, [Gray<'static>; 2]), Status>,
+    last: Result<Matched<'static>, Status>,
 }
 
 impl Engine {
-    pub fn new(plan: Plan, memory: &'static mut MemorySlice, skew_limit_us: u32) -> Self {
-        let mut matcher = Matcher::new(plan);
-        matcher.limits.skew_us = skew_limit_us;
+    pub fn new(matcher: Matcher, memory: &'static mut MemorySlice) -> Self {
         Self { matcher, memory, last: Err(Status::NoPair) }
     }
 
     pub fn dims(&self) -> Dims {
-        self.matcher.plan().dims()
+        self.matcher.dims()
     }
 
-    pub fn run(&mut self, pair: Pair<'static>, areas: Option<&[Area]>) -> Result<(), Status> {
-        let Pair { left, right, .. } = pair;
-        // Not `map_err`, which copies all of a result.
-        match self.matcher.run_with(pair, self.memory, areas, &mut ()) {
-            Ok(matched) => {
-                let summary = *matched.summary();
-                self.last = Ok((summary, [left, right]));
-                if summary.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
-            }
-            Err(error) => {
-                let status = error.into();
-                self.last = Err(status);
-                Err(status)
-            }
-        }
+    pub fn run(
+        &mut self,
+        left: Gray<'static>,
+        right: Gray<'static>,
+        options: Options<'_>,
+    ) -> Result<(), Status> {
+        self.last = Err(Status::NoPair);
+        #[allow(unsafe_code, reason = "the last pair borrows what is beside it")]
+        // SAFETY: it was made from a reference, and the pair that it was lent to is gone.
+        let memory = unsafe { &mut *self.memory };
+        self.last = self.matcher.run_with(memory, left, right, options).map_err(Status::from);
+        if self.matched()?.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
     }
 
-    fn matched(&mut self) -> Result<Matched<'_>, Status> {
-        let (summary, images) = self.last.as_ref().map_err(|status| *status)?;
-        Ok(self.matcher.plan().resume(summary, *images, self.memory)?)
+    fn matched(&mut self) -> Result<&mut Matched<'static>, Status> {
+        self.last.as_mut().map_err(|status| *status)
     }
 
     pub fn health(&mut self) -> Result<Health, Status> {
@@ -160,27 +157,31 @@ impl Engine {
     }
 
     pub fn bar(&mut self, index: usize) -> Result<Bar, Status> {
-        let rig = self.matcher.plan().rig();
+        let rig = self.matcher.params().rig;
         self.matched()?.bars().get(index).map(|found| Bar::new(found, rig)).ok_or(Status::NoSuchBar)
     }
 
     pub fn points(&mut self, mut each: impl FnMut(Point)) -> Result<(), Status> {
-        self.matched()?.points(|point| each(Point::new(&point)));
+        self.matched()?.points().for_each(|point| each(Point::new(&point)));
         Ok(())
     }
 
     /// Writes the depth of one region, or why there is none. Its numbers are there in either case.
     pub fn object(&mut self, region: &Region<'_>, room: &mut MaybeUninit<Depth>) -> Result<(), Status> {
-        let mut answer = Err(Status::NoPair);
-        self.matched()?.objects(core::slice::from_ref(region), |found| {
-            room.write(Depth::of_object(&found));
-            answer = found.disparity.map(|_| ()).map_err(Status::from);
-        });
-        answer
+        match self.matched()?.object(region) {
+            Ok(found) => {
+                room.write(Depth::of_object(&found));
+                Ok(())
+            }
+            Err(why) => {
+                room.write(Depth { support: why.support, ..Depth::NONE });
+                Err(why.reason.into())
+            }
+        }
     }
 
     pub fn pixel(&mut self, pixel: (u16, u16)) -> Result<Depth, Status> {
-        let found = self.matched()?.pixel(pixel, None)?;
+        let found = self.matched()?.pixel(pixel)?;
         Ok(Depth {
             disparity_q6: found.disparity.to_bits(),
             sigma_q6: found.sigma.to_bits(),
@@ -195,31 +196,41 @@ impl Engine {
     /// Position in space, 1/65536 m.
     pub fn position(&self, x_q5: u16, y_q5: u16, disparity_q6: i16) -> Result<[i32; 3], Status> {
         let at = ImagePosition { x: Position::from_bits(x_q5), y: Position::from_bits(y_q5) };
-        let rig = self.matcher.plan().rig().ok_or(Status::NoRig)?.centred(self.dims());
+        let rig = self.matcher.params().rig.ok_or(Status::NoRig)?.centred(self.dims());
         let position = rig.xyz(at, Disparity::from_bits(disparity_q6)).ok_or(Status::Infinite)?;
-        Ok(position.map(linestereo::Depth::to_bits))
+        Ok(position.map(linestereo::units::Depth::to_bits))
     }
 }
 
-fn metres(depth: Option<linestereo::Depth>) -> i32 {
-    depth.map_or(0, linestereo::Depth::to_bits)
+fn metres(depth: Option<linestereo::units::Depth>) -> i32 {
+    depth.map_or(0, linestereo::units::Depth::to_bits)
 }
 
-fn metres_of_ends(ends: Option<[linestereo::Depth; 2]>) -> [i32; 2] {
+fn metres_of_ends(ends: Option<[linestereo::units::Depth; 2]>) -> [i32; 2] {
     // Not by `map` of arrays, which is a loop and a copy each.
     ends.map_or([0; 2], |[start, end]| [start.to_bits(), end.to_bits()])
 }
 
 impl Depth {
+    const NONE: Self = Self {
+        disparity_q6: 0,
+        sigma_q6: 0,
+        confidence_q16: 0,
+        support: 0,
+        depth_q16: 0,
+        depth_sigma_q16: 0,
+        nearest_q16: 0,
+    };
+
     fn of_object(found: &ObjectDepth) -> Self {
         Self {
-            disparity_q6: found.disparity.map_or(0, Disparity::to_bits),
+            disparity_q6: found.disparity.to_bits(),
             sigma_q6: found.sigma.to_bits(),
             confidence_q16: found.confidence.to_bits(),
             support: found.support,
-            depth_q16: metres(found.depth),
-            depth_sigma_q16: metres(found.depth_sigma),
-            nearest_q16: metres(found.nearest),
+            depth_q16: metres(found.metres.map(|metres| metres.depth)),
+            depth_sigma_q16: metres(found.metres.map(|metres| metres.sigma)),
+            nearest_q16: metres(found.metres.map(|metres| metres.nearest)),
         }
     }
 }
@@ -246,9 +257,9 @@ impl Segment {
             sigma_q6: found.sigma.to_bits(),
             confidence_q16: found.confidence.to_bits(),
             owner: match found.owner {
-                linestereo::Owner::Left => Owner::Left,
-                linestereo::Owner::Right => Owner::Right,
-                linestereo::Owner::Both => Owner::Both,
+                linestereo::results::Owner::Left => Owner::Left,
+                linestereo::results::Owner::Right => Owner::Right,
+                linestereo::results::Owner::Both => Owner::Both,
             },
             depth_q16: metres_of_ends(found.depth),
             depth_sigma_q16: metres_of_ends(found.depth_sigma),
@@ -257,7 +268,7 @@ impl Segment {
 }
 
 impl Bar {
-    fn new(found: &linestereo::Bar, rig: Option<Rig>) -> Self {
+    fn new(found: &linestereo::results::Bar, rig: Option<Rig>) -> Self {
         let ([top, bottom], [upper, lower]) = (found.ends(), found.disparity());
         let sigma = found.sigma();
         let depths = |rig: Rig| [rig.depth(upper), rig.depth(lower)];
@@ -276,11 +287,11 @@ impl Bar {
 }
 
 impl Point {
-    fn new(point: &linestereo::Point) -> Self {
+    fn new(point: &linestereo::results::Point) -> Self {
         let segment = match point.source {
             Source::Segment(index) => index.into(),
             Source::Side => -1,
-            Source::Support => -2,
+            _ => -2,
         };
         let (disparity_q6, confidence_q16) = (point.disparity.to_bits(), point.confidence.to_bits());
         Self { x: point.x, y: point.y, disparity_q6, confidence_q16, segment }

@@ -11,10 +11,11 @@ use crate::types::{Area, Bar, Config, Depth, FAULT_NAMES, Health, Image, Point, 
 use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
-use linestereo::{Area as CoreArea, Gray, MemorySlice, Pair, Region, Span as CoreSpan, Word, objects::Run as CoreRun};
+use linestereo::objects::Run as CoreRun;
+use linestereo::{Area as CoreArea, Gray, MemorySlice, Options, Region, image::Span as CoreSpan};
 
 /// A matcher, in memory of the caller.
-pub struct Matcher {
+pub struct Handle {
     /// Its own address: elsewhere, and in memory that was not initialised, there is another value.
     address: usize,
     /// True while a callback runs.
@@ -22,12 +23,15 @@ pub struct Matcher {
     engine: UnsafeCell<Engine>,
 }
 
+/// A word of memory.
+type Word = MaybeUninit<u64>;
+
 /// Words of the matcher itself, before those that are carved.
-const HEAD: usize = size_of::<Matcher>().div_ceil(size_of::<Word>());
+const HEAD: usize = size_of::<Handle>().div_ceil(size_of::<Word>());
 /// Words of the largest object there can be. A power of two less 1: of a larger memory, which there
 /// is not, less is used.
 const MOST_WORDS: usize = isize::MAX as usize / size_of::<Word>();
-const _: () = assert!(align_of::<Matcher>() <= align_of::<Word>());
+const _: () = assert!(align_of::<Handle>() <= align_of::<Word>());
 
 /// Called with every point; `context` is what the caller gave.
 pub type PointCallback = Option<unsafe extern "C" fn(context: *mut c_void, point: *const Point)>;
@@ -89,13 +93,13 @@ fn status(result: Result<(), Status>) -> Status {
 /// # Safety
 /// As [`with`].
 #[inline(never)]
-unsafe fn enter<'a>(matcher: *mut Matcher) -> Result<&'a Matcher, Status> {
+unsafe fn enter<'a>(matcher: *mut Handle) -> Result<&'a Handle, Status> {
     if matcher.is_null() {
         return Err(Status::Null);
     }
     // SAFETY: as this function's; the address is looked at alone, since memory that was not
-    // initialised is no `Matcher`.
-    let address = *unsafe { read(matcher.wrapping_byte_add(core::mem::offset_of!(Matcher, address)).cast::<usize>())? };
+    // initialised is no `Handle`.
+    let address = *unsafe { read(matcher.wrapping_byte_add(core::mem::offset_of!(Handle, address)).cast::<usize>())? };
     if address != matcher.addr() || !matcher.is_aligned() {
         return Err(Status::NotInitialised);
     }
@@ -109,7 +113,7 @@ unsafe fn enter<'a>(matcher: *mut Matcher) -> Result<&'a Matcher, Status> {
 ///
 /// # Safety
 /// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
-unsafe fn with(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Result<(), Status>) -> Status {
+unsafe fn with(matcher: *mut Handle, work: impl FnOnce(&mut Engine) -> Result<(), Status>) -> Status {
     // SAFETY: as this function's.
     let found = match unsafe { enter(matcher) } {
         Ok(found) => found,
@@ -126,7 +130,7 @@ unsafe fn with(matcher: *mut Matcher, work: impl FnOnce(&mut Engine) -> Result<(
 /// # Safety
 /// As [`with`] and [`room`].
 unsafe fn with_room<T>(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     pointer: *mut T,
     work: impl FnOnce(&mut Engine, &mut MaybeUninit<T>) -> Result<(), Status>,
 ) -> Status {
@@ -175,14 +179,14 @@ pub unsafe extern "C" fn linestereo_init(
     memory: *mut c_void,
     size: usize,
     config: *const Config,
-    matcher: *mut *mut Matcher,
+    matcher: *mut *mut Handle,
 ) -> Status {
     let make = || {
         // SAFETY: as this function's.
         let (config, room) = unsafe { (read(config)?, room(matcher)?) };
         // First: linestereo_scratch_size is 0 of what is refused here, and the memory too small for
         // anything.
-        let plan = config.plan()?;
+        let of_core = config.matcher()?;
         let memory: *mut Word = memory.cast();
         check(memory.addr(), align_of::<Word>())?;
         let words = (size / size_of::<Word>()) & MOST_WORDS;
@@ -193,10 +197,10 @@ pub unsafe extern "C" fn linestereo_init(
         let capacity = config.capacity();
         let rest = rest.get_mut(..capacity.words()).ok_or(Status::MemoryTooSmall)?;
         let rest = MemorySlice::new(rest, capacity.segments);
-        let engine = UnsafeCell::new(Engine::new(plan, rest, config.skew_limit_us));
-        let made: *mut Matcher = memory.cast();
+        let engine = UnsafeCell::new(Engine::new(of_core, rest));
+        let made: *mut Handle = memory.cast();
         // SAFETY: the first `HEAD` words have room for it, and are aligned.
-        unsafe { made.write(Matcher { address: made.addr(), is_busy: Cell::new(false), engine }) };
+        unsafe { made.write(Handle { address: made.addr(), is_busy: Cell::new(false), engine }) };
         room.write(made);
         Ok(())
     };
@@ -208,7 +212,7 @@ pub unsafe extern "C" fn linestereo_init(
 /// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_run(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     left: *const Image,
     right: *const Image,
     times_us: *const u64,
@@ -220,7 +224,7 @@ pub unsafe extern "C" fn linestereo_run(
 /// The same in and just around these areas of the left image alone: less work.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_run_areas(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     left: *const Image,
     right: *const Image,
     times_us: *const u64,
@@ -238,7 +242,7 @@ pub unsafe extern "C" fn linestereo_run_areas(
 /// # Safety
 /// As [`linestereo_run_areas`].
 unsafe fn run(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     left: *const Image,
     right: *const Image,
     times_us: *const u64,
@@ -252,8 +256,8 @@ unsafe fn run(
             Some(*unsafe { read(times_us.cast::<[u64; 2]>())? })
         };
         // SAFETY: as this function's.
-        let pair = unsafe { Pair { left: view(left, engine)?, right: view(right, engine)?, times_us } };
-        engine.run(pair, areas)
+        let (left, right) = unsafe { (view(left, engine)?, view(right, engine)?) };
+        engine.run(left, right, Options { areas, times_us, ..Options::default() })
     };
     // SAFETY: as this function's.
     unsafe { with(matcher, work) }
@@ -261,7 +265,7 @@ unsafe fn run(
 
 /// Faults of the last pair, and its counts.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_health(matcher: *mut Matcher, health: *mut Health) -> Status {
+pub unsafe extern "C" fn linestereo_health(matcher: *mut Handle, health: *mut Health) -> Status {
     // SAFETY: as this function's.
     unsafe { with_room(matcher, health, |engine, room| engine.health().map(|health| _ = room.write(health))) }
 }
@@ -269,7 +273,7 @@ pub unsafe extern "C" fn linestereo_health(matcher: *mut Matcher, health: *mut H
 /// Segment `index` of the last pair, from 0, most confident first.
 /// `LinestereoHealth.segments_matched` says how many there are.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_segment(matcher: *mut Matcher, index: usize, segment: *mut Segment) -> Status {
+pub unsafe extern "C" fn linestereo_segment(matcher: *mut Handle, index: usize, segment: *mut Segment) -> Status {
     // SAFETY: as this function's.
     unsafe { with_room(matcher, segment, |engine, room| engine.segment(index).map(|found| _ = room.write(found))) }
 }
@@ -278,7 +282,7 @@ pub unsafe extern "C" fn linestereo_segment(matcher: *mut Matcher, index: usize,
 /// there are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_bar(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     index: usize,
     bar: *mut Bar,
 ) -> Status {
@@ -294,7 +298,7 @@ pub unsafe extern "C" fn linestereo_bar(
 /// then support points; at most one per pixel. The callback must return, and not call the same
 /// matcher.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCallback, context: *mut c_void) -> Status {
+pub unsafe extern "C" fn linestereo_points(matcher: *mut Handle, each: PointCallback, context: *mut c_void) -> Status {
     let Some(each) = each else { return Status::Null };
     // SAFETY: the callback is one of C's with these arguments.
     let tell = |point: Point| unsafe { each(context, &raw const point) };
@@ -306,7 +310,7 @@ pub unsafe extern "C" fn linestereo_points(matcher: *mut Matcher, each: PointCal
 /// which `points` has room for. `count` becomes the number of all: at most one per pixel.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_point_list(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     points: *mut Point,
     capacity: usize,
     count: *mut usize,
@@ -331,7 +335,7 @@ pub unsafe extern "C" fn linestereo_point_list(
 
 /// The depth of what lies in a box of the left image, or from 100 on why there is none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_box(matcher: *mut Matcher, area: *const Area, depth: *mut Depth) -> Status {
+pub unsafe extern "C" fn linestereo_box(matcher: *mut Handle, area: *const Area, depth: *mut Depth) -> Status {
     let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let area = *unsafe { read(area.cast::<CoreArea>())? };
@@ -344,7 +348,7 @@ pub unsafe extern "C" fn linestereo_box(matcher: *mut Matcher, area: *const Area
 /// The same of the runs with this label, sorted by row and column.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_mask(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     label: u16,
     runs: *const Run,
     count: usize,
@@ -361,7 +365,7 @@ pub unsafe extern "C" fn linestereo_mask(
 
 /// The depth of a pixel of the left image, on a segment or not, or from 100 on why there is none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Matcher, x: u16, y: u16, depth: *mut Depth) -> Status {
+pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Handle, x: u16, y: u16, depth: *mut Depth) -> Status {
     // SAFETY: as this function's.
     unsafe { with_room(matcher, depth, |engine, room| engine.pixel((x, y)).map(|found| _ = room.write(found))) }
 }
@@ -370,7 +374,7 @@ pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Matcher, x: u16, y: u16,
 /// disparity (1/64 px): x right, y down, z forward of the left camera, three numbers of 1/65536 m.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_position(
-    matcher: *mut Matcher,
+    matcher: *mut Handle,
     x_q5: u16,
     y_q5: u16,
     disparity_q6: i16,

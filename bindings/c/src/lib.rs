@@ -2,9 +2,8 @@
 //! caller.
 //!
 //! ```text
-//! exports   the functions of linestereo.h: pointers are checked here, and nowhere else is unsafe
-//!           code
-//! engine    what they do, in safe code
+//! exports   the functions of linestereo.h: pointers are checked here
+//! engine    what they do
 //! types     structures that both sides know
 //! status    codes of errors with their texts
 //! ```

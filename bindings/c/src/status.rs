@@ -1,8 +1,9 @@
 //! Codes of errors and of missing depths, with their texts.
 
 use core::ffi::CStr;
-use linestereo::image::ViewError;
-use linestereo::{NoDepth, ParamError, PixelRejection, RegionError, RigError, RunError};
+use linestereo::objects::{Reason, RegionError};
+use linestereo::params::{Param, ParamError, RigError};
+use linestereo::{RunError, image::ViewError, results::PixelRejection};
 
 /// Result of a call: 0 when all is well, below 100 an error of the call, from 100 on why an object
 /// or a pixel has no depth.
@@ -226,25 +227,23 @@ impl From<ViewError> for Status {
             ViewError::Stride { .. } => Self::Stride,
             ViewError::TooShort { .. } => Self::ImageTooShort,
             ViewError::Spans { .. } => Self::SpanCount,
-            ViewError::Span { .. } => Self::Span,
+            _ => Self::Span,
         }
     }
 }
 
 impl From<ParamError> for Status {
     fn from(error: ParamError) -> Self {
-        let ParamError::OutOfRange { name, .. } = error else { return Self::NoRig };
-        // By the letters that differ: comparisons of whole names take 112 bytes more on a
-        // Cortex-M7.
-        match name.as_bytes() {
-            [b'm', b'i', b'n', _, b'd', ..] => Self::MinDisparity,
-            [b'm', b'i', b'n', _, b'e', ..] => Self::MinExtent,
-            [b'm', b'i', b'n', _, b'c', ..] => Self::MinConfidence,
-            [b'm', b'a', b'x', ..] => Self::MaxDisparity,
-            [b'a', ..] => Self::AnchorGradient,
-            [b'e', ..] => Self::EdgeGradient,
-            [b'c', ..] => Self::Cell,
-            [b'r', ..] => Self::Reach,
+        let ParamError::OutOfRange { param, .. } = error else { return Self::NoRig };
+        match param {
+            Param::MinDisparity => Self::MinDisparity,
+            Param::MaxDisparity => Self::MaxDisparity,
+            Param::AnchorGradient => Self::AnchorGradient,
+            Param::EdgeGradient => Self::EdgeGradient,
+            Param::MinExtent => Self::MinExtent,
+            Param::Cell => Self::Cell,
+            Param::Reach => Self::Reach,
+            Param::MinConfidence => Self::MinConfidence,
             _ => Self::Margin,
         }
     }
@@ -256,7 +255,7 @@ impl From<RigError> for Status {
             RigError::Focal(_) => Self::Focal,
             RigError::Baseline(_) => Self::Baseline,
             RigError::Offset(_) => Self::Offset,
-            RigError::PrincipalPoint(_) => Self::PrincipalPoint,
+            _ => Self::PrincipalPoint,
         }
     }
 }
@@ -265,7 +264,7 @@ impl From<RunError> for Status {
     fn from(error: RunError) -> Self {
         match error {
             RunError::SizeMismatch { .. } => Self::ImageSize,
-            RunError::MemoryTooSmall { .. } => Self::MemoryTooSmall,
+            _ => Self::MemoryTooSmall,
         }
     }
 }
@@ -275,19 +274,19 @@ impl From<RegionError> for Status {
         match error {
             RegionError::Empty => Self::RegionEmpty,
             RegionError::Outside => Self::RegionOutside,
-            RegionError::Run(_) => Self::RegionRun,
+            _ => Self::RegionRun,
         }
     }
 }
 
-impl From<NoDepth> for Status {
-    fn from(reason: NoDepth) -> Self {
+impl From<Reason> for Status {
+    fn from(reason: Reason) -> Self {
         match reason {
-            NoDepth::LittleSupport => Self::LittleSupport,
-            NoDepth::TwoSurfaces => Self::TwoSurfaces,
-            NoDepth::OnlyOutline => Self::OnlyOutline,
-            NoDepth::UnhealthyPair => Self::UnhealthyPair,
-            NoDepth::NoParallax => Self::NoParallax,
+            Reason::TwoSurfaces => Self::TwoSurfaces,
+            Reason::OnlyOutline => Self::OnlyOutline,
+            Reason::UnhealthyPair => Self::UnhealthyPair,
+            Reason::NoParallax => Self::NoParallax,
+            _ => Self::LittleSupport,
         }
     }
 }
@@ -302,8 +301,8 @@ impl From<PixelRejection> for Status {
             PixelRejection::NoTexture => Self::NoTexture,
             PixelRejection::LeftRight => Self::LeftRight,
             PixelRejection::NotUnique => Self::NotUnique,
-            PixelRejection::LowConfidence => Self::LowConfidence,
             PixelRejection::UnhealthyPair => Self::UnhealthyPair,
+            _ => Self::LowConfidence,
         }
     }
 }

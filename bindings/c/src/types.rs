@@ -2,7 +2,7 @@
 //! 1/65536, and so on.
 
 use linestereo::objects::Run as CoreRun;
-use linestereo::{Area as CoreArea, HealthFlags, Span as CoreSpan};
+use linestereo::{Area as CoreArea, health::HealthFlags, image::Span as CoreSpan};
 
 /// Parameters of a matcher. Take them from `linestereo_config`, then change what differs.
 #[repr(C)]
@@ -116,7 +116,7 @@ pub enum Owner {
     Both = 2,
 }
 
-const _: () = assert!(linestereo::INFINITE_DEPTH.to_bits() == i32::MAX);
+const _: () = assert!(linestereo::units::INFINITE_DEPTH.to_bits() == i32::MAX);
 
 /// A segment of the left image with its disparity.
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use crate::image::{grey, view};
 use crate::refused;
-use linestereo::{Dims, Span};
+use linestereo::{Dims, image::Span};
 use linestereo_calibration::PairRectifier;
 use linestereo_calibration::interchange::{Imported, Options, TranslationUnit, load_rig};
 use linestereo_frames::GrayImage;

@@ -1,7 +1,7 @@
 //! Arrays of Python as grey images. Pixels are copied, 10 us for QVGA: another thread may write to
 //! the array while the pair is matched.
 
-use linestereo::{Dims, Gray, Span};
+use linestereo::{Dims, Gray, image::Span};
 use linestereo_frames::GrayImage;
 use numpy::{PyReadonlyArray2, PyUntypedArray, PyUntypedArrayMethods as _};
 use pyo3::exceptions::PyValueError;

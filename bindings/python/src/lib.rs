@@ -4,11 +4,10 @@
 mod calibration;
 mod image;
 mod matcher;
-mod memory;
 mod records;
 
 use core::fmt::Display;
-use linestereo::HealthFlags;
+use linestereo::health::HealthFlags;
 use linestereo_wire::Health;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -35,8 +34,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<calibration::Calibration>()?;
     module.add_class::<calibration::Rig>()?;
-    module.add_class::<matcher::Matched>()?;
-    module.add_class::<matcher::Matcher>()?;
+    module.add_class::<matcher::PyMatched>()?;
+    module.add_class::<matcher::PyMatcher>()?;
     module.add_function(wrap_pyfunction!(remedy, module)?)?;
     module.add_function(wrap_pyfunction!(fault_names, module)?)
 }

@@ -2,27 +2,22 @@
 
 use crate::calibration::{Calibration, Rig};
 use crate::image::{grey, view};
-use crate::memory::allocate;
 use crate::records::{self, Answer};
 use crate::refused;
-use linestereo::image::shrink_to_valid;
-use linestereo::objects::Run;
-use linestereo::{
-    Area, Capacity, Dims, Disparity, ImagePosition, MemorySlice, Pair, Params, Plan, Position, Region, Span, Summary,
-};
-use linestereo_frames::GrayImage;
+use linestereo::image::{shrink_to_valid, Span};
+use linestereo::units::{Disparity, Position};
+use linestereo::results::ImagePosition;
+use linestereo::{Area, Dims, Matched, Options, Params, Region, objects::Run};
+use linestereo_frames::{GrayImage, MatchedPair, PairBuffers};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::time::Instant;
 
-/// Segments listed in each image, as the PC's program does.
-const SEGMENTS: u16 = 4096;
-
 /// A matcher of consecutive pairs: it knows the health of those before.
-#[pyclass(module = "linestereo")]
-pub(crate) struct Matcher {
+#[pyclass(module = "linestereo", name = "Matcher")]
+pub(crate) struct PyMatcher {
     params: Params,
     /// Nobody said how far to search.
     takes_what_fits: bool,
@@ -31,7 +26,7 @@ pub(crate) struct Matcher {
 }
 
 #[pymethods]
-impl Matcher {
+impl PyMatcher {
     #[new]
     #[pyo3(signature = (max_disparity, rig, min_disparity, min_confidence))]
     fn new(
@@ -48,7 +43,7 @@ impl Matcher {
                     "min_confidence is {confidence} but must be 0.1 to 0.99"
                 )));
             }
-            params.min_confidence = linestereo::Confidence::from_num(confidence);
+            params.min_confidence = linestereo::units::Confidence::from_num(confidence);
         }
         let mut calibration = None;
         if let Some(rig) = rig {
@@ -72,7 +67,7 @@ impl Matcher {
         right: &Bound<'_, PyAny>,
         times_us: Option<[u64; 2]>,
         valid: [Option<PyReadonlyArray2<'_, u16>>; 2],
-    ) -> PyResult<Matched> {
+    ) -> PyResult<PyMatched> {
         let mut images = [grey(left, "left")?, grey(right, "right")?];
         let mut usable = [Vec::new(), Vec::new()];
         for ((spans, given), image) in usable.iter_mut().zip(valid).zip(&images) {
@@ -91,41 +86,35 @@ impl Matcher {
     }
 }
 
-impl Matcher {
+impl PyMatcher {
     fn matched(
         &mut self,
         images: [GrayImage; 2],
         usable: [Vec<Span>; 2],
         times_us: Option<[u64; 2]>,
-    ) -> PyResult<Matched> {
+    ) -> PyResult<PyMatched> {
         let dims = images[0].dims;
         if self.state.as_ref().is_none_or(|(planned, _)| *planned != dims) {
             if self.takes_what_fits {
                 self.params.max_disparity = Params::default_max_disparity(dims.width);
             }
-            self.state = Some((dims, self.params.matcher(dims).map_err(refused)?));
+            self.state = Some((dims, linestereo::Matcher::new(self.params, dims).map_err(refused)?));
         }
         let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
-        let mut memory = allocate(&Capacity { dims, segments: SEGMENTS, cell: self.params.cell });
         let start = Instant::now();
-        let [left, right] = [view(&images[0], &usable[0])?, view(&images[1], &usable[1])?];
-        let mut matched = matcher.run(Pair { left, right, times_us }, &mut memory).map_err(refused)?;
-        let mut points = Vec::with_capacity(16384);
-        let (mut segments, mut bars) = (Vec::new(), Vec::new());
-        matched.points(|point| points.push(point));
+        let options = Options { times_us, ..Options::default() };
+        let mut pair = MatchedPair::run(matcher, PairBuffers::new(images, usable), options).map_err(refused)?;
+        let points: Vec<_> = pair.ask(|matched| matched.points().collect());
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
-        matched.segments().iter().for_each(|found| records::push_segment(&mut segments, found));
-        for found in matched.bars() {
+        let (mut segments, mut bars) = (Vec::new(), Vec::new());
+        pair.get().segments().iter().for_each(|found| records::push_segment(&mut segments, found));
+        for found in pair.get().bars() {
             records::push_bar(&mut bars, found, self.params.rig);
         }
         let records = records::of_points(&points, &self.params);
-        let (summary, plan) = (*matched.summary(), *matcher.plan());
-        Ok(Matched {
-            plan,
-            summary,
-            images,
-            usable,
-            memory,
+        Ok(PyMatched {
+            pair,
+            rig: self.params.rig,
             points: Some(records),
             segments: Some(segments),
             bars: Some(bars),
@@ -135,13 +124,10 @@ impl Matcher {
 }
 
 /// A matched pair with all that its results need.
-#[pyclass(module = "linestereo")]
-pub(crate) struct Matched {
-    plan: Plan,
-    summary: Summary,
-    images: [GrayImage; 2],
-    usable: [Vec<Span>; 2],
-    memory: Box<MemorySlice>,
+#[pyclass(module = "linestereo", name = "Matched")]
+pub(crate) struct PyMatched {
+    pair: MatchedPair,
+    rig: Option<linestereo::Rig>,
     points: Option<Vec<u8>>,
     segments: Option<Vec<u8>>,
     bars: Option<Vec<u8>>,
@@ -149,7 +135,7 @@ pub(crate) struct Matched {
 }
 
 #[pymethods]
-impl Matched {
+impl PyMatched {
     /// Bytes of the points, once.
     fn take_points<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         self.points.take().unwrap_or_default().into_pyarray(py)
@@ -174,29 +160,29 @@ impl Matched {
     /// Columns and rows.
     #[getter]
     fn size(&self) -> (u16, u16) {
-        (self.plan.dims().width, self.plan.dims().height)
+        (self.dims().width, self.dims().height)
     }
 
     /// Bits of the faults, whether results may be used, and whether a list was full or a budget of
     /// work spent.
     #[getter]
     fn health(&self) -> (u32, bool, bool) {
-        let flags = self.summary.health().flags;
-        (flags.bits(), flags.is_fit(), self.summary.counts().is_cut())
+        let matched = self.pair.get();
+        (matched.health().flags.bits(), matched.is_fit(), matched.counts().is_cut())
     }
 
     /// Segments found in the left image.
     #[getter]
     fn segments_found(&self) -> u16 {
-        self.summary.counts().segments_left
+        self.pair.get().counts().segments_left
     }
 
     /// Places of these points in space, three numbers of m each; not a number where there is none.
     fn xyz<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'_, f32>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let Some(rig) = self.plan.rig() else {
+        let Some(rig) = self.rig else {
             return Err(PyValueError::new_err("places in space need a rig; give rig=linestereo.Rig(..) to the matcher"));
         };
-        let (rig, points) = (rig.centred(self.plan.dims()), points.as_array());
+        let (rig, points) = (rig.centred(self.dims()), points.as_array());
         let place = |[x, y, disparity]: [f32; 3]| {
             let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
             let found = rig.xyz(at, Disparity::saturating_from_num(disparity));
@@ -208,7 +194,7 @@ impl Matched {
 
     fn boxes(&mut self, py: Python<'_>, boxes: PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Answer>> {
         let boxes = boxes.as_array();
-        let dims = self.plan.dims();
+        let dims = self.dims();
         let mut regions = Vec::with_capacity(boxes.nrows());
         for (index, row) in boxes.rows().into_iter().enumerate() {
             let wrong = |what: &str| PyValueError::new_err(format!("boxes[{index}]: {what}"));
@@ -216,13 +202,13 @@ impl Matched {
             let label = u16::try_from(index).map_err(|_| wrong("more than 65535 boxes"))?;
             regions.push(Region::boxed(label, area, dims).map_err(|error| wrong(&error.to_string()))?);
         }
-        py.detach(|| self.answers(&regions))
+        Ok(py.detach(|| self.answers(&regions)))
     }
 
     /// Of an image of labels, 0 for what is no object.
     fn labels(&mut self, py: Python<'_>, labels: PyReadonlyArray2<'_, u16>) -> PyResult<Vec<Answer>> {
         let labels = labels.as_array();
-        let dims = self.plan.dims();
+        let dims = self.dims();
         if labels.dim() != (dims.height.into(), dims.width.into()) {
             let (rows, columns) = labels.dim();
             return Err(PyValueError::new_err(format!("a mask is {columns}x{rows}, the pair {dims}")));
@@ -242,15 +228,15 @@ impl Matched {
         names.dedup();
         let region = |&label: &u16| Region::masked(label, &runs, dims).map_err(refused);
         let regions = names.iter().map(region).collect::<PyResult<Vec<_>>>()?;
-        py.detach(|| self.answers(&regions))
+        Ok(py.detach(|| self.answers(&regions)))
     }
 
     /// Or the reason why there is none.
-    fn pixel(&mut self, x: u16, y: u16) -> PyResult<Answer> {
-        self.with(|matched| match matched.pixel((x, y), None) {
+    fn pixel(&mut self, x: u16, y: u16) -> Answer {
+        match self.pair.ask(|matched| matched.pixel((x, y))) {
             Ok(found) => records::of_pixel(&found),
             Err(reason) => records::of_rejection(reason),
-        })
+        }
     }
 }
 
@@ -276,16 +262,15 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
     Ok(Area { left, top, right, bottom })
 }
 
-impl Matched {
-    fn with<T>(&mut self, ask: impl FnOnce(&mut linestereo::Matched<'_>) -> T) -> PyResult<T> {
-        let images = [view(&self.images[0], &self.usable[0])?, view(&self.images[1], &self.usable[1])?];
-        let mut matched = self.plan.resume(&self.summary, images, &mut self.memory).map_err(refused)?;
-        Ok(ask(&mut matched))
+impl PyMatched {
+    fn dims(&self) -> Dims {
+        self.pair.get().dims()
     }
 
-    fn answers(&mut self, regions: &[Region<'_>]) -> PyResult<Vec<Answer>> {
-        let mut answers = Vec::with_capacity(regions.len());
-        self.with(|matched| matched.objects(regions, |found| answers.push(records::of_object(&found))))?;
-        Ok(answers)
+    fn answers(&mut self, regions: &[Region<'_>]) -> Vec<Answer> {
+        let answer = |matched: &mut Matched<'_>, region: &Region<'_>| {
+            records::of_object(region.label(), &matched.object(region))
+        };
+        self.pair.ask(|matched| regions.iter().map(|region| answer(matched, region)).collect())
     }
 }

@@ -1,9 +1,8 @@
 //! Results as bytes of structured arrays, whose dtypes stand in `python/linestereo/__init__.py`.
 
-use linestereo::{
-    Bar, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner,
-    Params, PixelDepth, PixelRejection, Point, Rig, Source,
-};
+use linestereo::results::{Bar, ImagePosition, Match, Owner, PixelDepth, PixelRejection, Point, Source};
+use linestereo::units::{Depth, Disparity, INFINITE_DEPTH};
+use linestereo::{NoDepth, ObjectDepth, Params, Rig};
 
 /// Metres: infinite where the core says so, not a number without a rig.
 fn metres(depth: Option<Depth>) -> f64 {
@@ -39,7 +38,7 @@ pub(crate) fn of_points(points: &[Point], params: &Params) -> Vec<u8> {
         let segment = match point.source {
             Source::Segment(index) => index.into(),
             Source::Side => -1_i32,
-            Source::Support => -2,
+            _ => -2,
         };
         let depth = depths.as_mut().map_or(f64::NAN, |depths| depths.depth(point.disparity));
         record[..2].copy_from_slice(&point.x.to_le_bytes());
@@ -102,18 +101,24 @@ const _: () = assert!(Owner::Left as u32 == 0 && Owner::Right as u32 == 1 && Own
 /// there is no disparity.
 pub(crate) type Answer = (u16, Option<f64>, f64, f64, f64, f64, u16, f64, Option<(&'static str, String)>);
 
-pub(crate) fn of_object(found: &ObjectDepth) -> Answer {
-    let reason = found.disparity.err().map(|reason: NoDepth| (reason.name(), reason.to_string()));
+pub(crate) fn of_object(label: u16, found: &Result<ObjectDepth, NoDepth>) -> Answer {
+    let found = match found {
+        Ok(found) => found,
+        Err(NoDepth { reason, support }) => {
+            let reason = Some((reason.name(), reason.to_string()));
+            return (label, None, 0.0, f64::NAN, f64::NAN, f64::NAN, *support, 0.0, reason);
+        }
+    };
     (
-        found.label,
-        found.disparity.ok().map(Disparity::to_num),
+        label,
+        Some(found.disparity.to_num()),
         found.sigma.to_num(),
-        metres(found.depth),
-        metres(found.depth_sigma),
-        metres(found.nearest),
+        metres(found.metres.map(|metres| metres.depth)),
+        metres(found.metres.map(|metres| metres.sigma)),
+        metres(found.metres.map(|metres| metres.nearest)),
         found.support,
         found.confidence.to_num(),
-        reason,
+        None,
     )
 }
 

@@ -94,11 +94,10 @@ impl GroundPlane {
 
 /// Where the ground plane of a pair is looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GroundSearch {
+pub(crate) enum GroundSearch {
     /// Among all planes.
     Everywhere,
-    /// Near the plane of the pair before ([`Summary::ground`](crate::Summary::ground)), then among
-    /// all.
+    /// Near the plane of the pair before, then among all.
     Near(GroundPlane),
     /// Near the plane where the camera's pose says that it is ([`GroundPlane::of_pose`]); where
     /// none is seen there, that plane is taken.

@@ -45,7 +45,8 @@ impl GroundPlane {
     /// The plane that a camera of this pose sees in images of this size.
     ///
     /// ```
-    /// use linestereo::{CameraPose, Dims, GroundPlane, Rig};
+    /// use linestereo::{Dims, Rig};
+    /// use linestereo::ground::{CameraPose, GroundPlane};
     /// let rig = Rig::new(200.0, 0.06, 0.0)?;
     /// let pose = CameraPose { height_m: 0.15, pitch_deg: 0.0, roll_deg: 0.0 };
     /// let plane = GroundPlane::of_pose(pose, &rig, Dims { width: 320, height: 240 })?;

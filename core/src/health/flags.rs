@@ -6,7 +6,7 @@ bitflags::bitflags! {
     /// Set of flags; empty without a fault. Bits from 24 on stay unused.
     ///
     /// ```
-    /// use linestereo::HealthFlags;
+    /// use linestereo::health::HealthFlags;
     /// let flags = HealthFlags::LEFT_FROZEN | HealthFlags::ROWS_OFF;
     /// assert!(flags.contains(HealthFlags::ROWS_OFF) && !flags.contains(HealthFlags::SKEW));
     /// assert!(flags.names().eq(["left_frozen", "rows_off"]));
@@ -14,15 +14,15 @@ bitflags::bitflags! {
     #[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
     pub struct HealthFlags: u32 {
         /// The left image's mean level is outside
-        /// [`HealthLimits::level`](crate::HealthLimits::level).
+        /// [`HealthLimits::level`](super::HealthLimits::level).
         const LEFT_EXPOSURE = 1;
         /// The right image's mean level is outside
-        /// [`HealthLimits::level`](crate::HealthLimits::level).
+        /// [`HealthLimits::level`](super::HealthLimits::level).
         const RIGHT_EXPOSURE = 1 << 1;
-        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille)
+        /// More than [`HealthLimits::saturated_permille`](super::HealthLimits::saturated_permille)
         /// of the left image are black or white.
         const LEFT_SATURATED = 1 << 2;
-        /// More than [`HealthLimits::saturated_permille`](crate::HealthLimits::saturated_permille)
+        /// More than [`HealthLimits::saturated_permille`](super::HealthLimits::saturated_permille)
         /// of the right image are black or white.
         const RIGHT_SATURATED = 1 << 3;
         /// All of the left image is one grey level, without a sensor's noise.

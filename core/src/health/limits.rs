@@ -2,7 +2,7 @@
 
 use crate::rig::Rig;
 
-/// Limits of every quantity of a [`PairHealth`](crate::PairHealth). The defaults are measured on 14
+/// Limits of every quantity of a [`PairHealth`](super::PairHealth). The defaults are measured on 14
 /// captured pairs, 6 of a robot's camera and three sequences of a robot (see
 /// `tests/tests/health.rs`), without false flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,10 +121,11 @@ impl HealthLimits {
     /// disparity.
     ///
     /// ```
-    /// use linestereo::{HealthLimits, Rig};
+    /// use linestereo::Rig;
+    /// use linestereo::health::HealthLimits;
     /// let squinting = Rig::new(100.0, 0.06, 5.0)?; // what is infinitely far is seen at -5 px
     /// assert_eq!(HealthLimits::DEFAULT.of_rig(Some(&squinting)).least_disparity_q6, -6 * 64);
-    /// # Ok::<(), linestereo::RigError>(())
+    /// # Ok::<(), linestereo::params::RigError>(())
     /// ```
     #[must_use]
     pub const fn of_rig(self, rig: Option<&Rig>) -> Self {
@@ -145,7 +146,7 @@ impl HealthLimits {
     /// before the pair is used.
     ///
     /// ```
-    /// use linestereo::HealthLimits;
+    /// use linestereo::health::HealthLimits;
     /// let limits = HealthLimits { skew_us: 500, ..HealthLimits::DEFAULT };
     /// assert_eq!(limits.skew_us([1_000_000, 1_000_500]), Ok(500));
     /// let refused = limits.skew_us([1_000_501, 1_000_000]).unwrap_err();

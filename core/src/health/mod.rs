@@ -130,7 +130,8 @@ impl PairHealth {
 /// State of health over consecutive pairs.
 ///
 /// ```
-/// use linestereo::{Dims, Gray, HealthFlags, HealthLimits};
+/// use linestereo::{Dims, Gray};
+/// use linestereo::health::{HealthFlags, HealthLimits};
 /// use linestereo::health::HealthMonitor;
 /// let dims = Dims { width: 16, height: 16 };
 /// let (alive, dead): ([u8; 256], _) = (core::array::from_fn(|i| 100 + (i * i % 31) as u8), [100; 256]);

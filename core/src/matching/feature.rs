@@ -19,7 +19,7 @@ use crate::lines::Segment;
 use crate::units::quotient;
 
 /// A line x(y) in 1/32 px with its row range.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct SteepLine {
     x0: i32,
     y0: i32,
@@ -29,6 +29,9 @@ pub(crate) struct SteepLine {
 }
 
 impl SteepLine {
+    /// No line.
+    pub(crate) const NONE: Self = Self { x0: 0, y0: 0, y1: 0, slope_q12: 0 };
+
     pub(crate) fn new(segment: &Segment) -> Self {
         let (mut x0, mut y0, mut x1, mut y1) = segment.ends_q5();
         if y0 > y1 {

@@ -54,7 +54,7 @@ const BESIDE: i32 = 14;
 const HALF_REACH: i32 = 2;
 
 /// A line y(x) in 1/32 px with its column range.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct HorizontalLine {
     x0: i32,
     y0: i32,

@@ -94,7 +94,8 @@ fn peak(votes: &[u32; BINS]) -> Option<i32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ImagePosition, Position};
+    use crate::result::ImagePosition;
+    use crate::units::Position;
 
     #[test]
     fn votes_that_agree_are_an_offset_and_spread_ones_are_none() {

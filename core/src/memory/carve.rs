@@ -18,10 +18,7 @@ use core::fmt;
 use core::mem::MaybeUninit;
 
 /// A word of memory, which everything in it is aligned to.
-pub type Word = MaybeUninit<u64>;
-
-/// Lengths of the lists of candidates, support points, matches and bars.
-pub(super) type Lengths = [u16; 4];
+pub(crate) type Word = MaybeUninit<u64>;
 
 /// Capacities of the lists of segments, and the most candidates.
 #[derive(Clone, Copy, Default)]
@@ -30,13 +27,12 @@ pub(super) struct Limits {
     pub(super) candidates: u16,
 }
 
-/// Capacities of a memory, the last layout of the words behind it, and lengths of its lists.
+/// Capacities of a memory, and the last layout of the words behind it.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Head {
     limits: Limits,
     layout: Layout,
-    lengths: Lengths,
 }
 
 /// Numbers of elements; all 0 in words that nothing was cut from.
@@ -92,7 +88,7 @@ impl MemorySlice {
     /// let mut words = vec![MaybeUninit::uninit(); capacity.words()];
     /// let memory = MemorySlice::new(&mut words, capacity.segments);
     /// ```
-    pub fn new(words: &mut [Word], segments: u16) -> &mut Self {
+    pub fn new(words: &mut [MaybeUninit<u64>], segments: u16) -> &mut Self {
         words.iter_mut().take(HEAD).for_each(|word| *word = MaybeUninit::new(0));
         Self::of_mut(words, Limits { segments, candidates: lines::MAX_SEGMENTS as u16 })
     }
@@ -119,8 +115,7 @@ impl MemorySlice {
         Some((unsafe { &mut *head.as_mut_ptr().cast() }, rest))
     }
 
-    /// The buffers of a run on images of this size. The lists of results are those of the run
-    /// before, if that had the same layout, else empty.
+    /// The buffers of a run on images of this size, with empty lists.
     pub(crate) fn cut(&mut self, dims: Dims, cell: u16) -> Result<Buffers<'_>, RunError> {
         let given = self.0.len();
         let error = |needed| RunError::MemoryTooSmall { needed, given };
@@ -134,30 +129,28 @@ impl MemorySlice {
         let words = words.get_mut(..layout.words().checked_sub(HEAD)?)?;
         if head.layout != *layout {
             words.fill(MaybeUninit::new(0));
-            (head.layout, head.lengths) = (*layout, Lengths::default());
+            head.layout = *layout;
         }
-        let [candidates, support, matches, bars] = head.lengths;
         let Layout { dims, segments, candidates: most } = *layout;
         let (segments, most) = (segments.into(), most.into());
         let mut rest = Rest(words);
         // SAFETY: `Layout::words` counts the same values and lists. The words are 0, or were cut
-        // into the same before; the lengths are those that the lists had then, or 0.
+        // into the same before.
         unsafe {
             Some(Buffers {
                 marks: rest.values(mark_words(dims)),
                 chain: rest.values(lines::MAX_POSITIONS),
                 strengths: rest.values(lines::MAX_POSITIONS),
                 rows: rest.values(row_bytes(dims.width) * BAND_ROWS * PLANES),
-                left: rest.list(segments, 0),
-                right: rest.list(segments, 0),
-                candidates: rest.list(most, candidates),
+                left: rest.list(segments),
+                right: rest.list(segments),
+                candidates: rest.list(most),
                 neighbours: rest.values(most + OBJECT_POINTS),
-                order: rest.list(most + OBJECT_POINTS, 0),
-                support: rest.list(most_support_points(dims), support),
-                matches: rest.list(most, matches),
-                bars: rest.list(MOST_BARS, bars),
+                order: rest.list(most + OBJECT_POINTS),
+                support: rest.list(most_support_points(dims)),
+                matches: rest.list(most),
+                bars: rest.list(MOST_BARS),
                 work: rest.values(1).first_mut()?,
-                lengths: &mut head.lengths,
             })
         }
     }
@@ -214,10 +207,10 @@ impl<'a> Rest<'a> {
     /// The next list.
     ///
     /// # Safety
-    /// As of [`Rest::slots`]; the first `len` elements are values.
-    unsafe fn list<T>(&mut self, capacity: usize, len: u16) -> List<'a, T> {
+    /// As of [`Rest::slots`].
+    unsafe fn list<T>(&mut self, capacity: usize) -> List<'a, T> {
         // SAFETY: as the caller says.
-        unsafe { List::of_len(self.slots(capacity), len.into()) }
+        List::new(unsafe { self.slots(capacity) })
     }
 }
 
@@ -251,16 +244,5 @@ mod tests {
         assert!(MemorySlice::new(&mut [], 70).cut(DIMS, 20).is_err());
         let buffers = MemorySlice::new(&mut words[..needed], 70);
         assert_eq!(buffers.cut(DIMS, 9).unwrap().candidates.capacity(), 4 * 3);
-    }
-
-    #[test]
-    fn lists_outlive_their_buffers_until_the_layout_changes() {
-        let mut memory = crate::Memory::<{ Capacity::new(DIMS).words() }>::new();
-        let mut buffers = memory.cut(DIMS, 20).unwrap();
-        buffers.support.push(crate::SupportPoint::none()).unwrap();
-        buffers.keep();
-        assert_eq!(memory.cut(DIMS, 20).unwrap().support.len(), 1);
-        assert_eq!(memory.cut(DIMS, 24).unwrap().support.len(), 0);
-        assert_eq!(memory.cut(DIMS, 20).unwrap().support.len(), 0);
     }
 }

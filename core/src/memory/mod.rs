@@ -24,8 +24,9 @@ use crate::params::Params;
 use crate::report::Ranked;
 use crate::result::Match;
 use crate::support::SupportPoint;
+pub use carve::MemorySlice;
+use carve::Word;
 use carve::{Layout, Limits};
-pub use carve::{MemorySlice, Word};
 use core::fmt;
 use core::mem::MaybeUninit;
 use core::ops::{Deref, DerefMut};
@@ -33,6 +34,7 @@ use core::ops::{Deref, DerefMut};
 /// A pair that cannot be matched as planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum RunError {
     /// An image has another size than planned.
     #[error("planned for {planned}, the frame is {given}")]
@@ -213,7 +215,7 @@ impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize> DerefMu
     }
 }
 
-/// The buffers of a run.
+/// The buffers of a run; all lists are empty before it.
 #[derive(Debug)]
 pub(crate) struct Buffers<'a> {
     pub(crate) marks: &'a mut [u32],
@@ -229,27 +231,4 @@ pub(crate) struct Buffers<'a> {
     pub(crate) matches: List<'a, Match>,
     pub(crate) bars: List<'a, Bar>,
     pub(crate) work: &'a mut Workspace,
-    lengths: &'a mut carve::Lengths,
-}
-
-impl Buffers<'_> {
-    /// Clears all lists.
-    pub(crate) fn clear(&mut self) {
-        self.left.clear();
-        self.right.clear();
-        self.support.clear();
-        self.candidates.clear();
-        self.matches.clear();
-        self.bars.clear();
-        self.keep();
-    }
-
-    /// Writes the lengths of the lists of results into the memory, for [`Plan::resume`].
-    ///
-    /// [`Plan::resume`]: crate::Plan::resume
-    pub(crate) fn keep(&mut self) {
-        let Self { candidates, support, matches, bars, .. } = self;
-        *self.lengths =
-            [candidates.len(), support.len(), matches.len(), bars.len()].map(|len| len as u16);
-    }
 }

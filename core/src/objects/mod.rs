@@ -46,30 +46,46 @@ use crate::rig::Rig;
 use crate::support::Support;
 use crate::units::about_length;
 use crate::units::{Confidence, Depth, Disparity, quotient};
-use core::fmt;
 use cover::Cover;
 pub use region::{Region, RegionError, Run, Shape};
 pub use rows::LabelRows;
 use surface::Surface;
 
-/// Reason why an object has no depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// Why an object has no depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+#[error("{reason}")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum NoDepth {
+pub struct NoDepth {
+    /// The reason.
+    pub reason: Reason,
+    /// Number of segments and support points on the refused surface.
+    pub support: u16,
+}
+
+/// Reason why an object has no depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Reason {
     /// Too few credible hypotheses in the region.
+    #[error("too few credible hypotheses in the region")]
     LittleSupport,
     /// Two groups of hypotheses explain the region equally well.
+    #[error("two surfaces explain the region equally well")]
     TwoSurfaces,
     /// Hypotheses lie on the outline only: they may belong to the surface behind.
+    #[error("hypotheses on the outline only: they may belong to what is beside the region")]
     OnlyOutline,
     /// The pair is not fit to be used.
+    #[error("the pair is not fit to be used")]
     UnhealthyPair,
     /// Its pixels are the same in both images: it is too far for a depth, or no part of the scene
     /// (dirt, overlaid text).
+    #[error("the same pixels in both images: too far for a depth, or dirt, or overlaid text")]
     NoParallax,
 }
 
-impl NoDepth {
+impl Reason {
     /// Every reason.
     pub const ALL: [Self; 5] = [
         Self::LittleSupport,
@@ -92,47 +108,47 @@ impl NoDepth {
     }
 }
 
-impl fmt::Display for NoDepth {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::LittleSupport => "too few credible hypotheses in the region",
-            Self::TwoSurfaces => "two surfaces explain the region equally well",
-            Self::OnlyOutline => {
-                "hypotheses on the outline only: they may belong to what is beside the region"
-            }
-            Self::UnhealthyPair => "the pair is not fit to be used",
-            Self::NoParallax => {
-                "the same pixels in both images: too far for a depth, or dirt, or overlaid text"
-            }
-        })
-    }
-}
-
-/// The depth of one region.
+/// The depth of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObjectDepth {
-    /// Label of its region.
-    pub label: u16,
-    /// Disparity at the region's centre, px, or the reason why there is none.
-    pub disparity: Result<Disparity, NoDepth>,
-    /// Standard deviation of the disparity in px; 0 where there is none.
+    /// Disparity at the region's centre, px.
+    pub disparity: Disparity,
+    /// Standard deviation of the disparity, px.
     pub sigma: Disparity,
     /// Slope of the object's plane: change of the disparity per pixel to the right and downwards,
     /// 1/1024 px.
     pub slope_q10: [i16; 2],
     /// Largest distance of its hypotheses' disparities from the plane, px.
     pub spread: Disparity,
-    /// Depth at the region's centre, m; `None` without a rig or a disparity.
-    pub depth: Option<Depth>,
-    /// Standard deviation of depth, m; `None` where `depth` is.
-    pub depth_sigma: Option<Depth>,
-    /// Depth of the object's nearest hypothesis, m; `None` where `depth` is.
-    pub nearest: Option<Depth>,
+    /// The same in metres; `None` without a rig.
+    pub metres: Option<ObjectMetres>,
     /// Number of segments and support points with a hypothesis on the plane.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the range of the object's true disparities.
     pub confidence: Confidence,
+}
+
+/// The depth of an object, m.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ObjectMetres {
+    /// Depth at the region's centre, m.
+    pub depth: Depth,
+    /// Standard deviation of depth, m.
+    pub sigma: Depth,
+    /// Depth of the object's nearest hypothesis, m.
+    pub nearest: Depth,
+}
+
+impl ObjectMetres {
+    fn new(rig: &Rig, disparity: Disparity, sigma: Disparity, nearest: Disparity) -> Self {
+        Self {
+            depth: rig.depth(disparity),
+            sigma: rig.depth_sigma(disparity, sigma),
+            nearest: rig.depth(nearest),
+        }
+    }
 }
 
 /// Results of the last run that the depth of regions is computed from, and working memory
@@ -152,7 +168,7 @@ pub(crate) struct ObjectQuery<'a> {
 impl ObjectQuery<'_> {
     /// The depth of one region.
     #[inline(never)]
-    pub(crate) fn depth_of(&mut self, region: &Region<'_>) -> ObjectDepth {
+    pub(crate) fn depth_of(mut self, region: &Region<'_>) -> Result<ObjectDepth, NoDepth> {
         let cover = Cover::new(region, self.dims.width, self.marks);
         if !cover.is_box() {
             let [_, row] = cover.centre;
@@ -160,7 +176,7 @@ impl ObjectQuery<'_> {
             if let Some((bar, d_q6)) =
                 bars::depth_of(self.bars, (region.area(), cover.pixels), row, contains)
             {
-                return of_bar(region.label(), &bar, d_q6, self.rig.as_ref());
+                return Ok(of_bar(&bar, d_q6, self.rig.as_ref()));
             }
         }
         let found = region_support::gather(
@@ -175,51 +191,38 @@ impl ObjectQuery<'_> {
             surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), &mut self.order)
                 .unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
-            Some(reason) => ObjectDepth::refused(region.label(), reason, surface.support),
-            None => {
-                answer(region.label(), &surface, found.weight_q8, cover.is_box(), self.rig.as_ref())
-            }
+            Some(reason) => Err(NoDepth { reason, support: surface.support }),
+            None => Ok(answer(&surface, found.weight_q8, cover.is_box(), self.rig.as_ref())),
         }
     }
 }
 
 /// The depth of a mask that shows a bar.
-fn of_bar(label: u16, bar: &Bar, d_q6: i32, rig: Option<&Rig>) -> ObjectDepth {
+fn of_bar(bar: &Bar, d_q6: i32, rig: Option<&Rig>) -> ObjectDepth {
     let (disparity, sigma) = (disparity_from_q6(d_q6), bar.sigma());
     let [a, b] = bar.disparity();
     ObjectDepth {
-        label,
-        disparity: Ok(disparity),
+        disparity,
         sigma,
         slope_q10: [0; 2],
         spread: disparity_from_q6((i32::from(a.to_bits()) - i32::from(b.to_bits())).abs()),
-        depth: rig.map(|rig| rig.depth(disparity)),
-        depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
-        nearest: rig.map(|rig| rig.depth(a.max(b))),
+        metres: rig.map(|rig| ObjectMetres::new(rig, disparity, sigma, a.max(b))),
         support: 1,
         confidence: bar.confidence(),
     }
 }
 
-fn answer(
-    label: u16,
-    surface: &Surface,
-    all_q8: u32,
-    is_box: bool,
-    rig: Option<&Rig>,
-) -> ObjectDepth {
+fn answer(surface: &Surface, all_q8: u32, is_box: bool, rig: Option<&Rig>) -> ObjectDepth {
     let disparity = disparity_from_q6(surface.centre_q6);
     let (low, high) = surface.range_q6;
     let sigma = disparity_from_q6(sigma_q6(surface, is_box));
     ObjectDepth {
-        label,
-        disparity: Ok(disparity),
+        disparity,
         sigma,
         slope_q10: surface.slope_q10.map(crate::units::narrow),
         spread: disparity_from_q6(surface.spread_q6),
-        depth: rig.map(|rig| rig.depth(disparity)),
-        depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
-        nearest: rig.map(|rig| rig.depth(disparity_from_q6(high.max(low)))),
+        metres: rig
+            .map(|rig| ObjectMetres::new(rig, disparity, sigma, disparity_from_q6(high.max(low)))),
         support: surface.support,
         confidence: confidence(surface.weight_q8, all_q8, is_box),
     }
@@ -248,26 +251,6 @@ fn confidence(weight_q8: i32, all_q8: u32, is_box: bool) -> Confidence {
 
 fn disparity_from_q6(d_q6: i32) -> Disparity {
     Disparity::from_bits(crate::units::narrow(d_q6))
-}
-
-impl ObjectDepth {
-    /// An object without depth; `support` is the number of segments and support points on the
-    /// refused surface.
-    #[must_use]
-    pub const fn refused(label: u16, reason: NoDepth, support: u16) -> Self {
-        Self {
-            label,
-            disparity: Err(reason),
-            sigma: Disparity::ZERO,
-            slope_q10: [0; 2],
-            spread: Disparity::ZERO,
-            depth: None,
-            depth_sigma: None,
-            nearest: None,
-            support,
-            confidence: Confidence::ZERO,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -335,7 +318,7 @@ mod tests {
         list
     }
 
-    fn evaluate(candidates: &[Candidate], region: &Region<'_>) -> ObjectDepth {
+    fn evaluate(candidates: &[Candidate], region: &Region<'_>) -> Result<ObjectDepth, NoDepth> {
         evaluate_with(candidates, region, None)
     }
 
@@ -343,7 +326,7 @@ mod tests {
         candidates: &[Candidate],
         region: &Region<'_>,
         rig: Option<Rig>,
-    ) -> ObjectDepth {
+    ) -> Result<ObjectDepth, NoDepth> {
         let (mut neighbours, mut order, mut marks) =
             ([Neighbour::EMPTY; MOST], [const { MaybeUninit::uninit() }; MOST], [u32::MAX; 2400]);
         let (neighbours, order, marks) =
@@ -383,7 +366,7 @@ mod tests {
             let mut list = scattered(seed, 60, 0, 200);
             for region in [&mask, &boxed] {
                 let first = evaluate(&list, region);
-                answers += u32::from(first.disparity.is_ok());
+                answers += u32::from(first.is_ok());
                 for turn in [7, 23, 41] {
                     list.rotate_left(turn);
                     list.reverse();
@@ -436,7 +419,7 @@ mod tests {
 
     /// Hypotheses at these places of a box of 120 px, its left top at (40, 40), each with this
     /// disparity, px.
-    fn boxed(places: &[([u16; 2], i32)], rig: Option<Rig>) -> Result<Disparity, NoDepth> {
+    fn boxed(places: &[([u16; 2], i32)], rig: Option<Rig>) -> Result<Disparity, Reason> {
         let mut list = Vec::<Candidate, MOST>::new();
         for &([x, y], d) in places {
             list.push(candidate(
@@ -446,7 +429,11 @@ mod tests {
             .unwrap();
         }
         let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
-        evaluate_with(&list, &Region::boxed(1, area, DIMS).unwrap(), rig).disparity
+        disparity_of(evaluate_with(&list, &Region::boxed(1, area, DIMS).unwrap(), rig))
+    }
+
+    fn disparity_of(found: Result<ObjectDepth, NoDepth>) -> Result<Disparity, Reason> {
+        found.map(|object| object.disparity).map_err(|why| why.reason)
     }
 
     #[test]
@@ -455,7 +442,7 @@ mod tests {
             [[95, 95], [100, 105], [105, 95], [110, 105], [105, 100], [95, 100]].map(|at| (at, 30));
         let own = [[60, 50], [40, 40], [70, 60]].map(|at| (at, 20));
         let both = |own: &[([u16; 2], i32)]| boxed(&[&corner[..], own].concat(), None);
-        assert_eq!(both(&own), Err(NoDepth::TwoSurfaces));
+        assert_eq!(both(&own), Err(Reason::TwoSurfaces));
         assert!(both(&own[..1]).is_ok(), "one of seven");
         assert!(
             boxed(&corner.map(|([x, y], d)| ([x - 45, y - 45], d)), None).is_ok(),
@@ -475,23 +462,19 @@ mod tests {
         let depth = |nearby_q8: [i16; 4], inner: usize, region: &Region<'_>| {
             let edge = Side { nearby_q8, edge_score_q8: 1800, ..side(20 * 64, 1200) };
             let sides = if inner == 0 { [Some(edge), None] } else { [None, Some(edge)] };
-            evaluate(&[candidate([100, 80, 100, 110], sides)], region).disparity
+            disparity_of(evaluate(&[candidate([100, 80, 100, 110], sides)], region))
         };
         let (before, behind) = ([0, 64, 0, 0], [0, 0, 64, 0]);
         assert_eq!(depth(before, 1, &pole), Ok(Disparity::from_num(20)));
-        assert_eq!(
-            depth(behind, 1, &pole),
-            Err(NoDepth::LittleSupport),
-            "behind what is beside it"
-        );
+        assert_eq!(depth(behind, 1, &pole), Err(Reason::LittleSupport), "behind what is beside it");
         assert_eq!(
             depth([0; 4], 1, &pole),
-            Err(NoDepth::LittleSupport),
+            Err(Reason::LittleSupport),
             "where what is beside it is"
         );
-        assert_eq!(depth(before, 0, &pole), Err(NoDepth::LittleSupport), "of the other side");
+        assert_eq!(depth(before, 0, &pole), Err(Reason::LittleSupport), "of the other side");
         let boxed = Region::boxed(4, pole.area(), DIMS).unwrap();
-        assert_eq!(depth(before, 1, &boxed), Err(NoDepth::LittleSupport), "a box");
+        assert_eq!(depth(before, 1, &boxed), Err(Reason::LittleSupport), "a box");
         // Wider above: the pole is a part of something else.
         let wide = |run: Run| Run {
             span: Span { end: if run.y < 76 { 140 } else { 104 }, ..run.span },
@@ -499,7 +482,7 @@ mod tests {
         };
         let part = runs.map(wide);
         let part = Region::masked(4, &part, DIMS).unwrap();
-        assert_eq!(depth(before, 1, &part), Err(NoDepth::LittleSupport), "a thin part");
+        assert_eq!(depth(before, 1, &part), Err(Reason::LittleSupport), "a thin part");
     }
 
     #[test]
@@ -507,7 +490,7 @@ mod tests {
         let places = [[40, 40], [60, 60], [80, 80], [50, 70]];
         let shifted = Rig::new(900.0, 0.16, 64.0).unwrap();
         for rig in [None, Some(shifted)] {
-            assert_eq!(boxed(&places.map(|at| (at, 0)), rig), Err(NoDepth::NoParallax));
+            assert_eq!(boxed(&places.map(|at| (at, 0)), rig), Err(Reason::NoParallax));
             assert!(boxed(&places.map(|at| (at, 2)), rig).is_ok());
         }
     }
@@ -526,8 +509,8 @@ mod tests {
             }
         }
         let area = Area { left: 40, top: 40, right: 160, bottom: 160 };
-        let found = evaluate(&list, &Region::boxed(1, area, DIMS).unwrap());
-        let d = found.disparity.unwrap().to_num::<f64>();
+        let found = evaluate(&list, &Region::boxed(1, area, DIMS).unwrap()).unwrap();
+        let d = found.disparity.to_num::<f64>();
         assert!((d - 20.0).abs() < 0.3, "{found:?}");
         let [across, down] = found.slope_q10.map(|slope| f64::from(slope) / 1024.0);
         assert!(
@@ -557,12 +540,12 @@ mod tests {
         at(126, &[72, 80, 88, 96, 104, 112, 120], &mut list);
         at(116, &[80, 100], &mut list);
         at(108, &[90, 110], &mut list);
-        let d = evaluate(&list, &wall).disparity.unwrap().to_num::<f64>();
+        let d = evaluate(&list, &wall).unwrap().disparity.to_num::<f64>();
         assert!((d - 12.0).abs() < 0.75, "{d}");
         // A single wrong one is no slope.
         let mut level = Vec::new();
         at(126, &[72, 80, 88, 96, 104, 112, 120], &mut level);
         at(108, &[90], &mut level);
-        assert_eq!(evaluate(&level, &wall).slope_q10, [0; 2]);
+        assert_eq!(evaluate(&level, &wall).unwrap().slope_q10, [0; 2]);
     }
 }

@@ -32,7 +32,7 @@
 //! # Cost
 //! Some 30 instructions a support point in or within 24 px of the region.
 
-use super::NoDepth;
+use super::Reason;
 use super::cover::Cover;
 use super::region_support::RegionSupport;
 use super::surface::Surface;
@@ -63,10 +63,10 @@ pub(super) fn refusal(
     cover: &Cover<'_>,
     support: Support<'_>,
     (area, dims): (Area, Dims),
-) -> Option<NoDepth> {
+) -> Option<Reason> {
     by_weight(surface, found)
-        .or_else(|| has_equal(surface, found, cover).then_some(NoDepth::TwoSurfaces))
-        .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(NoDepth::NoParallax))
+        .or_else(|| has_equal(surface, found, cover).then_some(Reason::TwoSurfaces))
+        .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(Reason::NoParallax))
         .or_else(|| {
             // The windows of points in a thin region show what is behind it.
             let agreement =
@@ -75,11 +75,11 @@ pub(super) fn refusal(
         })
 }
 
-fn by_weight(surface: &Surface, found: &RegionSupport) -> Option<NoDepth> {
+fn by_weight(surface: &Surface, found: &RegionSupport) -> Option<Reason> {
     let with_outline =
         i32::try_from(found.weight_q8.saturating_add(found.outline_weight_q8)).unwrap_or(i32::MAX);
     let is_outline = found.outline_weight_q8 > 0 && with_outline >= LEAST_WEIGHT_Q8;
-    let reason = if is_outline { NoDepth::OnlyOutline } else { NoDepth::LittleSupport };
+    let reason = if is_outline { Reason::OnlyOutline } else { Reason::LittleSupport };
     (surface.weight_q8 < LEAST_WEIGHT_Q8).then_some(reason)
 }
 
@@ -160,10 +160,10 @@ impl Agreement {
         Self { pixels: cover.pixels, repeating, inside, around }
     }
 
-    fn refusal(&self, is_box: bool) -> Option<NoDepth> {
+    fn refusal(&self, is_box: bool) -> Option<Reason> {
         let Self { pixels, repeating, inside, around } = self;
         if repeating << 8 > 2 * inside.on {
-            return Some(NoDepth::LittleSupport);
+            return Some(Reason::LittleSupport);
         }
         if inside.all < LEAST_POINTS_Q8 {
             return None;
@@ -176,12 +176,12 @@ impl Agreement {
         let is_poor = 5 * inside.on < 256 * inside.points;
         let is_blank = 6 * inside.on < 256 * (pixels / POINT_PIXELS) && around.on > 3 * inside.on;
         if off > if is_box { 3 * inside.on } else { inside.on + inside.on / 2 } {
-            Some(NoDepth::TwoSurfaces)
+            Some(Reason::TwoSurfaces)
         } else if is_beside || is_blank || is_poor && 3 * around.on > around.all {
-            Some(NoDepth::OnlyOutline)
+            Some(Reason::OnlyOutline)
         } else {
             // 0.7
-            (is_poor && 10 * around.nearer > 7 * around.all).then_some(NoDepth::LittleSupport)
+            (is_poor && 10 * around.nearer > 7 * around.all).then_some(Reason::LittleSupport)
         }
     }
 }
@@ -199,12 +199,12 @@ mod tests {
         sums
     }
 
-    fn refused(inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
+    fn refused(inside: Sums, around: Sums) -> [Option<Reason>; 2] {
         refused_of(inside.points, inside, around)
     }
 
     /// Of a region of so many points of the grid.
-    fn refused_of(places: u32, inside: Sums, around: Sums) -> [Option<NoDepth>; 2] {
+    fn refused_of(places: u32, inside: Sums, around: Sums) -> [Option<Reason>; 2] {
         let pixels = places * POINT_PIXELS;
         [false, true]
             .map(|is_box| Agreement { pixels, repeating: 0, inside, around }.refusal(is_box))
@@ -214,14 +214,14 @@ mod tests {
     fn points_that_contradict_refuse_a_mask_before_a_box() {
         let around = points(0, 0, 20);
         assert_eq!(refused(points(10, 7, 8), around), [None, None]);
-        assert_eq!(refused(points(10, 8, 8), around), [Some(NoDepth::TwoSurfaces), None]);
-        assert_eq!(refused(points(10, 0, 31), around), [Some(NoDepth::TwoSurfaces); 2]);
+        assert_eq!(refused(points(10, 8, 8), around), [Some(Reason::TwoSurfaces), None]);
+        assert_eq!(refused(points(10, 0, 31), around), [Some(Reason::TwoSurfaces); 2]);
     }
 
     #[test]
     fn a_surface_of_the_surroundings_is_refused_unless_the_region_is_all_of_it() {
         assert_eq!(refused(points(6, 0, 4), points(8, 12, 0)), [None, None]);
-        assert_eq!(refused(points(6, 0, 4), points(10, 10, 0)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused(points(6, 0, 4), points(10, 10, 0)), [Some(Reason::OnlyOutline); 2]);
         assert_eq!(refused(points(9, 0, 1), points(20, 0, 0)), [None, None]);
     }
 
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn a_blank_region_has_not_the_surface_beside_it() {
         // Of six points of the grid: a sixth of them is on the plane.
-        assert_eq!(refused_of(6, doubtful(1), points(7, 0, 13)), [Some(NoDepth::OnlyOutline); 2]);
+        assert_eq!(refused_of(6, doubtful(1), points(7, 0, 13)), [Some(Reason::OnlyOutline); 2]);
         assert_eq!(refused_of(6, doubtful(1), points(6, 0, 14)), [None, None]);
         assert_eq!(refused_of(6, doubtful(2), points(7, 0, 13)), [None, None]);
     }
@@ -244,7 +244,7 @@ mod tests {
     fn a_region_with_few_matched_points_has_not_one_of_several_surfaces_around_it() {
         assert_eq!(
             refused_of(7, points(1, 0, 0), points(4, 0, 30)),
-            [Some(NoDepth::OnlyOutline); 2]
+            [Some(Reason::OnlyOutline); 2]
         );
         assert_eq!(refused_of(7, points(1, 0, 0), points(3, 0, 30)), [None, None]);
         assert_eq!(refused_of(6, points(1, 0, 0), points(4, 0, 30)), [None, None]);
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_hole_needs_points_that_are_well_matched() {
-        assert_eq!(refused(doubtful(1), points(0, 15, 5)), [Some(NoDepth::LittleSupport); 2]);
+        assert_eq!(refused(doubtful(1), points(0, 15, 5)), [Some(Reason::LittleSupport); 2]);
         assert_eq!(refused(doubtful(2), points(0, 15, 5)), [None, None]);
         assert_eq!(refused(doubtful(1), points(0, 14, 6)), [None, None]);
     }
@@ -263,7 +263,7 @@ mod tests {
             let (inside, around) = (points(5, 0, 0), points(0, 0, 20));
             Agreement { pixels: 20 * POINT_PIXELS, repeating, inside, around }.refusal(false)
         };
-        assert_eq!([10, 11].map(refused), [None, Some(NoDepth::LittleSupport)]);
+        assert_eq!([10, 11].map(refused), [None, Some(Reason::LittleSupport)]);
     }
 
     #[test]

@@ -35,7 +35,8 @@ pub enum Shape<'a> {
 /// Pixels of one detected object.
 ///
 /// ```
-/// use linestereo::{Area, Dims, Region, RegionError};
+/// use linestereo::{Area, Dims, Region};
+/// use linestereo::objects::RegionError;
 /// let dims = Dims { width: 320, height: 240 };
 /// let cut = Region::boxed(3, Area { left: 300, top: 10, right: 400, bottom: 60 }, dims).unwrap();
 /// assert_eq!(cut.area().right, 320);
@@ -52,6 +53,7 @@ pub struct Region<'a> {
 /// Reason why a box or mask is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum RegionError {
     /// It has no pixel.
     #[error("a region without pixels")]

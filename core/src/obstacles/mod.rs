@@ -172,7 +172,8 @@ impl Known {
 /// State of every direction, kept between pairs.
 ///
 /// ```
-/// use linestereo::{Dims, HealthFlags, Params, Rig};
+/// use linestereo::{Dims, Params, Rig};
+/// use linestereo::health::HealthFlags;
 /// use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 /// let dims = Dims { width: 320, height: 240 };
 /// let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0)?), ..Params::default() };
@@ -207,8 +208,8 @@ impl Obstacles {
     /// Updates the sectors by the matches of a pair and by the support points, bars and sides
     /// among `points` ([`Matched::obstacle_points`](crate::Matched::obstacle_points));
     /// `time_us` is its time of capture, us of a monotonic clock, `health` its
-    /// [flags](crate::PairHealth::flags). A pair that is not fit to be used changes no sector but
-    /// by age.
+    /// [flags](crate::health::PairHealth::flags). A pair that is not fit to be used changes no
+    /// sector but by age.
     #[inline(never)]
     pub fn update(
         &mut self,

@@ -78,6 +78,7 @@ pub struct PixelDepth {
 /// Reason why a pixel has no depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum PixelRejection {
     /// The images or the memory do not have the planned size.
     #[error("the pair or the memory is not of the planned size")]

@@ -74,6 +74,12 @@ impl<'a> Support<'a> {
             .map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
+    /// The point with this index, with its pixel, matched or not.
+    pub(crate) fn nth(&self, index: usize) -> Option<((u16, u16), &'a SupportPoint)> {
+        let point = self.points.get(index)?;
+        Some((self.grid.pixel(index, point.place), point))
+    }
+
     /// Every `step`-th point of [`Support::iter`], from this one on.
     pub(crate) fn every(
         &self,

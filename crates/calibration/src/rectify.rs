@@ -5,7 +5,7 @@
 
 use crate::interchange::{Options, load_rig_texts};
 use core::fmt;
-use linestereo::{Dims, Span};
+use linestereo::{Dims, image::Span};
 use linestereo_boards::Board;
 use linestereo_frames::{FrameError, GrayImage, LayoutFault, RectifiedPair, RigText, area_average};
 use linestereo_rig::{

@@ -6,7 +6,7 @@ use crate::resample::WidthError;
 use crate::untrusted::printable;
 use crate::untrusted::{IMAGE_BYTES, PIXELS};
 use linestereo::image::{MAX_WIDTH, ViewError};
-use linestereo::{Dims, RigError};
+use linestereo::{Dims, params::RigError};
 use std::io;
 use std::path::PathBuf;
 

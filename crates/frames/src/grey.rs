@@ -4,11 +4,10 @@
 //! bits become 8 by `round(v / 257)`; sensors of 10 and 12 bits store their values as they are:
 //! where all values of a pair lie below 1024 or 4096, that is white.
 
-use linestereo::image::ViewError;
-use linestereo::{Dims, Gray};
+use linestereo::{Dims, Gray, image::ViewError};
 
 /// An owned 8-bit grey image without padding.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GrayImage {
     /// Width and height.
     pub dims: Dims,

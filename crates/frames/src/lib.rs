@@ -4,6 +4,7 @@
 //! ```text
 //! untrusted          files of others: how much of one is read
 //! grey               8-bit grey images; values as files store them
+//! matched_pair       a pair with its images and memory, for questions that come later
 //! resample, perturb  the same image smaller, or with a known fault
 //! decode             image files as grey
 //! disparity_file     files of disparities: PFM, NumPy, images of 16 bits
@@ -19,6 +20,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
 pub mod grey;
+mod matched_pair;
 mod resample;
 
 #[cfg(feature = "files")]
@@ -58,6 +60,7 @@ mod truth;
 pub mod untrusted;
 
 pub use grey::GrayImage;
+pub use matched_pair::{MatchError, MatchedPair, PairBuffers, memory};
 pub use resample::{WidthError, area_average, halves, resampled_height};
 
 #[cfg(feature = "files")]

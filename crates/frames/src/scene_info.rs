@@ -23,7 +23,7 @@
 use super::error::FrameError;
 use crate::rectified::{RectifiedRig, Unfit, check_baseline, check_centre_of};
 use crate::untrusted::{self, SETTINGS_BYTES};
-use linestereo::{CameraPose, Dims, Rig, Span};
+use linestereo::{Dims, Rig, ground::CameraPose, image::Span};
 use linestereo_wire::RigUpdate;
 use serde::{Deserialize, Deserializer};
 use serde_json::Value;

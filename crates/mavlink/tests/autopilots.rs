@@ -8,11 +8,10 @@
 //! `AP_Proximity_Boundary_3D.cpp` (`get_face`, `check_face_timeout`),
 //! `libraries/AC_Avoidance/AC_Avoid.cpp` (`adjust_velocity_proximity`).
 
-use linestereo::diagnostics::Techniques;
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
-use linestereo::{
-    Confidence, Dims, Disparity, HealthFlags, ImagePosition, Match, Owner, Params, Position, Rig,
-};
+use linestereo::results::{ImagePosition, Match, Owner, Techniques};
+use linestereo::units::{Confidence, Disparity, Position};
+use linestereo::{Dims, Params, Rig, health::HealthFlags};
 use linestereo_mavlink::{AutopilotParams, AutopilotStream, Policy};
 use mavlink::MavlinkReader;
 use mavlink::dialects::common::{MavMessage, OBSTACLE_DISTANCE_DATA};

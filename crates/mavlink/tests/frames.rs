@@ -2,9 +2,9 @@
 //! many of them a serial line carries.
 
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
-use linestereo::{
-    Confidence, Dims, Disparity, GroundPlane, HealthFlags, Params, Point, Rig, Source,
-};
+use linestereo::results::{Point, Source};
+use linestereo::units::{Confidence, Disparity};
+use linestereo::{Dims, Params, Rig, ground::GroundPlane, health::HealthFlags};
 use linestereo_mavlink::{
     AutopilotParams, AutopilotStream, DistanceSensor, Heartbeat, MAX_FRAME, Mavlink,
     ObstacleDistance, Pace, ParamValue, Policy, Received, Receiver, Sender, StreamError,

@@ -9,8 +9,8 @@ use crate::nodes::{
     fine_mesh_nodes, is_behind, is_seen, node_at, nodes_along,
 };
 use crate::remap::Remap;
-use linestereo::diagnostics::kernel::{X_ROUNDING, columns, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH, Span};
+use linestereo::unstable::kernel::{X_ROUNDING, columns, weigh_knots};
 
 /// Largest distance of a position from the outermost raw pixels, px in Q16, to count as inside:
 /// 1/64 px, for the rounding of the mesh.

@@ -11,8 +11,8 @@
 //! Lagrange's interpolation. A bilinear mesh of 16 px has an error of 0.16 px on a common lens;
 //! Catmull-Rom's cubic is one order worse.
 
-use linestereo::diagnostics::kernel::{Knot, X_ROUNDING, weigh_knots};
 use linestereo::image::{Dims, MAX_WIDTH};
+use linestereo::unstable::kernel::{Knot, X_ROUNDING, weigh_knots};
 
 /// Distance of nodes, log2 of px.
 pub(crate) const COARSE: u8 = 4;

@@ -13,7 +13,7 @@
 use crate::calibration::{Calibration, CameraSide};
 use crate::camera::{Camera, MAX_TANGENT};
 use linestereo::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::{Rig, RigError};
+use linestereo::{Rig, params::RigError};
 use nalgebra::{Matrix3, Vector3};
 
 /// Number of stretches of each border of the raw image between sampled points.

@@ -20,8 +20,7 @@
 use crate::calibration::CameraSide;
 use crate::camera::{CameraError, Lens, MAX_TANGENT, check_numbers};
 use crate::rectification::{Rectification, RectifyError, check_dims};
-use linestereo::image::Dims;
-use linestereo::{Rig, RigError};
+use linestereo::{Rig, image::Dims, params::RigError};
 
 /// Both cameras of a rectified pair: `remap` of a rectified position is the raw position that is
 /// shown there.

@@ -41,7 +41,7 @@ use crate::camera::{CameraError, Lens};
 use crate::checksum::{CRC_32, CRC_BYTES};
 use crate::rectification::{RectifyError, View};
 use crate::remap::{Remap, RemapCamera, RemapError};
-use linestereo::{Dims, ParamError, Params};
+use linestereo::{Dims, Params, params::ParamError};
 use serde::{Deserialize, Serialize};
 
 /// First bytes of every image.
@@ -190,7 +190,7 @@ impl RigImage {
             RemapError::Camera(side, error) => RigImageError::Camera(side, error),
             RemapError::View(error) => RigImageError::View(error),
         })?;
-        self.params(Params::DEFAULT)?.plan(remap.dims()).map_err(RigImageError::Range)?;
+        self.params(Params::DEFAULT)?.check(remap.dims()).map_err(RigImageError::Range)?;
         Ok(self)
     }
 

@@ -2,7 +2,7 @@
 //! cost of each stage.
 
 use heapless::String;
-use linestereo::diagnostics::Stage;
+use linestereo::unstable::Stage;
 use serde::{Deserialize, Serialize};
 
 /// Digests of a built-in pair: one per stage, and one of what an autopilot gets.

@@ -9,8 +9,8 @@ use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigFault;
 use crate::settings::{Setting, SettingValue};
 use heapless::String;
-use linestereo::health::Skewed;
-use linestereo::{Confidence, Dims, Margin, ParamError, Params, Parts, Plan, Rig, RigError};
+use linestereo::params::{Margin, ParamError, Parts, RigError};
+use linestereo::{Dims, Params, Rig, health::Skewed, units::Confidence};
 use linestereo_rig::RigImage;
 use serde::{Deserialize, Serialize};
 
@@ -159,7 +159,7 @@ impl RigUpdate {
 
 impl ParamUpdate {
     /// `params` with these put in. Only the rig is checked here, because it cannot be made
-    /// otherwise; the rest is for [`Params::plan`].
+    /// otherwise; the rest is for [`Params::check`].
     pub fn apply(&self, params: Params) -> Result<Params, Refusal> {
         let rig = match self.rig {
             Some(rig) => Some(rig.rig()?),
@@ -181,21 +181,21 @@ impl ParamUpdate {
         })
     }
 
-    /// `params` with these put in, and their plan for images of this size: both take the place of
-    /// the old ones, or neither does.
+    /// `params` with these put in, if a matcher of images of this size takes them.
     ///
     /// ```
     /// use linestereo::{Dims, Params};
     /// use linestereo_wire::ParamUpdate;
     /// let dims = Dims { width: 320, height: 240 };
     /// let update = ParamUpdate { max_disparity: Some(96), ..ParamUpdate::default() };
-    /// assert_eq!(update.plan(Params::default(), dims).unwrap().0.max_disparity, 96);
-    /// let refusal = ParamUpdate { cell: Some(7), ..update }.plan(Params::default(), dims).unwrap_err();
-    /// assert_eq!(refusal.to_string(), "cell is 7 but must be 8 to 256");
+    /// assert_eq!(update.checked(Params::default(), dims).unwrap().max_disparity, 96);
+    /// let refusal = ParamUpdate { cell: Some(7), ..update }.checked(Params::default(), dims);
+    /// assert_eq!(refusal.unwrap_err().to_string(), "cell is 7 but must be 8 to 256");
     /// ```
-    pub fn plan(&self, params: Params, dims: Dims) -> Result<(Params, Plan), Refusal> {
+    pub fn checked(&self, params: Params, dims: Dims) -> Result<Params, Refusal> {
         let params = self.apply(params)?;
-        Ok((params, params.plan(dims)?))
+        params.check(dims)?;
+        Ok(params)
     }
 }
 
@@ -303,10 +303,10 @@ impl From<Skewed> for Refusal {
 impl From<ParamError> for Refusal {
     fn from(error: ParamError) -> Self {
         match error {
-            ParamError::OutOfRange { name, value, low, high } => {
-                Self::OutOfRange { name: self::name(name), value, low, high }
+            ParamError::OutOfRange { param, value, low, high } => {
+                Self::OutOfRange { name: name(param.name()), value, low, high }
             }
-            ParamError::MarginNeedsRig => Self::MarginNeedsRig,
+            _ => Self::MarginNeedsRig,
         }
     }
 }
@@ -318,6 +318,7 @@ impl From<RigError> for Refusal {
             RigError::Baseline(value) => Self::Baseline(value.into()),
             // An update has no principal point.
             RigError::Offset(value) | RigError::PrincipalPoint(value) => Self::Offset(value.into()),
+            _ => Self::NoRig,
         }
     }
 }

@@ -5,7 +5,8 @@
 use crate::board_state::TimeSource;
 use crate::health::{Health, PairReport};
 use heapless::Vec;
-use linestereo::{Dims, Match, PairHealth, Point, Rejection};
+use linestereo::results::{Match, Point, Rejection};
+use linestereo::{Dims, health::PairHealth};
 use serde::{Deserialize, Serialize};
 
 /// Most segments in one packet: what keeps `MAX_PACKET` below 600 bytes whatever the values are.
@@ -50,7 +51,7 @@ impl FrameHead {
         capture_time_us: u64,
         dims: Dims,
         health: Health,
-        counts: &linestereo::Counts,
+        counts: &linestereo::results::Counts,
     ) -> Self {
         let Dims { width, height } = dims;
         let health = health | Health::of(counts);
@@ -88,7 +89,7 @@ pub struct FrameTimes {
     pub port_us: u32,
 }
 
-/// The core's [`Counts`](linestereo::Counts), and the number of points.
+/// The core's [`Counts`](linestereo::results::Counts), and the number of points.
 ///
 /// Not the core's own type, since the points stand before the rejections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -106,7 +107,7 @@ pub struct Counts {
     pub edges_cut: u16,
     /// Segments that were not compared with all others.
     pub comparisons_cut: u16,
-    /// See [`linestereo::Counts`].
+    /// See [`linestereo::results::Counts`].
     pub searched_fully: u16,
     /// Segments in the list of matches.
     pub matched: u16,
@@ -128,8 +129,8 @@ impl Counts {
     }
 }
 
-impl From<&linestereo::Counts> for Counts {
-    fn from(counts: &linestereo::Counts) -> Self {
+impl From<&linestereo::results::Counts> for Counts {
+    fn from(counts: &linestereo::results::Counts) -> Self {
         Self {
             segments_left: counts.segments_left,
             segments_right: counts.segments_right,

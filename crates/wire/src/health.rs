@@ -9,8 +9,8 @@
 //! ```
 
 use core::fmt;
-use linestereo::health::{CameraHealth, RangeCheck, Rows, Still, Tear};
-use linestereo::{Counts, HealthFlags, PairHealth};
+use linestereo::health::{CameraHealth, HealthFlags, PairHealth, RangeCheck, Rows, Still, Tear};
+use linestereo::results::Counts;
 use serde::{Deserialize, Serialize};
 
 /// Where the core's flags begin.
@@ -28,7 +28,7 @@ bitflags::bitflags! {
     /// A set of flags; empty for a pair without a defect.
     ///
     /// ```
-    /// use linestereo::HealthFlags;
+    /// use linestereo::health::HealthFlags;
     /// use linestereo_wire::Health;
     /// let health = Health::SEGMENTS_DROPPED | Health::from(HealthFlags::ROWS_OFF);
     /// assert!(health.contains(Health::SEGMENTS_DROPPED) && !health.contains(Health::RESULTS_SKIPPED));

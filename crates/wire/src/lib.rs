@@ -34,8 +34,8 @@
 //!
 //! # Versions
 //! Postcard's bytes carry no names: any change of a record, of a type of the core in it, of the
-//! order of fields or of [`linestereo::Rejection::ALL`] is another [`VERSION`]. A test holds the
-//! bytes of this one.
+//! order of fields or of [`linestereo::results::Rejection::ALL`] is another [`VERSION`]. A test
+//! holds the bytes of this one.
 //!
 //! # Bounds
 //! Decoding costs a bounded number of steps per byte and one pass per packet. No allocation, no

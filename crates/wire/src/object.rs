@@ -4,9 +4,9 @@
 //! each, of the same bits as the core's [`ObjectDepth`].
 
 use heapless::Vec;
-use linestereo::{
-    Area, Confidence, Depth, Dims, Disparity, NoDepth, ObjectDepth, Region, RegionError,
-};
+use linestereo::objects::{ObjectMetres, Reason, RegionError};
+use linestereo::units::{Confidence, Depth, Disparity};
+use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
 use serde::{Deserialize, Serialize};
 
 /// Most regions that a board keeps.
@@ -73,15 +73,15 @@ pub struct Objects {
 
 /// An [`ObjectDepth`] in plain numbers.
 ///
-/// Not the core's own type: the three depths share one byte that says whether they are known, and
-/// the reasons of later versions can be read.
+/// Not the core's own type: it has the label of its region, and the reasons of later versions can
+/// be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ObjectRecord {
     /// Of its region.
     pub label: u16,
     /// Disparity at the region's centre, 1/64 px, or why there is none: its index in
-    /// [`NoDepth::ALL`].
+    /// [`Reason::ALL`].
     pub disparity_q6: Result<i16, u8>,
     /// Standard deviation of the disparity, 1/64 px.
     pub sigma_q6: i16,
@@ -98,50 +98,58 @@ pub struct ObjectRecord {
     pub confidence_q16: u16,
 }
 
-impl From<&ObjectDepth> for ObjectRecord {
-    fn from(object: &ObjectDepth) -> Self {
-        let index = |reason: NoDepth| {
-            (0..).zip(NoDepth::ALL).find(|&(_, of)| of == reason).map_or(0, |(index, _)| index)
-        };
-        let depth_q16 = match (object.depth, object.depth_sigma, object.nearest) {
-            (Some(depth), Some(sigma), Some(nearest)) => {
-                Some([depth, sigma, nearest].map(Depth::to_bits))
+impl ObjectRecord {
+    /// The record of a region's depth.
+    #[must_use]
+    pub fn new(label: u16, found: &Result<ObjectDepth, NoDepth>) -> Self {
+        match found {
+            Ok(object) => Self {
+                label,
+                disparity_q6: Ok(object.disparity.to_bits()),
+                sigma_q6: object.sigma.to_bits(),
+                slope_q10: object.slope_q10,
+                spread_q6: object.spread.to_bits(),
+                depth_q16: object.metres.map(|ObjectMetres { depth, sigma, nearest }| {
+                    [depth, sigma, nearest].map(Depth::to_bits)
+                }),
+                support: object.support,
+                confidence_q16: object.confidence.to_bits(),
+            },
+            Err(NoDepth { reason, support }) => {
+                let index = (0..).zip(Reason::ALL).find(|(_, of)| of == reason);
+                Self {
+                    label,
+                    disparity_q6: Err(index.map_or(0, |(index, _)| index)),
+                    sigma_q6: 0,
+                    slope_q10: [0; 2],
+                    spread_q6: 0,
+                    depth_q16: None,
+                    support: *support,
+                    confidence_q16: 0,
+                }
             }
-            _ => None,
-        };
-        Self {
-            label: object.label,
-            disparity_q6: object.disparity.map(Disparity::to_bits).map_err(index),
-            sigma_q6: object.sigma.to_bits(),
-            slope_q10: object.slope_q10,
-            spread_q6: object.spread.to_bits(),
-            depth_q16,
-            support: object.support,
-            confidence_q16: object.confidence.to_bits(),
         }
     }
-}
 
-impl From<&ObjectRecord> for ObjectDepth {
-    fn from(record: &ObjectRecord) -> Self {
-        let reason = |index: u8| {
-            NoDepth::ALL.get(usize::from(index)).copied().unwrap_or(NoDepth::LittleSupport)
+    /// The depth that was recorded. A reason of a later version is [`Reason::LittleSupport`].
+    pub fn depth(&self) -> Result<ObjectDepth, NoDepth> {
+        let Self { support, .. } = *self;
+        let disparity = self.disparity_q6.map_err(|index| {
+            let reason = Reason::ALL.get(usize::from(index)).copied();
+            NoDepth { reason: reason.unwrap_or(Reason::LittleSupport), support }
+        })?;
+        let metres = |bits: [i32; 3]| {
+            let [depth, sigma, nearest] = bits.map(Depth::from_bits);
+            ObjectMetres { depth, sigma, nearest }
         };
-        let [depth, depth_sigma, nearest] = match record.depth_q16 {
-            Some(bits) => bits.map(|bits| Some(Depth::from_bits(bits))),
-            None => [None; 3],
-        };
-        Self {
-            label: record.label,
-            disparity: record.disparity_q6.map(Disparity::from_bits).map_err(reason),
-            sigma: Disparity::from_bits(record.sigma_q6),
-            slope_q10: record.slope_q10,
-            spread: Disparity::from_bits(record.spread_q6),
-            depth,
-            depth_sigma,
-            nearest,
-            support: record.support,
-            confidence: Confidence::from_bits(record.confidence_q16),
-        }
+        Ok(ObjectDepth {
+            disparity: Disparity::from_bits(disparity),
+            sigma: Disparity::from_bits(self.sigma_q6),
+            slope_q10: self.slope_q10,
+            spread: Disparity::from_bits(self.spread_q6),
+            metres: self.depth_q16.map(metres),
+            support,
+            confidence: Confidence::from_bits(self.confidence_q16),
+        })
     }
 }

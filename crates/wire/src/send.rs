@@ -10,7 +10,7 @@ use crate::frame::{FrameHead, POINTS_PER_PACKET, Points, SEGMENTS_PER_PACKET, Se
 use crate::message::{MAX_PACKET, Message};
 use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
 use crate::packet::{EncodeError, Record, encode};
-use linestereo::{Match, ObjectDepth, Point};
+use linestereo::results::{Match, Point};
 
 /// Why something was not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -37,7 +37,7 @@ pub fn send<T: Record, E>(
 /// the first failure of the port.
 ///
 /// ```
-/// # let (counts, matches) = (linestereo::Counts::default(), []);
+/// # let (counts, matches) = (linestereo::results::Counts::default(), []);
 /// # let dims = linestereo::Dims { width: 320, height: 240 };
 /// # let mut port = Vec::new();
 /// use linestereo_wire::{FrameHead, Health, send_frame};
@@ -120,14 +120,12 @@ impl PointStream {
 #[inline(never)]
 pub fn send_objects<E>(
     sequence: u32,
-    objects: &[ObjectDepth],
+    objects: &[ObjectRecord],
     write: &mut impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<(), SendError<E>> {
     for piece in objects.chunks(OBJECTS_PER_PACKET) {
         let mut list = heapless::Vec::new();
-        for object in piece {
-            let _ = list.push(ObjectRecord::from(object)); // a piece fits
-        }
+        let _ = list.extend_from_slice(piece); // it fits
         send(&Message::Objects(Objects { sequence, list }), write)?;
     }
     Ok(())

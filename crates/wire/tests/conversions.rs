@@ -1,11 +1,11 @@
 //! Records made of the core's results, sent and read back: objects, points, health and settings.
 
 use crate::support::*;
-use linestereo::health::{CameraHealth, Rows, Still, Tear};
-use linestereo::{
-    Confidence, Depth, Dims, Disparity, HealthFlags, NoDepth, ObjectDepth, PairHealth, Point,
-    Source,
-};
+use linestereo::health::{CameraHealth, HealthFlags, PairHealth, Rows, Still, Tear};
+use linestereo::objects::{ObjectMetres, Reason};
+use linestereo::results::{Point, Source};
+use linestereo::units::{Confidence, Depth, Disparity};
+use linestereo::{Dims, NoDepth, ObjectDepth};
 use linestereo_wire::*;
 
 /// Sends by `send` and gives the messages that arrive.
@@ -22,24 +22,24 @@ fn received(
 }
 
 /// An object of arbitrary bits; every third is refused.
-fn any_object(random: &mut Random, label: u16) -> ObjectDepth {
+fn any_object(random: &mut Random, label: u16) -> Result<ObjectDepth, NoDepth> {
     let disparity = Disparity::from_bits(random.next() as i16);
-    let reason = NoDepth::ALL[random.below(NoDepth::ALL.len())];
-    let has_depth = random.below(2) == 0;
-    let mut depth = || has_depth.then(|| Depth::from_bits(random.next() as i32));
-    let [depth, depth_sigma, nearest] = [depth(), depth(), depth()];
-    ObjectDepth {
-        label,
-        disparity: if label.is_multiple_of(3) { Err(reason) } else { Ok(disparity) },
+    let reason = Reason::ALL[random.below(Reason::ALL.len())];
+    let mut metres = || Depth::from_bits(random.next() as i32);
+    let metres = ObjectMetres { depth: metres(), sigma: metres(), nearest: metres() };
+    let support = random.next() as u16;
+    if label.is_multiple_of(3) {
+        return Err(NoDepth { reason, support });
+    }
+    Ok(ObjectDepth {
+        disparity,
         sigma: Disparity::from_bits(random.next() as i16),
         slope_q10: [random.next() as i16, random.next() as i16],
         spread: Disparity::from_bits(random.next() as i16),
-        depth,
-        depth_sigma,
-        nearest,
-        support: random.next() as u16,
+        metres: (random.below(2) == 0).then_some(metres),
+        support,
         confidence: Confidence::from_bits(random.next() as u16),
-    }
+    })
 }
 
 #[test]
@@ -47,22 +47,24 @@ fn objects_of_any_bits_come_back_equal() {
     let mut random = Random(31);
     for length in [0, 1, OBJECTS_PER_PACKET, OBJECTS_PER_PACKET + 1, 60] {
         let objects: Vec<_> =
-            (0..length as u16).map(|label| any_object(&mut random, label)).collect();
-        let messages = received(|mut write| send_objects(9, &objects, &mut write));
+            (0..length as u16).map(|label| (label, any_object(&mut random, label))).collect();
+        let records: Vec<_> =
+            objects.iter().map(|(label, object)| ObjectRecord::new(*label, object)).collect();
+        let messages = received(|mut write| send_objects(9, &records, &mut write));
         assert_eq!(messages.len(), length.div_ceil(OBJECTS_PER_PACKET));
         let mut back = Vec::new();
         for message in messages {
             let Message::Objects(Objects { sequence: 9, list }) = message else {
                 panic!("{message:?}")
             };
-            back.extend(list.iter().map(ObjectDepth::from));
+            back.extend(list.iter().map(|record| (record.label, record.depth())));
         }
         assert_eq!(back, objects);
     }
     // A reason of a later version is one that claims nothing.
-    let unknown =
-        ObjectRecord { disparity_q6: Err(200), ..ObjectRecord::from(&any_object(&mut random, 1)) };
-    assert_eq!(ObjectDepth::from(&unknown).disparity, Err(NoDepth::LittleSupport));
+    let record = ObjectRecord::new(1, &any_object(&mut random, 1));
+    let unknown = ObjectRecord { disparity_q6: Err(200), ..record }.depth();
+    assert_eq!(unknown.map_err(|error| error.reason), Err(Reason::LittleSupport));
 }
 
 #[test]
@@ -118,8 +120,9 @@ fn the_health_of_a_pair_is_in_its_head() {
         ..PairHealth::default()
     };
     let dims = Dims { width: 96, height: 64 };
-    let head = FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::Counts::default())
-        .with_pair(&pair);
+    let head =
+        FrameHead::new(1, 2, dims, Health::FREE_RUNNING, &linestereo::results::Counts::default())
+            .with_pair(&pair);
     assert_eq!(head.health, Health::FREE_RUNNING | HealthFlags::TORN.into());
     assert_eq!(head.health.of_pair(), HealthFlags::TORN);
     assert_eq!(format!("{:?}", head.health), "Health(free_running+torn)");

@@ -2,12 +2,11 @@
 //! bytes.
 
 use crate::support::*;
-use linestereo::diagnostics::Techniques;
-use linestereo::health::{CameraHealth, Rows, Still, Tear};
-use linestereo::{
-    Capacity, Confidence, Depth, Dims, Disparity, HealthFlags, ImagePosition, Margin, Match, Owner,
-    Params, Parts, Point, Position, Rejection, Rig, Source,
-};
+use linestereo::health::{CameraHealth, HealthFlags, Rows, Still, Tear};
+use linestereo::params::{Margin, Parts};
+use linestereo::results::{ImagePosition, Match, Owner, Point, Rejection, Source, Techniques};
+use linestereo::units::{Confidence, Depth, Disparity, Position};
+use linestereo::{Capacity, Dims, Matcher, Params, Rig};
 use linestereo_wire::*;
 
 #[test]
@@ -63,7 +62,7 @@ fn a_port_that_fails_ends_the_frame() {
 
 /// A pair of vertical bars that are nearer than the wall behind them: enough for the core to count
 /// something of most kinds.
-fn bars() -> (linestereo::Counts, Dims) {
+fn bars() -> (linestereo::results::Counts, Dims) {
     let dims = Dims { width: 96, height: 64 };
     let mut random = Random(3);
     let wall: Vec<u8> = (0..200 * 64).map(|_| 90 + random.byte() / 8).collect();
@@ -80,8 +79,8 @@ fn bars() -> (linestereo::Counts, Dims) {
         { Capacity::new(Dims { width: 96, height: 64 }).words() },
     >>::new());
     let params = Params { max_disparity: 32, ..Params::default() };
-    let counts =
-        *params.plan(dims).unwrap().run([view(&left), view(&right)], &mut memory).unwrap().counts();
+    let mut matcher = Matcher::new(params, dims).unwrap();
+    let counts = *matcher.run(&mut memory, view(&left), view(&right)).unwrap().counts();
     (counts, dims)
 }
 
@@ -122,15 +121,15 @@ fn counts_are_the_cores() {
 
 #[test]
 fn health_follows_full_lists() {
-    assert_eq!(Health::of(&linestereo::Counts::default()), Health::GOOD);
-    let kinds: [fn(&mut linestereo::Counts) -> &mut u16; 4] = [
+    assert_eq!(Health::of(&linestereo::results::Counts::default()), Health::GOOD);
+    let kinds: [fn(&mut linestereo::results::Counts) -> &mut u16; 4] = [
         |counts| &mut counts.segments_left_dropped,
         |counts| &mut counts.segments_right_dropped,
         |counts| &mut counts.edges_cut,
         |counts| &mut counts.comparisons_cut,
     ];
     for kind in kinds {
-        let mut counts = linestereo::Counts::default();
+        let mut counts = linestereo::results::Counts::default();
         *kind(&mut counts) = 1;
         assert_eq!(Health::of(&counts), Health::SEGMENTS_DROPPED);
     }
@@ -385,11 +384,11 @@ fn an_update_changes_what_it_names_and_nothing_else() {
     ];
     for (update, expected) in cases {
         assert_eq!(update.apply(before), Ok(expected));
-        assert_eq!(update.plan(before, DIMS).map(|(params, _)| params), Ok(expected));
+        assert_eq!(update.checked(before, DIMS), Ok(expected));
     }
     let margin = Margin::Metres { nearer: Depth::from_num(0.5), farther: Depth::ONE };
     let metres = ParamUpdate { margin: Some(margin), rig: Some(rig), ..none };
-    assert_eq!(metres.plan(before, DIMS).unwrap().0.margin, margin);
+    assert_eq!(metres.checked(before, DIMS).unwrap().margin, margin);
 }
 
 #[test]
@@ -426,7 +425,7 @@ fn what_the_core_refuses_is_refused_by_name() {
         (full_update(), "baseline"),
     ];
     for (update, says) in cases {
-        let Err(refusal) = update.plan(Params::default(), DIMS) else {
+        let Err(refusal) = update.checked(Params::default(), DIMS) else {
             panic!("{update:?} is accepted")
         };
         let outcome = Outcome::from(Err(refusal.clone()));
@@ -443,11 +442,7 @@ fn what_the_core_refuses_is_refused_by_name() {
         let Outcome::Refused(received) = answer.outcome else { panic!("accepted") };
         assert_eq!(received.to_string(), text);
     }
-    let name = "a name that is longer than any of them is";
-    let too_large = linestereo::ParamError::OutOfRange { name, value: 9, low: 1, high: 8 };
-    let Refusal::OutOfRange { name, value: 9, low: 1, high: 8 } = Refusal::from(too_large) else {
-        panic!("another refusal")
-    };
+    let name = linestereo_wire::name("a name that is longer than any of them is");
     assert_eq!(name, "a name that is longer than any o");
 }
 

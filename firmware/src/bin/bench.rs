@@ -4,7 +4,7 @@
 #[cfg(target_os = "none")]
 fn bench() -> linestereo_boards::Exit {
     use core::fmt::Write as _;
-    use linestereo::Matcher;
+    use linestereo::{Matcher, Options};
     use linestereo_boards::Exit;
     use linestereo_boards::built_in::{Case, Scene};
     use linestereo_firmware::boards::{
@@ -25,9 +25,9 @@ fn bench() -> linestereo_boards::Exit {
     for case in Case::all(&selected::BOARD) {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);
-        let Ok(plan) = case.params().plan(case.dims) else { continue };
+        let Ok(mut matcher) = Matcher::new(case.params(), case.dims) else { continue };
         if let Ok((costs, matched)) =
-            bench::measure(memory, &clock, &mut Matcher::new(plan), None, None)
+            bench::measure(memory, &clock, &mut matcher, Options::default())
         {
             bench::line(&mut table, case, &costs, matched.counts());
             let Some(view) = selftest::view(&case) else { continue };

@@ -18,7 +18,7 @@ fn kernels() -> linestereo_boards::Exit {
     fn beyond(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
         // SAFETY: not safe: the byte behind the row, as a wrong kernel might read it.
         unsafe { row.as_ptr().add(row.len()).read_volatile() };
-        linestereo::diagnostics::kernel::portable::gradient_row(above, row, below, out);
+        linestereo::unstable::kernel::portable::gradient_row(above, row, below, out);
     }
 
     let arguments = Arguments::read();

@@ -6,10 +6,10 @@ fn rectify() -> linestereo_boards::Exit {
     use linestereo_boards::Exit;
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::once::Once;
-    use linestereo_firmware::programs::rectify::{self, BuiltIn, Workspace};
+    use linestereo_firmware::programs::rectify::{self, BuiltIn, RectifyMemory};
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
 
-    static WORKSPACE: Once<Workspace> = Once::new(Workspace::new());
+    static WORKSPACE: Once<RectifyMemory> = Once::new(RectifyMemory::new());
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(workspace) = WORKSPACE.take() else { return Exit::Usage };

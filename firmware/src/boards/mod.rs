@@ -2,14 +2,16 @@
 //! what each of them holds and what runs it; `docs/porting.md` adds one.
 
 /// The memory of a board, for what its description says that it holds.
-macro_rules! workspace {
+macro_rules! board_memory {
     ($board:expr) => {
-        crate::memory::Workspace<
+        crate::memory::BoardMemory<
             { $board.pixels() },
             { $board.raw_width },
-            { $crate::memory::capacity(&$board).words() },
-            { $board.segments },
-            { $crate::memory::capacity(&$board).candidates() },
+            linestereo::Memory<
+                { $crate::memory::capacity(&$board).words() },
+                { $board.segments },
+                { $crate::memory::capacity(&$board).candidates() },
+            >,
             crate::memory::CameraRows<
                 { $crate::boards::NODES },
                 { $board.largest.height as usize },
@@ -86,5 +88,5 @@ boards! {
 
 /// The memory of the board that is built.
 #[cfg(target_os = "none")]
-pub static MEMORY: crate::once::Once<selected::Workspace> =
-    crate::once::Once::new(selected::Workspace::new());
+pub static MEMORY: crate::once::Once<selected::BoardMemory> =
+    crate::once::Once::new(selected::BoardMemory::CLEARED);

@@ -7,7 +7,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::MPS2_AN386;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an386"))]
 pub use super::mps2::{InstructionClock, bare, peripherals};

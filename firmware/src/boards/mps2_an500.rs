@@ -7,7 +7,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::MPS2_AN500;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an500"))]
 pub use super::mps2::{InstructionClock, bare, peripherals};

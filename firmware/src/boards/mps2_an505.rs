@@ -10,7 +10,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::MPS2_AN505;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an505"))]
 pub use on_board::{InstructionClock, bare, peripherals};

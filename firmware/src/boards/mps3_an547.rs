@@ -11,7 +11,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::MPS3_AN547;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
 pub use on_board::{InstructionClock, bare, peripherals};

@@ -17,7 +17,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::PICO2;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "pico2"))]
 mod wired {

@@ -7,7 +7,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::PORTENTA_H7;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "portenta-h7"))]
 pub(super) use on_board::ROW;

@@ -9,7 +9,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::RISCV_VIRT;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 pub use on_board::{InstructionClock, bare, peripherals};

@@ -9,7 +9,7 @@ use linestereo_boards::Board;
 pub const BOARD: Board = Board::STM32H743;
 
 /// Its memory.
-pub type Workspace = workspace!(BOARD);
+pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "stm32h743"))]
 pub(super) use on_board::ROW;

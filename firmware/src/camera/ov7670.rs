@@ -23,7 +23,8 @@
 //! And this sensor has no trigger: two of them with one XCLK keep the difference that they happen
 //! to start with, up to half a frame: 17 ms, 7.3 px at that speed; with two oscillators it drifts.
 //! Driven at 1 m/s past something 1 m away, 17 ms are 4.6 px. The health check refuses such pairs
-//! ([`skew_us`](linestereo::HealthLimits::skew_us)). Use it standing still, or another sensor.
+//! ([`skew_us`](linestereo::health::HealthLimits::skew_us)). Use it standing still, or another
+//! sensor.
 //!
 //! Address 0x21, always: two of them need two buses.
 //!

@@ -13,8 +13,8 @@
 //! Side by side, a fault is both eyes', because it is: they are counted for each.
 //!
 //! **In turn the two images are a frame apart.** Both times go with the pair, so that the health
-//! check refuses it ([`HealthLimits::skew_us`](linestereo::HealthLimits::skew_us)) unless its limit
-//! is wider, which is right only where nothing moves.
+//! check refuses it ([`skew_us`](linestereo::health::HealthLimits::skew_us)) unless its limit is
+//! wider, which is right only where nothing moves.
 //!
 //! # Cost
 //! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals

@@ -9,9 +9,9 @@ mod rectifier;
 
 pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
-use linestereo::diagnostics::Observer;
-use linestereo::image::ViewError;
-use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, Pair, Span};
+use core::ops::DerefMut;
+use linestereo::image::{Span, ViewError};
+use linestereo::{Capacity, Dims, Gray, Matched, Matcher, MemorySlice, Options};
 use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
 
@@ -21,20 +21,13 @@ pub const fn capacity(board: &Board) -> Capacity {
     Capacity { segments: board.segments as u16, ..Capacity::new(board.largest) }
 }
 
-/// All memory of one board that depends on the size of frames. All zero when new, so that it takes
-/// no flash.
+/// All memory of one board that depends on the size of frames: `C` is the core's, `R` what rectifies
+/// a camera's rows. All zero when new, so that it takes no flash.
 #[derive(Debug)]
-pub struct Workspace<
-    const PIXELS: usize,
-    const RAW_ROW: usize,
-    const WORDS: usize,
-    const SEGMENTS: usize,
-    const CANDIDATES: usize,
-    R,
-> {
+pub struct BoardMemory<const PIXELS: usize, const RAW_ROW: usize, C, R> {
     left: [u8; PIXELS],
     right: [u8; PIXELS],
-    core: linestereo::Memory<WORDS, SEGMENTS, CANDIDATES>,
+    core: C,
     rectifiers: [R; 2],
     /// A raw row between its camera and the band; as wide as the rig's raw images.
     raw_row: [u8; RAW_ROW],
@@ -43,7 +36,7 @@ pub struct Workspace<
     is_raw: bool,
 }
 
-/// A [`Workspace`] without its capacities.
+/// A [`BoardMemory`] without its capacities.
 pub trait Memory {
     /// Do rectified frames of this size fit?
     fn fits(&self, dims: Dims) -> bool;
@@ -52,17 +45,15 @@ pub trait Memory {
     fn frames(&mut self) -> [&mut [u8]; 2];
 
     /// The pair that lies in the frames.
-    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError>;
+    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], PairError>;
 
-    /// Matches the pair that lies in the frames and was captured at these times (left, right, us),
-    /// or parts of it once a whole pair has said how far the rows are apart.
+    /// Matches the pair that lies in the frames, or the areas of the options once a whole pair has
+    /// said how far the rows are apart.
     fn run(
         &mut self,
         matcher: &mut Matcher,
-        areas: Option<&[Area]>,
-        times_us: Option<[u64; 2]>,
-        observer: &mut impl Observer,
-    ) -> Result<Matched<'_>, RunError>;
+        options: Options<'_>,
+    ) -> Result<Matched<'_>, PairError>;
 
     /// Makes ready to rectify raw pairs. After an error no raw row is taken.
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom>;
@@ -85,14 +76,14 @@ pub trait Memory {
 
 /// Why a pair that lies in the frames cannot be matched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RunError {
+pub enum PairError {
     /// The core or this board has no frames of this size.
     Size(Dims),
     /// A memory is too small for it, or its usable pixels are those of another rig.
     NoRoom(NoRoom),
 }
 
-impl From<ViewError> for RunError {
+impl From<ViewError> for PairError {
     fn from(error: ViewError) -> Self {
         match error {
             ViewError::Dims(dims) => Self::Size(dims),
@@ -104,13 +95,14 @@ impl From<ViewError> for RunError {
     }
 }
 
-impl From<linestereo::RunError> for RunError {
+impl From<linestereo::RunError> for PairError {
     fn from(error: linestereo::RunError) -> Self {
         match error {
             linestereo::RunError::SizeMismatch { given, .. } => Self::Size(given),
             linestereo::RunError::MemoryTooSmall { needed, given } => {
                 Self::NoRoom(NoRoom::Small { name: "words", needed, given })
             }
+            _ => Self::NoRoom(NoRoom::NothingSeen),
         }
     }
 }
@@ -122,7 +114,7 @@ impl<
     const SEGMENTS: usize,
     const CANDIDATES: usize,
     R: Rectifier,
-> Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
+> BoardMemory<PIXELS, RAW_ROW, linestereo::Memory<WORDS, SEGMENTS, CANDIDATES>, R>
 {
     /// Bytes of one.
     pub const BYTES: usize = size_of::<Self>();
@@ -130,42 +122,21 @@ impl<
     pub const CORE: usize = linestereo::Memory::<WORDS, SEGMENTS, CANDIDATES>::BYTES;
 
     /// Cleared memory.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            left: [0; PIXELS],
-            right: [0; PIXELS],
-            core: linestereo::Memory::new(),
-            rectifiers: [R::CLEARED, R::CLEARED],
-            raw_row: [0; RAW_ROW],
-            raw_width: 0,
-            is_raw: false,
-        }
-    }
+    pub const CLEARED: Self = Self {
+        left: [0; PIXELS],
+        right: [0; PIXELS],
+        core: linestereo::Memory::new(),
+        rectifiers: [R::CLEARED, R::CLEARED],
+        raw_row: [0; RAW_ROW],
+        raw_width: 0,
+        is_raw: false,
+    };
 }
 
-impl<
-    const PIXELS: usize,
-    const RAW_ROW: usize,
-    const WORDS: usize,
-    const SEGMENTS: usize,
-    const CANDIDATES: usize,
+impl<const PIXELS: usize, const RAW_ROW: usize, C, R> Memory for BoardMemory<PIXELS, RAW_ROW, C, R>
+where
+    C: DerefMut<Target = MemorySlice>,
     R: Rectifier,
-> Default for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
-{
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl<
-    const PIXELS: usize,
-    const RAW_ROW: usize,
-    const WORDS: usize,
-    const SEGMENTS: usize,
-    const CANDIDATES: usize,
-    R: Rectifier,
-> Memory for Workspace<PIXELS, RAW_ROW, WORDS, SEGMENTS, CANDIDATES, R>
 {
     fn fits(&self, dims: Dims) -> bool {
         usize::from(dims.width) * usize::from(dims.height) <= PIXELS
@@ -176,9 +147,9 @@ impl<
         [&mut self.left, &mut self.right]
     }
 
-    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], RunError> {
+    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], PairError> {
         if !self.fits(dims) {
-            return Err(RunError::Size(dims));
+            return Err(PairError::Size(dims));
         }
         views([&self.left, &self.right], valid(&self.rectifiers, self.is_raw), dims)
     }
@@ -186,19 +157,16 @@ impl<
     fn run(
         &mut self,
         matcher: &mut Matcher,
-        areas: Option<&[Area]>,
-        times_us: Option<[u64; 2]>,
-        observer: &mut impl Observer,
-    ) -> Result<Matched<'_>, RunError> {
-        let dims = matcher.plan().dims();
+        mut options: Options<'_>,
+    ) -> Result<Matched<'_>, PairError> {
+        let dims = matcher.dims();
         if !self.fits(dims) {
-            return Err(RunError::Size(dims));
+            return Err(PairError::Size(dims));
         }
         let valid = valid(&self.rectifiers, self.is_raw);
         let [left, right] = views([&self.left, &self.right], valid, dims)?;
-        let pair = Pair { left, right, times_us };
-        let areas = areas.filter(|_| matcher.knows_rows());
-        Ok(matcher.run_with(pair, &mut self.core, areas, observer)?)
+        options.areas = options.areas.filter(|_| matcher.knows_rows());
+        Ok(matcher.run_with(&mut self.core, left, right, options)?)
     }
 
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {
@@ -251,7 +219,7 @@ fn views<'a>(
     frames: [&'a [u8]; 2],
     valid: [&'a [Span]; 2],
     dims: Dims,
-) -> Result<[Gray<'a>; 2], RunError> {
+) -> Result<[Gray<'a>; 2], PairError> {
     let view = |pixels: &'a [u8], valid: &'a [Span]| {
         let view = Gray::new(pixels, dims, dims.width.into())?;
         if valid.is_empty() { Ok(view) } else { view.with_valid(valid) }

@@ -1,6 +1,6 @@
 //! Rectifier of one camera, raw rows to a rectified frame, of any capacity.
 
-use linestereo::Span;
+use linestereo::image::Span;
 use linestereo_rig::{Band, CameraSide, Mesh, MeshError, Remap, RowError};
 
 /// [`Mesh`] and [`Band`] without their capacities.

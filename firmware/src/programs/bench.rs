@@ -1,12 +1,12 @@
 //! Cost of a pair, by stage.
 
 use crate::autopilot::Autopilot;
-use crate::memory::{Memory, RunError};
+use crate::memory::{Memory, PairError};
 use crate::ports::{ByteSink, Clock};
 use crate::vehicle::Vehicle;
-use linestereo::diagnostics::{Observer, Stage, StageEvent};
-use linestereo::obstacles::ObstaclePlan;
-use linestereo::{Area, Counts, HealthFlags, Matched, Matcher};
+use linestereo::results::Counts;
+use linestereo::unstable::{Observer, Stage, StageEvent};
+use linestereo::{Matched, Matcher, Options, health::HealthFlags, obstacles::ObstaclePlan};
 
 /// Cost of the stages of one pair, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
@@ -16,11 +16,11 @@ pub fn measure<'m>(
     memory: &'m mut impl Memory,
     clock: &impl Clock,
     matcher: &mut Matcher,
-    areas: Option<&[Area]>,
-    times_us: Option<[u64; 2]>,
-) -> Result<(Costs, Matched<'m>), RunError> {
+    options: Options<'_>,
+) -> Result<(Costs, Matched<'m>), PairError> {
     let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
-    let matched = memory.run(matcher, areas, times_us, &mut observer)?;
+    let options = Options { observer: Some(&mut observer), ..options };
+    let matched = memory.run(matcher, options)?;
     Ok((observer.costs, matched))
 }
 
@@ -86,7 +86,7 @@ pub fn line(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::boards::mps2_an386::{BOARD, Workspace};
+    use crate::boards::mps2_an386::{BOARD, BoardMemory};
     use core::cell::Cell;
     use linestereo::{Dims, Params};
     use linestereo_boards::built_in::Scene;
@@ -113,13 +113,12 @@ mod tests {
 
     #[test]
     fn a_stage_costs_what_passes_before_its_steps_end() {
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         let [left, right] = memory.frames();
         Scene::Blocks.paint(BOARD.largest, left, right);
         let clock = Asked(Cell::new(u32::MAX - 5)); // wraps on the way
-        let plan = Params::DEFAULT.plan(BOARD.largest).unwrap();
-        let (costs, _) =
-            measure(&mut *memory, &clock, &mut Matcher::new(plan), None, None).unwrap();
+        let mut matcher = Matcher::new(Params::DEFAULT, BOARD.largest).unwrap();
+        let (costs, _) = measure(&mut *memory, &clock, &mut matcher, Options::default()).unwrap();
         assert_eq!(costs[Stage::LinesLeft as usize], 1); // one question between two ends
         assert_eq!(costs[Stage::Health as usize], 2); // before and after matching
         assert_eq!(costs[Stage::Rows as usize], costs[Stage::Matching as usize]);
@@ -128,11 +127,11 @@ mod tests {
 
     #[test]
     fn a_pair_that_does_not_fit_is_refused() {
-        let mut memory = Box::new(Workspace::new());
+        let mut memory = Box::new(BoardMemory::CLEARED);
         let dims = Dims { width: 320, height: 240 };
         let clock = Asked(Cell::new(0));
-        let plan = Params::DEFAULT.plan(dims).unwrap();
-        let refused = measure(&mut *memory, &clock, &mut Matcher::new(plan), None, None);
-        assert_eq!(refused.map(|_| ()), Err(RunError::Size(dims)));
+        let mut matcher = Matcher::new(Params::DEFAULT, dims).unwrap();
+        let refused = measure(&mut *memory, &clock, &mut matcher, Options::default());
+        assert_eq!(refused.map(|_| ()), Err(PairError::Size(dims)));
     }
 }

@@ -13,7 +13,7 @@ use super::{bench, selftest};
 use crate::memory::Memory;
 use crate::ports::{BarePeripherals, ByteSink, ByteSource, Clock, packets};
 use crate::session::{Session, out_of_range};
-use linestereo::diagnostics::Fnv;
+use linestereo::{Matcher, Options, unstable::Fnv};
 use linestereo_boards::Board;
 use linestereo_boards::built_in::Case;
 use linestereo_boards::built_in::digests::Digests;
@@ -102,10 +102,10 @@ impl<C: Clock, T: Clock, P: ByteSource + ByteSink> CaseServer<C, T, P> {
     fn run_case(&self, number: u16, memory: &mut impl Memory) -> Option<CaseReport> {
         let case = Case::all(&self.board).nth(number.into())?;
         let digests = selftest::digests(memory, &case)?;
-        let mut matcher = case.params().matcher(case.dims).ok()?;
+        let mut matcher = Matcher::new(case.params(), case.dims).ok()?;
         let [start, start_us] = [self.counter.now(), self.clock.now()];
         let (costs, matched) =
-            bench::measure(memory, &self.counter, &mut matcher, None, None).ok()?;
+            bench::measure(memory, &self.counter, &mut matcher, Options::default()).ok()?;
         let [end, end_us] = [self.counter.now(), self.clock.now()];
         let mut name = heapless::String::new();
         let _ = core::fmt::write(&mut name, format_args!("{case}")); // it fits

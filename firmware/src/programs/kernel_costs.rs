@@ -8,7 +8,7 @@
 use super::kernels::Kernels;
 use crate::ports::Clock;
 use core::hint::black_box;
-use linestereo::diagnostics::kernel::{
+use linestereo::unstable::kernel::{
     CELL, CODE_ROWS, Crossings, Knot, Products, RUN_PIXELS, Ring, Run, STRIP, Strip,
 };
 

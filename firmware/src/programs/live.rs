@@ -9,12 +9,12 @@ use crate::ports::{
     ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets,
 };
 use crate::session::{Reply, Session, failed_frame};
-use linestereo::{Dims, Match, ObjectDepth};
+use linestereo::{Dims, Options, results::Match};
 use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND,
-    MAX_PACKET, Message, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal, Request,
-    SEGMENTS_PER_PACKET, Setting, TimeSource, send, send_frame, send_objects,
+    MAX_PACKET, Message, ObjectRecord, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal,
+    Request, SEGMENTS_PER_PACKET, Setting, TimeSource, send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or
@@ -447,8 +447,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     ) -> Option<()> {
         let (time_us, captured) = (captured_us(pair, now_us), captured_health(pair));
         let areas = self.session.areas();
+        let options =
+            Options { areas: areas.as_deref(), times_us: pair.times_us, ..Options::default() };
         let matcher = self.session.matcher(pair.dims).ok()?;
-        let mut matched = memory.run(matcher, areas.as_deref(), pair.times_us, &mut ()).ok()?;
+        let mut matched = memory.run(matcher, options).ok()?;
         let health = *matched.health();
         let objects = self.session.objects(&mut matched);
         self.times.matching_us = saturated(self.time() - now_us);
@@ -463,7 +465,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     }
 
     /// Numbers a frame and sends it, if the host wants results.
-    fn write_frame(&mut self, head: FrameHead, found: Option<(&[Match], &[ObjectDepth])>) {
+    fn write_frame(&mut self, head: FrameHead, found: Option<(&[Match], &[ObjectRecord])>) {
         self.status = Status::of(head.health);
         if !self.session.running {
             return;
@@ -499,7 +501,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
 
     /// Does the port take a frame as a whole without waiting, or hold nothing? A slow host is not
     /// to slow the cameras down.
-    fn has_room(&self, head: &FrameHead, matches: &[Match], objects: &[ObjectDepth]) -> bool {
+    fn has_room(&self, head: &FrameHead, matches: &[Match], objects: &[ObjectRecord]) -> bool {
         let Room { free, all } = self.port.room();
         if free >= all || free >= (3 + matches.len().div_ceil(SEGMENTS_PER_PACKET)) * MAX_PACKET {
             return true;

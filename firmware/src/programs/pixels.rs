@@ -3,11 +3,11 @@
 //! In: a built-in pair that was matched. Out: for pixels on a grid, how many are answered, a digest
 //! of all answers and reasons, the mean and the largest cost of one.
 
-use crate::memory::{Memory, RunError};
+use crate::memory::{Memory, PairError};
 use crate::ports::Clock;
 use core::fmt;
-use linestereo::diagnostics::Fnv;
-use linestereo::{Matcher, PixelDepth, PixelRejection};
+use linestereo::results::{PixelDepth, PixelRejection};
+use linestereo::{Matcher, Options, unstable::Fnv};
 use linestereo_boards::built_in::Case;
 
 /// Columns and rows of the grid.
@@ -33,11 +33,12 @@ pub fn measure(
     memory: &mut impl Memory,
     clock: &impl Clock,
     case: &Case,
-) -> Result<Measured, RunError> {
+) -> Result<Measured, PairError> {
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
-    let Ok(plan) = case.params().plan(case.dims) else { return Err(RunError::Size(case.dims)) };
-    let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut ())?;
+    let matcher = Matcher::new(case.params(), case.dims);
+    let mut matcher = matcher.map_err(|_| PairError::Size(case.dims))?;
+    let mut matched = memory.run(&mut matcher, Options::default())?;
     let (mut measured, mut digest) = (Measured::default(), Fnv::EMPTY);
     let [columns, rows] = GRID;
     let mut costs = 0;
@@ -49,7 +50,7 @@ pub fn measure(
         let pixel =
             (coordinate(column, columns, case.dims.width), coordinate(row, rows, case.dims.height));
         let start = clock.now();
-        let answer = matched.pixel(pixel, None);
+        let answer = matched.pixel(pixel);
         let cost = clock.elapsed(start, clock.now());
         costs += cost;
         measured.worst_case = measured.worst_case.max(cost);

@@ -11,8 +11,7 @@
 use super::random::Random;
 use crate::ports::Clock;
 use core::fmt;
-use linestereo::Dims;
-use linestereo::diagnostics::Fnv;
+use linestereo::{Dims, unstable::Fnv};
 use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, View, mesh_nodes};
 
 /// The largest frames here.
@@ -22,20 +21,20 @@ const PIXELS: usize = LARGEST.width as usize * LARGEST.height as usize;
 
 /// Inputs of rectification, but for the raw frames.
 #[derive(Debug)]
-pub struct Workspace {
+pub struct RectifyMemory {
     meshes: [Mesh<{ mesh_nodes(LARGEST) }, { LARGEST.height as usize }>; 2],
     band: Band<BAND>,
     raw_row: [u8; LARGEST.width as usize],
     frame: [u8; PIXELS],
 }
 
-impl Default for Workspace {
+impl Default for RectifyMemory {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Workspace {
+impl RectifyMemory {
     /// Cleared memory.
     #[must_use]
     pub const fn new() -> Self {
@@ -113,7 +112,7 @@ pub struct Measured {
 /// Sets a rig up for frames of this size and rectifies a pair of noise; `None` where rig or memory
 /// do not fit.
 pub fn measure(
-    workspace: &mut Workspace,
+    workspace: &mut RectifyMemory,
     clock: &impl Clock,
     rig: BuiltIn,
     dims: Dims,

@@ -15,7 +15,7 @@ use super::bench::{self, Costs};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, Clock, packets};
 use crate::session::{self, Reply, Session};
-use linestereo::{Dims, Matched};
+use linestereo::{Dims, Matched, Options};
 use linestereo_rig::CameraSide;
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead,
@@ -130,8 +130,9 @@ fn pair<'m, S: ByteSource>(
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
     let areas = session.areas();
     let matcher = session.matcher(dims)?;
-    let (costs, matched) = bench::measure(memory, clock, matcher, areas.as_deref(), times_us)
-        .map_err(session::refusal)?;
+    let options = Options { areas: areas.as_deref(), times_us, ..Options::default() };
+    let (costs, matched) =
+        bench::measure(memory, clock, matcher, options).map_err(session::refusal)?;
     if let Some(Err(skewed)) = times_us.map(|times| session.limits.skew_us(times)) {
         return Err(skewed.into());
     }
@@ -196,8 +197,7 @@ fn write_results(
     pair: &PairHead,
     output: &mut impl ByteSink,
 ) {
-    let mut points = 0;
-    matched.points(|_| points += 1);
+    let points = matched.points().count() as u32; // at most the pixels
     let head = FrameHead::new(
         sequence,
         pair.capture_time_us,
@@ -211,7 +211,7 @@ fn write_results(
     // Neither the packets nor this port can fail.
     let _ = send_frame(&head, matched.segments(), &mut write);
     let mut stream = PointStream::new(sequence);
-    matched.points(|point| {
+    matched.points().for_each(|point| {
         let _ = stream.push(&point, &mut write);
     });
     let _ = stream.finish(&mut write);

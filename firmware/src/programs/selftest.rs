@@ -5,9 +5,9 @@ use crate::autopilot::Autopilot;
 use crate::memory::Memory;
 use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
-use linestereo::diagnostics::{Fnv, Stage, StageDigests};
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
-use linestereo::{HealthFlags, Matched, Matcher, Params, Rig};
+use linestereo::unstable::{Fnv, Stage, StageDigests};
+use linestereo::{Matched, Matcher, Options, Params, Rig, health::HealthFlags};
 use linestereo_boards::Board;
 use linestereo_boards::built_in::digests::Digests;
 use linestereo_boards::built_in::{Case, first_difference};
@@ -60,9 +60,10 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     let [left, right] = memory.frames();
     case.scene.paint(case.dims, left, right);
     let mut digests = StageDigests::new();
-    let plan = case.params().plan(case.dims).ok()?;
-    let mut matched = memory.run(&mut Matcher::new(plan), None, None, &mut digests).ok()?;
-    matched.points(|point| digests.add_point(&point));
+    let mut matcher = Matcher::new(case.params(), case.dims).ok()?;
+    let options = Options { observer: Some(&mut digests), ..Options::default() };
+    let mut matched = memory.run(&mut matcher, options).ok()?;
+    matched.points().for_each(|point| digests.add_point(&point));
     let mut all = [0; Stage::ALL.len() + 1];
     for (slot, stage) in all.iter_mut().zip(Stage::ALL) {
         *slot = digests.of(stage);
@@ -113,9 +114,9 @@ mod tests {
         let hint = "when the output was meant to change: cargo xtask bless";
         let report =
             |outcome: &Outcome| assert_eq!(outcome.differs_in(), None, "{}; {hint}", outcome.case);
-        let mut large = Box::new(mps2_an500::Workspace::new());
+        let mut large = Box::new(mps2_an500::BoardMemory::CLEARED);
         assert!(run(&mut *large, &mps2_an500::BOARD, &expected::QVGA, report));
-        let mut small = Box::new(mps2_an386::Workspace::new());
+        let mut small = Box::new(mps2_an386::BoardMemory::CLEARED);
         assert!(run(&mut *small, &mps2_an386::BOARD, &expected::QQVGA, report));
     }
 
@@ -129,7 +130,7 @@ mod tests {
                 assert_ne!(*digest, nothing.of(stage), "{}", stage.name());
             }
         }
-        let mut memory = Box::new(mps2_an386::Workspace::new());
+        let mut memory = Box::new(mps2_an386::BoardMemory::CLEARED);
         let case = Case::all(&mps2_an386::BOARD).next().unwrap();
         let mut of = |flipped: Option<usize>| {
             let [left, right] = memory.frames();
@@ -137,8 +138,10 @@ mod tests {
             if let Some(pixel) = flipped {
                 right[pixel] ^= 0xff;
             }
-            let (mut digests, plan) = (StageDigests::new(), case.params().plan(case.dims).unwrap());
-            memory.run(&mut Matcher::new(plan), None, None, &mut digests).unwrap();
+            let mut digests = StageDigests::new();
+            let mut matcher = Matcher::new(case.params(), case.dims).unwrap();
+            let options = Options { observer: Some(&mut digests), ..Options::default() };
+            memory.run(&mut matcher, options).unwrap();
             digests.of(Stage::Rows)
         };
         // A pixel of a row that segments look at.
@@ -149,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_wrong_digest_names_its_stage() {
-        let mut memory = Box::new(mps2_an386::Workspace::new());
+        let mut memory = Box::new(mps2_an386::BoardMemory::CLEARED);
         let mut expected = expected::QQVGA;
         expected[3][Stage::Matching as usize] ^= 1;
         let mut wrong = Vec::new();

@@ -7,7 +7,7 @@
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
-use linestereo::diagnostics::Stage;
+use linestereo::unstable::Stage;
 use linestereo_boards::Board;
 use linestereo_boards::built_in::{Case, digests, first_difference};
 use linestereo_frames::statistics::upper_median;

@@ -7,14 +7,13 @@ use super::{Board, qemu};
 use crate::engine::FrameResult;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
-use linestereo::diagnostics::Stage;
-use linestereo::{Dims, ObjectDepth, Params};
+use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use linestereo_frames::{GrayImage, find_scenes, load_scene};
 use linestereo_rig::RigImage;
 use linestereo_wire::{
-    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Outcome, PairHead,
-    ParamUpdate, Refusal, Regions, Request, RigReport, RigUpdate, encode,
+    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, ObjectRecord,
+    Outcome, PairHead, ParamUpdate, Refusal, Regions, Request, RigReport, RigUpdate, encode,
 };
 use std::path::{Path, PathBuf};
 
@@ -33,7 +32,7 @@ pub struct BoardResult {
     /// Cost of matching, by stage.
     pub costs: Costs,
     /// Depths of the objects that were asked for.
-    pub objects: Vec<ObjectDepth>,
+    pub objects: Vec<ObjectRecord>,
     /// Cost of those depths, on top.
     pub objects_cost: u64,
 }
@@ -311,7 +310,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             }
             Message::Objects(objects) => {
                 let frame = frame.as_mut().context("objects without a frame")?;
-                frame.objects.extend(objects.list.iter().map(ObjectDepth::from));
+                frame.objects.extend(&objects.list);
             }
             Message::Answer(answer) => match (frame.take(), answer.outcome) {
                 (Some(frame), Outcome::Accepted) => replayed.pairs.push(Ok(frame)),

@@ -6,7 +6,7 @@ use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
-use linestereo::diagnostics::Fnv;
+use linestereo::unstable::Fnv;
 use linestereo_boards::Board;
 use linestereo_boards::built_in::digests;
 use linestereo_wire::{

@@ -9,7 +9,7 @@ use crate::results::mask::Mask;
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
-use linestereo::{Dims, NoDepth, Region, Rejection, Rig};
+use linestereo::{Dims, Region, Rig, objects::Reason, results::Rejection};
 use linestereo_frames::statistics::{interpolated_quantile, median};
 use linestereo_frames::{GrayImage, Truth};
 use std::ffi::OsString;
@@ -55,7 +55,7 @@ pub fn run(args: &Args) -> Result<()> {
 pub struct RoomObject {
     pub name: String,
     /// Its disparity, px, and the probability that this is right; or why there is none.
-    pub answer: Result<(f32, f32), NoDepth>,
+    pub answer: Result<(f32, f32), Reason>,
     /// True disparity of the pixel with truth that is nearest to its centre, px.
     pub true_at_centre: f32,
     /// 5 % and 95 % of its true disparities, px.
@@ -152,10 +152,11 @@ fn objects(
             .map(|share| interpolated_quantile(&values, share).unwrap_or(true_at_centre));
         let runs = mask.runs(label.into());
         let region = Region::masked(label.into(), &runs, DIMS).ok();
-        let depth = region.and_then(|region| engine.objects(&[region]).pop());
-        let answer = depth.map_or(Err(NoDepth::LittleSupport), |depth| {
-            depth.disparity.map(|disparity| (disparity.to_num(), depth.confidence.to_num()))
-        });
+        let answer = match region.map(|region| engine.object(&region)) {
+            Some(Ok(object)) => Ok((object.disparity.to_num(), object.confidence.to_num())),
+            Some(Err(why)) => Err(why.reason),
+            None => Err(Reason::LittleSupport),
+        };
         found.push(RoomObject { name: (*name).to_owned(), answer, true_at_centre, range });
     }
     found

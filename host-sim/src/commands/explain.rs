@@ -1,7 +1,7 @@
 //! `linestereo explain`: why a pixel, the segment, the bar and the support point next to it have a
 //! depth, or none.
 
-use super::input::{InputArgs, Matcher};
+use super::input::{InputArgs, PairMatcher};
 use super::run::pixel;
 use super::written;
 use crate::draw;
@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<()> {
     if x >= size.width || y >= size.height {
         bail!("pixel {x},{y} lies outside of the left image, which is {size}; give one inside");
     }
-    let (mut matcher, mut log) = (Matcher::new(&setup)?, CurveLog::default());
+    let (mut matcher, mut log) = (PairMatcher::new(&setup)?, CurveLog::default());
     let matched = matcher.run_observed(&setup, &pair, None, &mut log)?;
     let pixel = setup.as_matched(args.pixel);
     let explanation =

@@ -4,7 +4,7 @@
 //! load     the images of a pair, checked, reduced by --width
 //! Known    what options, or the files beside a pair, say of its rig and range
 //! setup    disparity range, rig, parameters: once for all pairs of one size
-//! Matcher  the core and, for raw pairs, the rectifier, with their memory: once; then pair by pair
+//! PairMatcher  the core and, for raw pairs, the rectifier, with their memory: once; then by pair
 //! ```
 
 use super::engine_with;
@@ -15,10 +15,11 @@ use crate::engine::{Engine, FrameResult};
 use crate::output::{detail, note};
 use crate::results::listing::{Query, finite_metres};
 use anyhow::{Context, Result, anyhow, bail};
-use linestereo::diagnostics::Observer;
-use linestereo::image::ViewError;
-use linestereo::image::shrink_to_valid;
-use linestereo::{Dims, Disparity, Gray, GroundPlane, Params, Rig, RigError, Span};
+use linestereo::image::{Span, ViewError, shrink_to_valid};
+use linestereo::unstable::Observer;
+use linestereo::{
+    Dims, Gray, Params, Rig, ground::GroundPlane, params::RigError, units::Disparity,
+};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::rectified::{check_baseline, check_centre, check_focal};
 use linestereo_frames::{
@@ -118,7 +119,7 @@ impl Known {
 }
 
 /// Two images of one size: rectified and reduced, or raw.
-pub(super) struct Pair {
+pub(super) struct LoadedPair {
     images: [GrayImage; 2],
     /// Before --width.
     given: Dims,
@@ -146,7 +147,7 @@ pub(super) struct Setup<'a> {
 }
 
 /// A pair as it was matched.
-pub(super) struct Matched {
+pub(super) struct TimedResult {
     /// Rectified.
     pub(super) images: [GrayImage; 2],
     pub(super) result: FrameResult,
@@ -182,7 +183,7 @@ impl InputArgs {
     }
 
     /// Reads and checks both images; with --width they are reduced.
-    pub(super) fn load_as(&self, files: &PairFiles, known: &Known) -> Result<Pair> {
+    pub(super) fn load_as(&self, files: &PairFiles, known: &Known) -> Result<LoadedPair> {
         let ([left_path, right_path], [left, right]) =
             (files.paths(), load_images(files, self.bits)?);
         let is_raw = matches!(known, Known::Raw(_));
@@ -205,11 +206,11 @@ impl InputArgs {
             }
             check_usable(path, image)?;
         }
-        Ok(Pair { images: [left, right], given })
+        Ok(LoadedPair { images: [left, right], given })
     }
 
     /// The set-up for pairs like this one.
-    pub(super) fn setup_as(&self, pair: &Pair, known: &Known) -> Result<Setup<'_>> {
+    pub(super) fn setup_as(&self, pair: &LoadedPair, known: &Known) -> Result<Setup<'_>> {
         let (loaded, given) = (pair.images[0].dims, pair.given);
         let options = || "options".to_owned();
         let (setup, source) = match known {
@@ -381,7 +382,7 @@ impl InputArgs {
             RigError::Baseline(_) => "--baseline-m",
             RigError::Offset(_) => "--disparity-offset-px",
             RigError::PrincipalPoint(_) if self.principal_point.is_some() => "--principal-point",
-            RigError::PrincipalPoint(_) => "--scene",
+            _ => "--scene",
         }
     }
 
@@ -479,7 +480,7 @@ impl Setup<'_> {
     }
 
     /// The images for a board, or for the rectifier: raw ones as the rig sees them.
-    pub(super) fn raw(&self, pair: &Pair) -> Result<[GrayImage; 2]> {
+    pub(super) fn raw(&self, pair: &LoadedPair) -> Result<[GrayImage; 2]> {
         let [left, right] = pair.images.clone();
         match self.rig {
             Some(_) => Ok([self.args.view.raw(left)?, self.args.view.raw(right)?]),
@@ -490,13 +491,13 @@ impl Setup<'_> {
 
 /// The core and what goes before it, for pairs of one size in the order in which they were
 /// captured.
-pub(super) struct Matcher {
+pub(super) struct PairMatcher {
     rectifier: Option<PairRectifier>,
     usable: [Vec<Span>; 2],
     pub(super) engine: Engine,
 }
 
-impl Matcher {
+impl PairMatcher {
     /// Checks the parameters and allocates the memory.
     pub(super) fn new(setup: &Setup<'_>) -> Result<Self> {
         let rectifier =
@@ -508,12 +509,12 @@ impl Matcher {
             shrink_to_valid(&mut usable[0], setup.dims().width);
         }
         let mut engine = engine_with(&setup.params, setup.dims())?;
-        engine.expect_ground(setup.ground);
+        engine.matcher.expect_ground(setup.ground);
         if setup.params.rig.is_none() {
             engine.expect_infinity_at(setup.zero_px);
         }
         if let Some(milliseconds) = setup.args.max_skew_ms {
-            engine.allow_skew(1000 * milliseconds);
+            engine.matcher.limits.skew_us = 1000 * milliseconds;
         }
         Ok(Self { rectifier, usable, engine })
     }
@@ -522,9 +523,9 @@ impl Matcher {
     pub(super) fn run(
         &mut self,
         setup: &Setup<'_>,
-        pair: &Pair,
+        pair: &LoadedPair,
         times_us: Option<[u64; 2]>,
-    ) -> Result<Matched> {
+    ) -> Result<TimedResult> {
         self.run_observed(setup, pair, times_us, &mut ())
     }
 
@@ -532,10 +533,10 @@ impl Matcher {
     pub(super) fn run_observed(
         &mut self,
         setup: &Setup<'_>,
-        pair: &Pair,
+        pair: &LoadedPair,
         times_us: Option<[u64; 2]>,
         observer: &mut impl Observer,
-    ) -> Result<Matched> {
+    ) -> Result<TimedResult> {
         if pair.images[0].dims != setup.loaded {
             let [first, this] = [setup.loaded, pair.images[0].dims];
             bail!("the pair is {this}, but earlier pairs are {first}; give pairs of one size");
@@ -548,14 +549,13 @@ impl Matcher {
         let start = Instant::now();
         let views = views(&images, &self.usable)?;
         let result = self.engine.run_next(views, times_us, observer)?;
-        Ok(Matched { images, result, seconds: start.elapsed().as_secs_f64() })
+        Ok(TimedResult { images, result, seconds: start.elapsed().as_secs_f64() })
     }
 
     /// The depth of pixels of the pair that was matched last, which are counted before --width.
     pub(super) fn ask(&mut self, setup: &Setup<'_>, pixels: &[(u16, u16)]) -> Vec<Query> {
-        let mut ask = |&pixel: &(u16, u16)| {
-            Query::new(pixel, self.engine.depth_at(setup.as_matched(pixel), None))
-        };
+        let mut ask =
+            |&pixel: &(u16, u16)| Query::new(pixel, self.engine.depth_at(setup.as_matched(pixel)));
         pixels.iter().map(&mut ask).collect()
     }
 }

@@ -1,7 +1,9 @@
 //! Options of the method itself, the same for every command that runs it.
 
 use anyhow::{Result, bail};
-use linestereo::{Confidence, Depth, Disparity, Margin, Params, Parts, Rig};
+use linestereo::params::{Margin, Parts};
+use linestereo::units::{Confidence, Depth, Disparity};
+use linestereo::{Params, Rig};
 
 /// Parameters that a user may want to change; what is not given keeps the core's default.
 #[derive(Clone, Debug, Default, clap::Args)]

@@ -43,7 +43,8 @@ use crate::output::OutputPath;
 use anyhow::{Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use linestereo::{Dims, ParamError, Params, Rig};
+use linestereo::params::{Param, ParamError};
+use linestereo::{Dims, Params, Rig};
 use program::Verbosity;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -183,16 +184,25 @@ pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
         );
     }
     Engine::new(params, dims).map_err(|error| match error {
-        ParamError::OutOfRange { name, .. } => {
-            anyhow::anyhow!(
-                "{error}; change --{}",
-                name.split(' ').next().unwrap_or(name).replace('_', "-")
-            )
+        ParamError::OutOfRange { param, .. } => {
+            anyhow::anyhow!("{error}; change {}", option_of(param))
         }
-        ParamError::MarginNeedsRig => {
-            anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px")
-        }
+        _ => anyhow::anyhow!("{error}; give --focal-px and --baseline-m, or use --margin-px"),
     })
+}
+
+/// The option that sets a parameter.
+fn option_of(param: Param) -> &'static str {
+    match param {
+        Param::MinDisparity => "--min-disparity",
+        Param::MaxDisparity => "--max-disparity",
+        Param::MinExtent => "--min-extent",
+        Param::Cell => "--cell",
+        Param::MinConfidence => "--min-confidence",
+        Param::Margin => "--margin-px",
+        Param::MarginNearer | Param::MarginFarther => "--margin-m",
+        _ => "the parameters",
+    }
 }
 
 pub fn asked_for<'a>(

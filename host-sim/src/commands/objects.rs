@@ -135,13 +135,10 @@ impl Objects<'_> {
             Err(error) => return Some(Asked { error: Some(error), ..Asked::default() }),
         };
         let dims = setup.dims();
-        let regions: Vec<_> =
-            objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
-        let depths = engine.objects(&regions);
-        // A file gives regions that lie in the image: there is one for every object.
-        let list = objects.list.iter().zip(&depths);
-        let list = list.map(|(object, depth)| {
-            (object.clone(), listing::Object::new(depth, object.name.as_deref()))
+        let list = objects.list.iter().filter_map(|object| {
+            let region = object.region(dims).ok()?; // a file gives regions that lie in the image
+            let (found, name) = (engine.object(&region), object.name.as_deref());
+            Some((object.clone(), listing::Object::new(region.label(), &found, name)))
         });
         Some(Asked {
             list: list.collect(),

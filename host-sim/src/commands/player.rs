@@ -1,7 +1,7 @@
 //! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the
 //! other.
 
-use super::input::{InputArgs, Known, Matched, Matcher, Pair, Setup};
+use super::input::{InputArgs, Known, LoadedPair, PairMatcher, Setup, TimedResult};
 use super::objects::{Asked, Objects};
 use super::recording::{Played, RecordingArgs};
 use super::video::CameraArgs;
@@ -112,7 +112,7 @@ pub(super) struct Player<'a> {
     /// The folder's scene.json, for pairs that have none of their own.
     scene: Known,
     /// Knowledge of the pairs at hand, with their set-up and matcher.
-    at_hand: Option<(Known, Setup<'a>, Matcher)>,
+    at_hand: Option<(Known, Setup<'a>, PairMatcher)>,
 }
 
 impl<'a> Player<'a> {
@@ -130,13 +130,16 @@ impl<'a> Player<'a> {
         self.at_hand.as_ref().map(|(_, setup, _)| setup)
     }
 
-    pub(super) fn at_hand(&mut self) -> Option<(&Setup<'a>, &mut Matcher)> {
+    pub(super) fn at_hand(&mut self) -> Option<(&Setup<'a>, &mut PairMatcher)> {
         self.at_hand.as_mut().map(|(_, setup, matcher)| (&*setup, matcher))
     }
 
     /// Loads a pair and, where it is the first one or of another rig than the one before, sets up
     /// what it is matched with.
-    pub(super) fn load(&mut self, pair: &StoredPair) -> Result<(Pair, &Setup<'a>, &mut Matcher)> {
+    pub(super) fn load(
+        &mut self,
+        pair: &StoredPair,
+    ) -> Result<(LoadedPair, &Setup<'a>, &mut PairMatcher)> {
         let mut known = self.args.known_of(pair)?;
         if matches!(known, Known::Nothing) {
             known = self.scene.clone();
@@ -146,7 +149,7 @@ impl<'a> Player<'a> {
             self.at_hand.as_ref().is_some_and(|(at_hand, ..)| at_hand.matches_like(&known));
         if !is_set_up {
             let setup = self.args.setup_as(&loaded, &known)?;
-            let matcher = Matcher::new(&setup)?;
+            let matcher = PairMatcher::new(&setup)?;
             self.at_hand = Some((known, setup, matcher));
         }
         let Some((_, setup, matcher)) = &mut self.at_hand else { bail!("nothing is set up") };
@@ -156,10 +159,11 @@ impl<'a> Player<'a> {
     /// Matches a pair, with the depths of its objects.
     pub(super) fn next(&mut self, pair: &StoredPair, asked: &Objects<'_>) -> Result<Played> {
         let (loaded, setup, matcher) = self.load(pair)?;
-        if matcher.engine.knows_rows() {
-            matcher.engine.focus(asked.areas(setup, pair));
+        if matcher.engine.matcher.knows_rows() {
+            matcher.engine.areas = asked.areas(setup, pair);
         }
-        let Matched { images, result, .. } = matcher.run(setup, &loaded, pair.images.times_us())?;
+        let TimedResult { images, result, .. } =
+            matcher.run(setup, &loaded, pair.images.times_us())?;
         let objects = asked.depths(setup, pair, &mut matcher.engine);
         let rig = setup.params.rig.as_ref();
         let ground = result.ground.map(|plane| Ground::new(plane, rig, images[0].dims));

@@ -1,7 +1,8 @@
 //! How the left camera stands above the ground, and where it sees the ground then.
 
 use anyhow::{Result, anyhow, bail};
-use linestereo::{CameraPose, Dims, GroundPlane, Rig};
+use linestereo::ground::{CameraPose, GroundPlane};
+use linestereo::{Dims, Rig};
 
 /// Height, pitch and roll of the left camera.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]

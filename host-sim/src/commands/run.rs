@@ -1,6 +1,6 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
-use super::input::{InputArgs, Matcher, Pair, Setup};
+use super::input::{InputArgs, LoadedPair, PairMatcher, Setup};
 use super::objects::{Asked, ObjectArgs, Objects};
 use super::sector_options::SectorArgs;
 use super::written;
@@ -14,7 +14,7 @@ use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Dims, Disparity, Params, Rejection};
+use linestereo::{Dims, Params, results::Rejection, units::Disparity};
 use linestereo_frames::{GrayImage, PairFiles, StoredPair};
 use linestereo_recordings::Footage;
 use std::path::PathBuf;
@@ -205,12 +205,12 @@ fn export_files(
 /// pixels that were asked for.
 fn matched(
     setup: &Setup<'_>,
-    (given, pair): (&StoredPair, &Pair),
+    (given, pair): (&StoredPair, &LoadedPair),
     asked: &Objects<'_>,
     query: &[(u16, u16)],
 ) -> Result<Found> {
-    let mut matcher = Matcher::new(setup)?;
-    matcher.engine.focus(asked.areas(setup, given));
+    let mut matcher = PairMatcher::new(setup)?;
+    matcher.engine.areas = asked.areas(setup, given);
     let matched = matcher.run(setup, pair, None)?;
     let objects = asked.depths(setup, given, &mut matcher.engine);
     let queries = if query.is_empty() { None } else { Some(matcher.ask(setup, query)) };

@@ -77,7 +77,8 @@ pub fn colour(range: &Range, disparity: f32) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::{Confidence, Disparity, Point, Source};
+    use linestereo::results::{Point, Source};
+    use linestereo::units::{Confidence, Disparity};
 
     #[test]
     fn what_lies_behind_infinity_has_colours_of_its_own_and_outliers_are_counted() {

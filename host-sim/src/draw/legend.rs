@@ -5,7 +5,7 @@ use super::text::{Align, width, write};
 use crate::engine::FrameResult;
 use crate::results::listing::finite_metres;
 use image::{Rgb, RgbImage, imageops};
-use linestereo::{Disparity, Rig};
+use linestereo::{Rig, units::Disparity};
 
 const HEIGHT: u32 = 96;
 const MARGIN: f32 = 14.0;

@@ -29,7 +29,8 @@ use crate::engine::FrameResult;
 use crate::output::png_file;
 use colour::Range;
 use image::{ExtendedColorType, ImageResult, RgbImage};
-use linestereo::{Bar, Match, Owner, Rig, Source};
+use linestereo::Rig;
+use linestereo::results::{Bar, Match, Owner, Source};
 use linestereo_frames::GrayImage;
 pub use rows::rows;
 use tiny_skia::{
@@ -254,13 +255,14 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::diagnostics::Techniques;
-    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Point};
+    use linestereo::Dims;
+    use linestereo::results::{ImagePosition, Point, Techniques};
+    use linestereo::units::{Confidence, Disparity};
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
         let point = |y: f64| ImagePosition {
-            x: linestereo::Position::from_num(x),
-            y: linestereo::Position::from_num(y),
+            x: linestereo::units::Position::from_num(x),
+            y: linestereo::units::Position::from_num(y),
         };
         let disparity = Disparity::from_num(disparity);
         Match {

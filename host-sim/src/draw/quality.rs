@@ -5,7 +5,7 @@ use super::sheet::{FAINT, FAIR as REGION, INK, Sheet, TEXT};
 use super::text::{Align, wrapped};
 use crate::quality::{OFF_PLANE, Quality, WallAnswer};
 use image::RgbImage;
-use linestereo::diagnostics::SUPPORT_PITCH;
+use linestereo::unstable::SUPPORT_PITCH;
 use linestereo_frames::GrayImage;
 
 const MARGIN: f32 = 20.0;

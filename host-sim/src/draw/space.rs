@@ -9,7 +9,7 @@
 use super::colour::{Range, colour};
 use crate::engine::FrameResult;
 use core::fmt::Write;
-use linestereo::{Disparity, ImagePosition, Rig};
+use linestereo::{Rig, results::ImagePosition, units::Disparity};
 
 /// Vertices without those that are infinitely far, each by its position and its colour.
 struct Vertices {

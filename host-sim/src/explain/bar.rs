@@ -4,8 +4,8 @@ use super::log::{CurveLog, RatedBar};
 use super::{Account, REACH, Step, metres};
 use crate::engine::FrameResult;
 use crate::results::health::is_fit;
-use linestereo::diagnostics::{BarEvidence, BarKind, LEAST_BAR};
-use linestereo::{Bar, Confidence, Params};
+use linestereo::unstable::{BarEvidence, BarKind, LEAST_BAR};
+use linestereo::{Params, results::Bar, units::Confidence};
 
 /// Largest costs that evidence holds, as shares of the bar's own gradients.
 const LARGEST: f64 = 307.0 / 256.0;

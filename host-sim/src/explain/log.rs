@@ -1,12 +1,12 @@
 //! Observer of a run that keeps costs and outcome of every segment, bar and support point.
 
 use super::curve::Curve;
-use linestereo::diagnostics::kernel::JUMP_PENALTY;
-use linestereo::diagnostics::{
+use linestereo::results::{Bar, ImagePosition, Rejection};
+use linestereo::unstable::kernel::JUMP_PENALTY;
+use linestereo::unstable::{
     BarEvidence, Candidate, CurveKind, Observer, Segment, SegmentCurves, SegmentEvidence,
     StageEvent, SupportCurves,
 };
-use linestereo::{Bar, ImagePosition, Rejection};
 use std::collections::HashMap;
 
 /// A left segment that was matched, with its costs as far as they were computed.

@@ -26,7 +26,8 @@ pub use segment::meaning;
 use crate::engine::{Engine, FrameResult};
 use crate::results::listing::finite_metres;
 use core::fmt;
-use linestereo::{Bar, Depth, ImagePosition, Params, Support};
+use linestereo::results::{Bar, ImagePosition, Support};
+use linestereo::{Params, units::Depth};
 use std::collections::HashMap;
 
 /// Distance of a segment or bar up to which it is taken for the one that is meant, px.

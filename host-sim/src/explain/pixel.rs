@@ -3,18 +3,18 @@
 use super::{Account, Step};
 use crate::engine::Engine;
 use crate::results::listing::Query;
-use linestereo::diagnostics::{
+use linestereo::unstable::{
     FITTED_PIXEL, LEFT_RIGHT_GAP_Q8, PixelEvidence, PixelKind, SECOND_BEST_Q8,
 };
-use linestereo::{Confidence, Params};
+use linestereo::{Params, units::Confidence};
 
 /// Largest gap of the left-right check that evidence holds, px.
 const FARTHEST: f64 = 4.0;
 
 /// Reasons for the depth on demand of a pixel, or for the lack of it.
 pub(super) fn account(pixel: (u16, u16), engine: &mut Engine, params: &Params) -> Account {
-    let answer = engine.depth_at(pixel, None);
-    let found = engine.matched().pixel_evidence(pixel, None);
+    let answer = engine.depth_at(pixel);
+    let found = engine.ask(|matched| matched.pixel_evidence(pixel));
     let mut steps = Vec::new();
     if let Ok((d_q6, evidence)) = found {
         tests(&evidence, &mut steps);

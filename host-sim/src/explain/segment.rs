@@ -7,10 +7,11 @@ use super::{Account, REACH, Step, metres};
 use crate::engine::FrameResult;
 use crate::results::health::is_fit;
 use crate::results::listing::owner_name;
-use linestereo::diagnostics::{
+use linestereo::results::{Match, Rejection};
+use linestereo::unstable::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, Segment,
 };
-use linestereo::{Margin, Match, Params, Rejection};
+use linestereo::{Params, params::Margin};
 
 /// Ends, px.
 pub(super) fn ends(segment: &Segment) -> [[f64; 2]; 2] {
@@ -297,7 +298,7 @@ fn add_techniques(
     let (agrees, allowed) = match (params.margin, params.rig) {
         (Margin::Metres { nearer, farther }, Some(rig)) => {
             let (from, to) = rig.disparity_interval(
-                linestereo::Disparity::saturating_from_num(at),
+                linestereo::units::Disparity::saturating_from_num(at),
                 nearer,
                 farther,
             );
@@ -397,5 +398,6 @@ pub fn meaning(reason: Rejection) -> &'static str {
         Rejection::EdgeUnclear => {
             "its points are credible and listed, but the edge itself may belong to the surface on the other side"
         }
+        _ => "for a reason of a later version",
     }
 }

@@ -3,8 +3,8 @@
 use super::curve::{Curve, Mark, Plot, words};
 use super::log::CurveLog;
 use super::{Account, Step};
-use linestereo::diagnostics::SUPPORT_PITCH;
-use linestereo::{Params, Support, SupportPoint};
+use linestereo::results::{Support, SupportPoint};
+use linestereo::{Params, unstable::SUPPORT_PITCH};
 
 /// Largest difference between the disparities of neighbours that agree, px.
 const AGREES: f64 = 1.5;

@@ -11,7 +11,7 @@
 //! A step of 2^31 or more is a step back. At most 65535 segments are held, as many as a head can
 //! promise.
 
-use linestereo::Match;
+use linestereo::results::Match;
 use linestereo_wire::{FrameHead, Segments};
 
 /// A frame as far as it arrived.
@@ -122,15 +122,22 @@ impl Assembler {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::diagnostics::Techniques;
-    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner};
+    use linestereo::Dims;
+    use linestereo::results::{ImagePosition, Owner, Techniques};
+    use linestereo::units::{Confidence, Disparity};
     use linestereo_wire::Health;
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let dims = Dims { width: 64, height: 48 };
         FrameHead {
             segments,
-            ..FrameHead::new(sequence, 0, dims, Health::GOOD, &linestereo::Counts::default())
+            ..FrameHead::new(
+                sequence,
+                0,
+                dims,
+                Health::GOOD,
+                &linestereo::results::Counts::default(),
+            )
         }
     }
 

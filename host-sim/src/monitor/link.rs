@@ -10,11 +10,10 @@ use super::requests::{self, Wanted};
 use super::text;
 use anyhow::{Result, anyhow, bail};
 use core::time::Duration;
-use linestereo::ObjectDepth;
 use linestereo_frames::GrayImage;
 use linestereo_wire::{
-    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, Outcome, Request,
-    SettingValue,
+    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, ObjectRecord,
+    Outcome, Request, SettingValue,
 };
 use std::collections::VecDeque;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -34,7 +33,7 @@ pub enum Event {
     /// A frame, complete or not.
     Frame(Frame),
     /// Depths of the boxes that the board was asked for.
-    Objects(Vec<ObjectDepth>),
+    Objects(Vec<ObjectRecord>),
     /// Both images as the cameras delivered them, before they were rectified.
     Photo([GrayImage; 2]),
     /// A line for people.
@@ -138,9 +137,7 @@ impl Link {
                 return Ok(self.frames.begin(head).map(Event::Frame).collect());
             }
             Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
-            Some(Ok(Message::Objects(objects))) => {
-                Some(Event::Objects(objects.list.iter().map(Into::into).collect()))
-            }
+            Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.to_vec())),
             Some(Ok(Message::Photo(head))) => {
                 self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string()))
             }

@@ -8,7 +8,8 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use core::str::FromStr;
-use linestereo::{Confidence, Depth, Disparity, Margin, Parts};
+use linestereo::params::{Margin, Parts};
+use linestereo::units::{Confidence, Depth, Disparity};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::RigImage;
 use linestereo_wire::{

@@ -6,7 +6,7 @@ use crate::results::health;
 use crate::results::listing::{self, Answers};
 use core::fmt::Write;
 use linestereo::{Dims, ObjectDepth};
-use linestereo_wire::{Counters, Counts, FrameHead, FrameTimes, VERSION};
+use linestereo_wire::{Counters, Counts, FrameHead, FrameTimes, ObjectRecord, VERSION};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
@@ -43,15 +43,16 @@ pub fn line(frame: &Frame, last: Option<u64>) -> String {
 }
 
 /// The depth of an object as one line.
-pub fn object(object: &ObjectDepth) -> String {
-    let label = object.label;
-    let sigma = object.sigma;
-    match (object.disparity, object.depth.and_then(listing::finite_metres)) {
-        (Err(why), _) => format!("object {label}: {why}"),
-        (Ok(_), Some(metres)) => {
-            format!("object {label}: {metres:.2} m, {} segments", object.support)
-        }
-        (Ok(disparity), None) => format!("object {label}: {disparity:.2} px, sigma {sigma:.2} px"),
+pub fn object(record: &ObjectRecord) -> String {
+    let label = record.label;
+    let object = match record.depth() {
+        Ok(object) => object,
+        Err(why) => return format!("object {label}: {why}"),
+    };
+    let ObjectDepth { disparity, sigma, metres, support, .. } = object;
+    match metres.and_then(|metres| listing::finite_metres(metres.depth)) {
+        Some(metres) => format!("object {label}: {metres:.2} m, {support} segments"),
+        None => format!("object {label}: {disparity:.2} px, sigma {sigma:.2} px"),
     }
 }
 

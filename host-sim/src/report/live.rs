@@ -2,7 +2,7 @@
 //! events.
 
 use super::{DRAWING, SHARED_STYLE};
-use linestereo::NoDepth;
+use linestereo::objects::Reason;
 use linestereo_wire::Health;
 use serde_json::json;
 
@@ -13,7 +13,7 @@ const SCRIPT: &str = include_str!("live.js");
 /// styles.
 pub fn page(source: &str, nonce: &str) -> String {
     // Flags and reasons share names.
-    let reasons = NoDepth::ALL.map(|reason| (reason.name(), reason.to_string()));
+    let reasons = Reason::ALL.map(|reason| (reason.name(), reason.to_string()));
     let words =
         json!({"flags": Health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
     let source = source.replace('&', "&amp;").replace('<', "&lt;");

@@ -17,7 +17,8 @@ use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder};
-use linestereo::{Bar, Depth, Match, Rejection, Rig};
+use linestereo::results::{Bar, Match, Rejection};
+use linestereo::{Rig, units::Depth};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
 use serde::Serialize;
@@ -212,7 +213,7 @@ fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
 fn segment(found: &Match, tests: Option<&str>) -> Vec<Value> {
     let [a, b] = found.ends;
     let px = |value: f64| Value::from(hundredths(value));
-    let metres = |ends: Option<[linestereo::Depth; 2]>, i: usize| {
+    let metres = |ends: Option<[linestereo::units::Depth; 2]>, i: usize| {
         Value::from(ends.and_then(|ends| finite_metres(ends[i])).map(thousandths))
     };
     vec![
@@ -255,7 +256,7 @@ fn bar_data(bar: &Bar, rig: Option<Rig>, tests: Option<&str>) -> Vec<Value> {
 
 fn rejected<'a>(lost: &Rejected, tests: Option<&'a str>) -> RejectedData<'a> {
     let [a, b] = lost.ends;
-    let px = |value: linestereo::Position| hundredths(value.to_num());
+    let px = |value: linestereo::units::Position| hundredths(value.to_num());
     (px(a.x), px(a.y), px(b.x), px(b.y), lost.reason as usize, tests)
 }
 

@@ -3,8 +3,9 @@
 
 use core::convert::Infallible;
 use core::fmt::Write;
+use linestereo::health::HealthFlags;
 use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
-use linestereo::{HealthFlags, Match, Point};
+use linestereo::results::{Match, Point};
 use linestereo_mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
 

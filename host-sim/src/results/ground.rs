@@ -1,7 +1,7 @@
 //! The ground plane in JSON and in words: how the cameras stand above it.
 
 use super::directions::five_decimals;
-use linestereo::{Dims, GroundPlane, Rig};
+use linestereo::{Dims, Rig, ground::GroundPlane};
 use serde::Serialize;
 
 /// The ground plane of a pair: `d = down * y + across * x + origin`.

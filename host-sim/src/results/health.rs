@@ -1,8 +1,8 @@
 //! The health of a pair, for people and for JSON.
 
 use crate::engine::FrameResult;
-use linestereo::health::CameraHealth;
-use linestereo::{HealthFlags, Rejection};
+use linestereo::health::{CameraHealth, HealthFlags};
+use linestereo::results::Rejection;
 use linestereo_wire::{Health, PairReport, RangeReport};
 use serde::Serialize;
 

@@ -9,10 +9,11 @@ use super::ground::Ground;
 use crate::engine::FrameResult;
 use crate::results::health;
 use core::fmt::Write;
-use linestereo::{
-    Bar, Depth, Dims, Disparity, INFINITE_DEPTH, ImagePosition, Match, NoDepth, ObjectDepth, Owner,
-    PixelDepth, PixelRejection, Rejection,
+use linestereo::results::{
+    Bar, ImagePosition, Match, Owner, PixelDepth, PixelRejection, Rejection,
 };
+use linestereo::units::{Depth, Disparity, INFINITE_DEPTH};
+use linestereo::{Dims, NoDepth, ObjectDepth};
 use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
 
@@ -125,18 +126,20 @@ pub struct Object {
 
 impl Object {
     /// With the name that the detector gave it.
-    pub fn new(found: &ObjectDepth, name: Option<&str>) -> Self {
+    pub fn new(label: u16, found: &Result<ObjectDepth, NoDepth>, name: Option<&str>) -> Self {
+        let (object, reason) = (found.as_ref().ok(), found.as_ref().err());
+        let metres = object.and_then(|object| object.metres);
         Self {
-            label: found.label,
+            label,
             name: name.map(str::to_owned),
-            disparity_px: found.disparity.ok().map(Disparity::to_num),
-            sigma_px: found.sigma.to_num(),
-            depth_m: found.depth.and_then(finite_metres),
-            sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
-            nearest_m: found.nearest.and_then(finite_metres),
-            support: found.support,
-            confidence: five_decimals(found.confidence.to_num()),
-            reason: found.disparity.err().map(NoDepth::name),
+            disparity_px: object.map(|object| object.disparity.to_num()),
+            sigma_px: object.map_or(0.0, |object| object.sigma.to_num()),
+            depth_m: metres.and_then(|metres| finite_metres(metres.depth)),
+            sigma_m: metres.and_then(|metres| finite_metres(metres.sigma)).unwrap_or(0.0),
+            nearest_m: metres.and_then(|metres| finite_metres(metres.nearest)),
+            support: reason.map_or_else(|| object.map_or(0, |o| o.support), |why| why.support),
+            confidence: object.map_or(0.0, |o| five_decimals(o.confidence.to_num())),
+            reason: reason.map(|why| why.reason.name()),
         }
     }
 }
@@ -324,8 +327,9 @@ fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::diagnostics::Techniques;
-    use linestereo::{Confidence, Point, Position};
+    use linestereo::objects::{ObjectMetres, Reason};
+    use linestereo::results::{Point, Techniques};
+    use linestereo::units::{Confidence, Position};
 
     fn example() -> FrameResult {
         let point =
@@ -349,7 +353,7 @@ mod tests {
             y: 9,
             disparity: Disparity::from_num(10),
             confidence: Confidence::MAX,
-            source: linestereo::Source::Segment(0),
+            source: linestereo::results::Source::Segment(0),
         };
         FrameResult { matches: vec![matched], ..FrameResult::of_points(vec![point]) }
     }
@@ -379,26 +383,21 @@ mod tests {
     #[test]
     fn objects_are_exactly_this() {
         let found = ObjectDepth {
-            label: 3,
-            disparity: Ok(Disparity::from_num(8)),
+            disparity: Disparity::from_num(8),
             sigma: Disparity::from_num(0.25),
             slope_q10: [0; 2],
             spread: Disparity::from_num(1),
-            depth: Some(Depth::from_num(2.5)),
-            depth_sigma: Some(Depth::from_num(0.125)),
-            nearest: Some(Depth::from_num(2.25)),
+            metres: Some(ObjectMetres {
+                depth: Depth::from_num(2.5),
+                sigma: Depth::from_num(0.125),
+                nearest: Depth::from_num(2.25),
+            }),
             support: 7,
             confidence: Confidence::from_num(0.875),
         };
-        let refused = ObjectDepth {
-            disparity: Err(NoDepth::TwoSurfaces),
-            sigma: Disparity::ZERO,
-            depth: None,
-            depth_sigma: None,
-            nearest: None,
-            ..found
-        };
-        let objects = vec![Object::new(&found, Some("cup")), Object::new(&refused, None)];
+        let refused = NoDepth { reason: Reason::TwoSurfaces, support: 7 };
+        let objects =
+            vec![Object::new(3, &Ok(found), Some("cup")), Object::new(3, &Err(refused), None)];
         let answers = Answers { objects: Some(objects), ..Answers::default() };
         let text = json(Dims { width: 64, height: 48 }, &example(), &answers).unwrap();
         let (_, objects) = text.split_once(r#""health":{"flags":[]},"#).unwrap();
@@ -406,7 +405,7 @@ mod tests {
             .to_owned()
             + r#""sigma_m":0.125,"nearest_m":2.25,"support":7,"confidence":0.875,"reason":null},"#
             + r#"{"label":3,"name":null,"disparity_px":null,"sigma_px":0.0,"depth_m":null,"#
-            + r#""sigma_m":0.0,"nearest_m":null,"support":7,"confidence":0.875,"reason":"two_surfaces"}]}"#
+            + r#""sigma_m":0.0,"nearest_m":null,"support":7,"confidence":0.0,"reason":"two_surfaces"}]}"#
             + "\n";
         assert_eq!(objects, expected);
     }

@@ -1,7 +1,7 @@
 //! A flag per pixel: what belongs to an object, on a PC, where memory is no matter.
 
 use linestereo::objects::{Run, Shape};
-use linestereo::{Area, Dims, Region, Span};
+use linestereo::{Area, Dims, Region, image::Span};
 
 /// Pixels of an object, row-major.
 #[derive(Clone, Debug, PartialEq, Eq)]

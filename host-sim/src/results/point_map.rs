@@ -5,7 +5,7 @@ use super::listing::finite_metres;
 use crate::engine::FrameResult;
 use crate::output::png_file;
 use image::ExtendedColorType;
-use linestereo::{Dims, Disparity, Rig};
+use linestereo::{Dims, Rig, units::Disparity};
 
 /// KITTI: stored value = disparity * 256, 0 = none.
 const KITTI_SCALE: f64 = 256.0;

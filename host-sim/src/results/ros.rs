@@ -15,7 +15,8 @@
 
 use super::health;
 use crate::engine::FrameResult;
-use linestereo::{Area, Dims, Disparity, ImagePosition, Params, Position, Rig};
+use linestereo::units::{Disparity, Position};
+use linestereo::{Area, Dims, Params, Rig, results::ImagePosition};
 use linestereo_frames::GrayImage;
 use linestereo_recordings::mcap::Writer;
 use linestereo_recordings::ros::messages::{DisparityImage, Image, RegionOfInterest};
@@ -185,7 +186,7 @@ fn point(rig: &Rig, at: ImagePosition, disparity: Disparity) -> Option<[f64; 3]>
 }
 
 fn points(rig: &Rig, result: &FrameResult) -> Vec<[f32; 4]> {
-    let place = |found: &linestereo::Point| {
+    let place = |found: &linestereo::results::Point| {
         let at = ImagePosition { x: Position::from_num(found.x), y: Position::from_num(found.y) };
         let [x, y, z] = point(rig, at, found.disparity)?.map(|metres| metres as f32);
         Some([x, y, z, found.confidence.to_num()])
@@ -194,7 +195,7 @@ fn points(rig: &Rig, result: &FrameResult) -> Vec<[f32; 4]> {
 }
 
 fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
-    let line = |found: &linestereo::Match| {
+    let line = |found: &linestereo::results::Match| {
         let [start, end] = [0, 1].map(|end| point(rig, found.ends[end], found.disparity[end]));
         Some(Line { ends: [start?, end?], confidence: found.confidence.to_num() })
     };

@@ -3,7 +3,7 @@
 
 use super::geometry::{Pair, Surface, Vector, along, cross, length, unit};
 use super::{Pattern, Scene, Texture};
-use linestereo::{Dims, Owner};
+use linestereo::{Dims, results::Owner};
 
 /// A plane in space by what it looks like: its disparity is linear in the left image.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Vectors, the pair of cameras, and flat surfaces.
 
 use super::texture::Texture;
-use linestereo::{Dims, Rig, RigError};
+use linestereo::{Dims, Rig, params::RigError};
 
 /// Metres: x right, y down, z forward from the left camera.
 pub type Vector = [f64; 3];

@@ -6,17 +6,15 @@
 #![no_std]
 
 use core::panic::PanicInfo;
-use linestereo::diagnostics::StageDigests;
-use linestereo::health::HealthMonitor;
-use linestereo::image::ViewError;
-use linestereo::objects::{LabelRows, Run};
+use linestereo::health::{HealthFlags, HealthLimits, HealthMonitor, PairHealth};
+use linestereo::image::{Span, ViewError};
+use linestereo::objects::{LabelRows, RegionError, Run};
 use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacles, Sector};
-use linestereo::{Area, Capacity, Focus, Matched, Matcher, ObjectDepth, Pair, RegionError, Span, Summary};
-use linestereo::{
-    Counts, Depth, Dims, Disparity, Gray, HealthLimits, PairHealth, ParamError, Params, PixelDepth, PixelRejection,
-    Plan, Region, Rejection, Rig, RigError, RunError,
-};
-use linestereo::{HealthFlags, Match, Point};
+use linestereo::params::{ParamError, RigError};
+use linestereo::results::{Counts, Match, PixelDepth, PixelRejection, Point, Rejection};
+use linestereo::units::{Depth, Disparity};
+use linestereo::unstable::StageDigests;
+use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, NoDepth, ObjectDepth, Options, Params, Region, Rig, RunError};
 use linestereo_rig::{
     Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Lens, Mesh, MeshError, Rectification,
     RectifyError, Remap, RigImage, RigImageError, RowError, View, mesh_nodes,
@@ -75,49 +73,47 @@ pub fn proof_interval(rig: &Rig, disparity: Disparity, nearer: Depth, farther: D
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_plan(params: &Params, dims: Dims) -> Result<Plan, ParamError> {
-    params.plan(dims)
+pub fn proof_check(params: &Params, dims: Dims) -> Result<(), ParamError> {
+    params.check(dims)
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_run<'a>(plan: &Plan, pair: [Gray<'a>; 2], memory: &'a mut BoardMemory) -> Result<Matched<'a>, RunError> {
-    plan.run(pair, memory)
+pub fn proof_matcher(params: &Params, dims: Dims) -> Result<Matcher, ParamError> {
+    Matcher::new(*params, dims)
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_run_on<'a>(
-    plan: &Plan,
-    pair: [Gray<'a>; 2],
-    focus: &Focus<'_>,
+pub fn proof_params(matcher: &mut Matcher, params: &Params, dims: Dims) -> Result<(), ParamError> {
+    matcher.set_params(*params, dims)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_run<'a>(
+    matcher: &mut Matcher,
     memory: &'a mut BoardMemory,
+    [left, right]: [Gray<'a>; 2],
+) -> Result<Matched<'a>, RunError> {
+    matcher.run(memory, left, right)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_run_with<'a>(
+    matcher: &mut Matcher,
+    memory: &'a mut BoardMemory,
+    [left, right]: [Gray<'a>; 2],
+    areas: Option<&[Area]>,
+    times_us: Option<[u64; 2]>,
     digests: &mut StageDigests,
 ) -> Result<Matched<'a>, RunError> {
-    plan.run_on(pair, focus, memory, digests)
-}
-
-#[unsafe(no_mangle)]
-pub fn proof_resume<'a>(
-    plan: &Plan,
-    summary: &Summary,
-    pair: [Gray<'a>; 2],
-    memory: &'a mut BoardMemory,
-) -> Result<Matched<'a>, RunError> {
-    plan.resume(summary, pair, memory)
-}
-
-#[unsafe(no_mangle)]
-pub fn proof_matcher<'a>(
-    matcher: &mut Matcher,
-    pair: Pair<'a>,
-    areas: Option<&[Area]>,
-    memory: &'a mut BoardMemory,
-) -> Result<Matched<'a>, RunError> {
-    matcher.run_with(pair, memory, areas, &mut ())
+    matcher.run_with(memory, left, right, Options { areas, times_us, observer: Some(digests) })
 }
 
 #[unsafe(no_mangle)]
 pub fn proof_points(matched: &mut Matched<'_>, each: fn(Point)) -> usize {
-    matched.points(each);
+    matched.points().for_each(each);
+    for point in matched.points() {
+        each(point);
+    }
     matched.support_points().for_each(each);
     matched.segments().len() + matched.candidates().len()
 }
@@ -131,14 +127,17 @@ pub fn proof_valid<'a>(image: Gray<'a>, usable: &'a [Span]) -> Result<Gray<'a>, 
 pub fn proof_pixel(
     matched: &mut Matched<'_>,
     pixel: (u16, u16),
-    region: Option<&Region<'_>>,
-) -> Result<PixelDepth, PixelRejection> {
-    matched.pixel(pixel, region)
+    region: &Region<'_>,
+) -> [Result<PixelDepth, PixelRejection>; 2] {
+    [matched.pixel(pixel), matched.pixel_of(pixel, region)]
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_objects(matched: &mut Matched<'_>, regions: &[Region<'_>], each: fn(ObjectDepth)) {
-    matched.objects(regions, each);
+pub fn proof_object(
+    matched: &mut Matched<'_>,
+    region: &Region<'_>,
+) -> Result<ObjectDepth, NoDepth> {
+    matched.object(region)
 }
 
 #[unsafe(no_mangle)]
@@ -323,8 +322,8 @@ pub fn proof_end(
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_update(update: &ParamUpdate, params: Params, dims: Dims) -> Result<(Params, Plan), Refusal> {
-    update.plan(params, dims)
+pub fn proof_update(update: &ParamUpdate, params: Params, dims: Dims) -> Result<Params, Refusal> {
+    update.checked(params, dims)
 }
 
 #[unsafe(no_mangle)]
@@ -349,7 +348,7 @@ pub fn proof_send(
     head: &FrameHead,
     matches: &[Match],
     points: &[Point],
-    objects: &[ObjectDepth],
+    objects: &[ObjectRecord],
     mut write: Write,
 ) -> Result<(), SendError<()>> {
     send_frame(head, matches, &mut write)?;
@@ -360,6 +359,6 @@ pub fn proof_send(
 }
 
 #[unsafe(no_mangle)]
-pub fn proof_record(object: &ObjectRecord) -> ObjectDepth {
-    object.into()
+pub fn proof_record(object: &ObjectRecord) -> Result<ObjectDepth, NoDepth> {
+    object.depth()
 }

@@ -10,7 +10,9 @@ mod scenes;
 mod usb;
 
 use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
-use linestereo::{Confidence, Depth, HealthFlags, Margin, Match, Parts};
+use linestereo::params::{Margin, Parts};
+use linestereo::units::{Confidence, Depth};
+use linestereo::{health::HealthFlags, results::Match};
 use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;

@@ -23,5 +23,5 @@ pub extern "C" fn count() -> usize {
 /// True when the core has the kernels of WebAssembly here.
 #[unsafe(no_mangle)]
 pub extern "C" fn has_vectors() -> bool {
-    linestereo::KERNELS == "simd128"
+    linestereo::unstable::KERNELS == "simd128"
 }

@@ -3,8 +3,7 @@
 
 use anyhow::{Context, Result};
 use core::fmt::Write;
-use linestereo::diagnostics::Stage;
-use linestereo::{Dims, Params};
+use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::rectify::{self, BuiltIn};
 use linestereo_frames::statistics::upper_median;
@@ -140,7 +139,7 @@ pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
 
 /// Digests of what this machine rectifies with the built-in rigs in a board's sizes.
 fn rectified_here(board: &Board) -> Result<BTreeMap<String, String>> {
-    let mut workspace = Box::new(rectify::Workspace::new());
+    let mut workspace = Box::new(rectify::RectifyMemory::new());
     let rigs = board.sizes.iter().flat_map(|&dims| BuiltIn::ALL.map(|rig| (rig, dims)));
     let digest = |(rig, dims): (BuiltIn, Dims)| {
         let measured = rectify::measure(&mut workspace, &NoClock, rig, dims);

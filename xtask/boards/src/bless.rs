@@ -14,13 +14,18 @@ pub(crate) fn run(top: &Path, check: bool) -> Result<()> {
     let mut text = String::from(
         "//! Digests of the built-in frames, one per stage and one of what an autopilot gets. Generated \
          on a\n//! PC by `cargo xtask bless`.\n\n\
-         use crate::Board;\nuse linestereo::diagnostics::Stage;\n\n\
+         use crate::Board;\nuse linestereo::unstable::Stage;\n\n\
          /// One digest per stage, and one of what an autopilot gets.\n\
          pub type Digests = [u32; Stage::ALL.len() + 1];\n",
     );
     text.push_str(OF);
-    write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(mps2_an500::Workspace::new()))?;
-    write(&mut text, "QQVGA", &mps2_an386::BOARD, &mut *Box::new(mps2_an386::Workspace::new()))?;
+    write(&mut text, "QVGA", &mps2_an500::BOARD, &mut *Box::new(mps2_an500::BoardMemory::CLEARED))?;
+    write(
+        &mut text,
+        "QQVGA",
+        &mps2_an386::BOARD,
+        &mut *Box::new(mps2_an386::BoardMemory::CLEARED),
+    )?;
     let path = top.join("crates/boards/src/built_in/digests.rs");
     let same = std::fs::read_to_string(&path).is_ok_and(|old| old == text);
     if check {

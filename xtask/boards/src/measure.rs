@@ -6,8 +6,7 @@
 use crate::bench::{self, Autopilot, Builtin, KernelCost, Objects, Rectified};
 use crate::{silicon, sizes};
 use anyhow::{Context, Result, bail};
-use linestereo::diagnostics::Stage;
-use linestereo::{Dims, Params};
+use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;

@@ -7,8 +7,7 @@ mod scene;
 use crate::Board;
 use core::fmt;
 use digests::Digests;
-use linestereo::diagnostics::Stage;
-use linestereo::{Confidence, Dims, Params};
+use linestereo::{Dims, Params, units::Confidence, unstable::Stage};
 pub use scene::Scene;
 
 /// A built-in pair and how to match it.

@@ -2,8 +2,7 @@
 
 use super::{Frame, Object, Objects, ObjectsError, Pixels, reduced};
 use crate::decode::load_values;
-use linestereo::objects::Run;
-use linestereo::{Dims, Span};
+use linestereo::{Dims, image::Span, objects::Run};
 use std::collections::BTreeMap;
 use std::path::Path;
 

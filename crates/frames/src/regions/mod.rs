@@ -29,8 +29,8 @@ mod yolo;
 use crate::error::FrameError;
 use crate::untrusted::{self, OBJECTS_BYTES};
 use core::fmt::Write;
-use linestereo::objects::Run;
-use linestereo::{Area, Dims, Region, RegionError, Span};
+use linestereo::objects::{RegionError, Run};
+use linestereo::{Area, Dims, Region, image::Span};
 use std::io;
 use std::path::{Path, PathBuf};
 

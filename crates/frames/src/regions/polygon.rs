@@ -3,8 +3,7 @@
 
 use super::Why;
 use core::ops::Range;
-use linestereo::objects::Run;
-use linestereo::{Dims, Span};
+use linestereo::{Dims, image::Span, objects::Run};
 
 /// Checks of an outline that need no pixels.
 pub(crate) fn check(parts: &[Vec<[f64; 2]>], dims: Dims) -> Result<(), Why> {

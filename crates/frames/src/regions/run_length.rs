@@ -10,8 +10,7 @@
 
 use super::Why;
 use core::ops::Range;
-use linestereo::objects::Run;
-use linestereo::{Dims, Span};
+use linestereo::{Dims, image::Span, objects::Run};
 
 /// A number has at most so many characters: values are below 2^32.
 const MOST_CHARACTERS: u32 = 7;

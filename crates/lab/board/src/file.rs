@@ -9,7 +9,7 @@
 
 use crate::{GridMemory, Misfit, NO_DISPARITY, Settings, grid_groups};
 use core::fmt;
-use linestereo::diagnostics::Fnv;
+use linestereo::unstable::Fnv;
 use linestereo::{Dims, Gray};
 use linestereo_boards::Board;
 use linestereo_firmware::ports::{ByteSource, Clock};

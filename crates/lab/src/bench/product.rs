@@ -6,8 +6,8 @@ use super::cells::Hypothesis;
 use super::grid::Grid;
 use super::sectors::{self, Answer, Camera, Said};
 use anyhow::{Context, Result, bail};
-use linestereo::obstacles::ObstacleParams;
-use linestereo::{CameraPose, Confidence, Dims, Gray, GroundPlane, Params};
+use linestereo::ground::{CameraPose, GroundPlane};
+use linestereo::{Dims, Gray, Params, Region, obstacles::ObstacleParams, units::Confidence};
 use linestereo_frames::regions::{self, Frame};
 use linestereo_frames::{
     PairFiles, check_same_size, check_size, check_usable, load_images, load_values,
@@ -77,14 +77,13 @@ impl Pair {
         let dims = self.dims()?;
         let objects =
             regions::load(mask, None, Frame { given: dims, matched: dims, image_name: None })?;
-        let regions: Vec<_> =
-            objects.list.iter().filter_map(|object| object.region(dims).ok()).collect();
         let (mut engine, result) = self.run(&Params { max_disparity, ..Params::default() })?;
-        let depths = if is_fit(result.health) { engine.objects(&regions) } else { Vec::new() };
-        Ok(depths
-            .iter()
-            .filter_map(|found| Some((found.label, found.disparity.ok()?.to_num())))
-            .collect())
+        let regions = objects.list.iter().filter_map(|object| object.region(dims).ok());
+        let regions = regions.filter(|_| is_fit(result.health));
+        let depth = |region: Region<'_>| {
+            Some((region.label(), engine.object(&region).ok()?.disparity.to_num()))
+        };
+        Ok(regions.filter_map(depth).collect())
     }
 
     /// Answers for each sector in view.
@@ -106,7 +105,7 @@ impl Pair {
         let (height_m, pitch_deg) = (camera.height_m as f32, camera.pitch_deg as f32);
         let pose = CameraPose { height_m, pitch_deg, roll_deg: camera.roll_deg as f32 };
         let mut engine = Engine::new(&params, dims)?;
-        engine.expect_ground(Some(GroundPlane::of_pose(pose, &numbers.rig()?, dims)?));
+        engine.matcher.expect_ground(Some(GroundPlane::of_pose(pose, &numbers.rig()?, dims)?));
         let result = self.run_by(&mut engine)?;
         let directions = Directions::new(
             plan.on_ground(result.ground),
@@ -139,7 +138,7 @@ pub(crate) fn check(sides: [usize; 2], max_disparity: u16) -> Result<()> {
     if max_disparity >= dims.width {
         bail!("a disparity range of {max_disparity} does not fit images of {dims}");
     }
-    Params { max_disparity, ..Params::default() }.matcher(dims)?;
+    Params { max_disparity, ..Params::default() }.check(dims)?;
     Ok(())
 }
 

@@ -7,7 +7,7 @@ use crate::fitting::{
     EvidenceLog, SceneSamples, fit, fit_pixels, pixel_source_text, scene_samples,
 };
 use anyhow::{Context, Result, bail};
-use linestereo::diagnostics::FITTED_PIXEL;
+use linestereo::unstable::FITTED_PIXEL;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_frames::{Scene, StoredPair};

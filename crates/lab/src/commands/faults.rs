@@ -5,7 +5,7 @@ use crate::evaluate::object_cases;
 use crate::faults::{Damage, Family, FaultReport, Source, Tally, is_asked, score};
 use anyhow::{Context, Result, bail};
 use core::num::NonZeroUsize;
-use linestereo::HealthFlags;
+use linestereo::health::HealthFlags;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::{Scene, StoredPair};
 use linestereo_sim::commands::engine_with;

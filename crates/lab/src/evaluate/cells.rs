@@ -6,7 +6,7 @@
 //! many points it lists. Cells are taken in the order of their probability, those of all frames
 //! together; a cell whose answer has no truth takes its place and is neither right nor wrong.
 
-use linestereo::Point;
+use linestereo::results::Point;
 use linestereo_frames::Truth;
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! The score of one frame.
 
 use super::cells::{CELL, CellAnswers};
-use linestereo::Match;
+use linestereo::results::Match;
 use linestereo_frames::Truth;
 use linestereo_frames::statistics::median;
 use linestereo_sim::engine::FrameResult;
@@ -151,8 +151,9 @@ fn cells(truth: &Truth, result: &FrameResult) -> Vec<CellScore> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use linestereo::diagnostics::Techniques;
-    use linestereo::{Confidence, Dims, Disparity, ImagePosition, Owner, Point, Position};
+    use linestereo::Dims;
+    use linestereo::results::{ImagePosition, Owner, Point, Techniques};
+    use linestereo::units::{Confidence, Disparity, Position};
 
     pub(in crate::evaluate) fn segment(ends: [[f64; 2]; 2], disparity: [f64; 2]) -> Match {
         let point =
@@ -173,7 +174,7 @@ pub(super) mod tests {
     pub(in crate::evaluate) fn answer(x: u16, y: u16, disparity: f64, confidence: f64) -> Point {
         let (disparity, confidence) =
             (Disparity::from_num(disparity), Confidence::from_num(confidence));
-        Point { x, y, disparity, confidence, source: linestereo::Source::Segment(0) }
+        Point { x, y, disparity, confidence, source: linestereo::results::Source::Segment(0) }
     }
 
     pub(in crate::evaluate) fn result(matches: Vec<Match>, points: Vec<Point>) -> FrameResult {

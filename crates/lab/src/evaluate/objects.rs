@@ -6,7 +6,7 @@
 //! the object's own 5-95 % range of true disparities; a covered object has an answer. The masks are
 //! given to the core as they are, 2 px too large and eroded by 2 px.
 
-use linestereo::objects::Run;
+use linestereo::objects::{Reason, Run};
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
 use linestereo_frames::statistics::{interpolated_quantile, median};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
@@ -152,21 +152,22 @@ impl ObjectCase {
 
     /// Scores what the core reports of it.
     #[must_use]
-    pub fn score(&self, found: &ObjectDepth) -> ObjectScore {
+    pub fn score(&self, found: &Result<ObjectDepth, NoDepth>) -> ObjectScore {
         let (low, high) = self.range;
-        let disparity = found.disparity.map(|d| d.to_num::<f32>());
+        let object = found.as_ref().ok();
+        let disparity = object.map(|object| object.disparity.to_num::<f32>());
         ObjectScore {
             name: self.name.clone(),
             outline: self.outline,
-            refused: found.disparity.err(),
+            refused: found.as_ref().err().map(|why| why.reason),
             range: self.range,
             disparity: disparity.unwrap_or(f32::NAN),
-            wrong: disparity.is_ok_and(|d| low - d > WRONG_PX || d - high > WRONG_PX),
+            wrong: disparity.is_some_and(|d| low - d > WRONG_PX || d - high > WRONG_PX),
             error: disparity.map_or(f32::NAN, |d| (d - self.median).abs()),
             relative: disparity.map_or(f32::NAN, |d| (d - self.median).abs() / self.median),
-            sigma: found.sigma.to_num(),
-            confidence: found.confidence.to_num(),
-            support: found.support,
+            sigma: object.map_or(0.0, |object| object.sigma.to_num()),
+            confidence: object.map_or(0.0, |object| object.confidence.to_num()),
+            support: found.as_ref().map_or_else(|why| why.support, |object| object.support),
         }
     }
 }
@@ -179,7 +180,7 @@ pub struct ObjectScore {
     /// Form given to the core.
     pub outline: Outline,
     /// Why there is no answer.
-    pub refused: Option<NoDepth>,
+    pub refused: Option<Reason>,
     /// 5 % and 95 % of the true disparities, px.
     pub range: (f32, f32),
     /// The answer in px; not a number without one, like what follows from it.
@@ -217,8 +218,8 @@ pub struct ObjectSummary {
     pub within_two_sigma: Option<f64>,
     /// Mean probability stated.
     pub mean_confidence: Option<f64>,
-    /// Objects refused for each reason of [`NoDepth::ALL`].
-    pub refused: [usize; NoDepth::ALL.len()],
+    /// Objects refused for each reason of [`Reason::ALL`].
+    pub refused: [usize; Reason::ALL.len()],
 }
 
 impl ObjectSummary {
@@ -244,7 +245,7 @@ impl ObjectSummary {
             within_sigma: share(&|score| score.error <= score.sigma),
             within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
             mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),
-            refused: NoDepth::ALL
+            refused: Reason::ALL
                 .map(|reason| all.iter().filter(|score| score.refused == Some(reason)).count()),
         }
     }
@@ -301,14 +302,11 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
 #[must_use]
 pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase, engine: &mut Engine| {
-        let found = case.region().and_then(|region| engine.objects(&[region]).pop());
-        case.score(&found.unwrap_or(EMPTY))
+        let nothing = NoDepth { reason: Reason::LittleSupport, support: 0 };
+        case.score(&case.region().map_or(Err(nothing), |region| engine.object(&region)))
     };
     cases.iter().map(|case| answer(case, engine)).collect()
 }
-
-/// The answer for a region without pixels.
-const EMPTY: ObjectDepth = ObjectDepth::refused(0, NoDepth::LittleSupport, 0);
 
 /// A case, where the object has any truth.
 fn case(

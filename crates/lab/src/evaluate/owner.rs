@@ -1,6 +1,6 @@
 //! A segment against the truth of the surface that it is said to belong to.
 
-use linestereo::{Match, Owner};
+use linestereo::results::{Match, Owner};
 use linestereo_frames::Truth;
 
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its sides are above and

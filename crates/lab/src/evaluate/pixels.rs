@@ -4,8 +4,8 @@
 //! hidden ones drawn meanwhile are queried too, because a robot does not know which are which.
 
 use core::fmt::Write;
-use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelEvidence};
-use linestereo::{Confidence, PixelRejection};
+use linestereo::unstable::{Model, PIXEL_EVIDENCE, PixelEvidence};
+use linestereo::{results::PixelRejection, units::Confidence};
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::{SplitMix64, Truth};
 use linestereo_sim::engine::Engine;
@@ -48,7 +48,7 @@ pub fn query_pixels(
         let (x, y, disparity) = pixels.swap_remove((random.bits() % pixels.len() as u64) as usize);
         let is_visible = truth.is_visible(x.into(), y.into());
         visible += usize::from(is_visible);
-        let found = engine.matched().pixel_evidence((x, y), None);
+        let found = engine.ask(|matched| matched.pixel_evidence((x, y)));
         let found = found.map(|(d_q6, evidence)| (d_q6 as f32 / 64.0, evidence));
         queried.push(QueriedPixel { x, y, truth: disparity, is_visible, found });
     }

@@ -12,7 +12,7 @@
 use super::{Damage, Evidence, Family};
 use crate::evaluate::{ObjectCase, ObjectScore, Outline, score_objects};
 use core::fmt::Write;
-use linestereo::HealthFlags;
+use linestereo::health::HealthFlags;
 use linestereo_frames::Truth;
 use linestereo_sim::engine::{Engine, FrameResult};
 use serde::Serialize;

@@ -5,7 +5,7 @@ use super::source::{fields, written_by};
 use super::{SIDES_PENALTY, fit_scenes};
 use crate::thin::Told;
 use core::fmt::Write;
-use linestereo::diagnostics::{BAR_EVIDENCE, BarKind, Model};
+use linestereo::unstable::{BAR_EVIDENCE, BarKind, Model};
 use std::collections::BTreeMap;
 
 /// Fits the model on the pixels of bars in front, or of those level with what is around them; each

@@ -6,7 +6,7 @@
 //! Ayer 1955).
 
 use super::sample::Sample;
-use linestereo::diagnostics::NODES;
+use linestereo::unstable::NODES;
 
 /// Half the width of the score interval around a node: whose pixels make its probability, and their
 /// errors its spread.

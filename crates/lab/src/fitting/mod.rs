@@ -18,7 +18,7 @@ pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, add_ground_samples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::diagnostics::{Model, Models, SEGMENT_EVIDENCE, SegmentKind, SupportModels};
+use linestereo::unstable::{Model, Models, SEGMENT_EVIDENCE, SegmentKind, SupportModels};
 use linestereo_sim::engine::FittedModels;
 use logistic::Line;
 use rayon::prelude::*;

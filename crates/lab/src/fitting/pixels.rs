@@ -4,7 +4,7 @@ use super::sample::Sample;
 use super::source::{fields, written_by};
 use super::{SIDES_PENALTY, fit_scenes};
 use crate::evaluate::QueriedPixel;
-use linestereo::diagnostics::{Model, PIXEL_EVIDENCE, PixelKind};
+use linestereo::unstable::{Model, PIXEL_EVIDENCE, PixelKind};
 
 /// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of
 /// each scene by a line fitted on the others.

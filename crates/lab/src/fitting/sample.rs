@@ -1,10 +1,10 @@
 //! Answers with evidence and truth.
 
-use linestereo::diagnostics::{
+use linestereo::unstable::{
     BarEvidence, Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent,
     SupportEvidence, ValidPixels,
 };
-use linestereo::{Params, Support};
+use linestereo::{Params, results::Support};
 use linestereo_frames::Truth;
 use linestereo_sim::engine::Engine;
 
@@ -162,20 +162,12 @@ pub fn scene_samples(
             let Some(side) = side else { continue };
             let known = logged.with_nearby(side.nearby_q8);
             for distance in 0..=REACH {
-                let mut errors: Vec<f32> = Vec::new();
-                candidate.for_each_pixel(
-                    index,
-                    distance,
-                    ValidPixels::whole(dims),
-                    |x, y, d_q6| {
-                        let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
-                        errors.extend(if distance == 0 {
-                            at_edge(x, y, d)
-                        } else {
-                            at_pixel(x, y, d)
-                        });
-                    },
-                );
+                let pixels = candidate.pixels(index, distance, ValidPixels::whole(dims));
+                let errors = pixels.filter_map(|(x, y, d_q6)| {
+                    let (x, y, d) = (i32::from(x), i32::from(y), d_q6 as f32 / 64.0);
+                    if distance == 0 { at_edge(x, y, d) } else { at_pixel(x, y, d) }
+                });
+                let errors: Vec<f32> = errors.collect();
                 if errors.is_empty() {
                     continue;
                 }

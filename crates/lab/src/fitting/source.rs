@@ -2,7 +2,7 @@
 
 use super::names;
 use core::fmt::Write;
-use linestereo::diagnostics::{Model, Models, SupportKind, SupportModels};
+use linestereo::unstable::{Model, Models, SupportKind, SupportModels};
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]

@@ -1,6 +1,7 @@
 //! Result of a dense method: a disparity for each pixel, or none.
 
-use linestereo::{Confidence, Dims, Disparity, Point};
+use linestereo::units::{Confidence, Disparity};
+use linestereo::{Dims, results::Point};
 
 /// Disparities of the left image's pixels.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ impl DisparityMap {
             y: (index / width) as u16,
             disparity: Disparity::saturating_from_num(disparity),
             confidence: Confidence::ZERO,
-            source: linestereo::Source::Side,
+            source: linestereo::results::Source::Side,
         });
         points.collect()
     }

@@ -20,7 +20,8 @@ use crate::evaluate::{
 };
 use anyhow::Result;
 use core::time::Duration;
-use linestereo::{Disparity, NoDepth, ObjectDepth};
+use linestereo::units::{Confidence, Disparity};
+use linestereo::{NoDepth, ObjectDepth, RunError, objects::Reason};
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::{Scene, Truth};
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -116,8 +117,9 @@ pub fn time_scene(
     let mut engine = core(scene)?;
     let (left, right) = (scene.left.view()?, scene.right.view()?);
     let mut times = vec![median_time(|| {
-        let points = |point| _ = core::hint::black_box(point);
-        engine.run_in_place(left, right).map(|mut matched| matched.points(points))
+        let mut matched = engine.run_in_place(left, right)?;
+        matched.points().for_each(|point| _ = core::hint::black_box(point));
+        Ok::<_, RunError>(())
     })?];
     if let Some(opencv) = opencv {
         times.extend(matched_by(opencv, scene, TIMING_RUNS)?.iter().map(|map| map.milliseconds));
@@ -165,13 +167,18 @@ fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
 }
 
 /// A median and how many values it has; nothing is known of its confidence.
-fn median_depth(values: Vec<f32>) -> ObjectDepth {
+fn median_depth(values: Vec<f32>) -> Result<ObjectDepth, NoDepth> {
     let support = u16::try_from(values.len()).unwrap_or(u16::MAX);
-    let nothing = ObjectDepth::refused(0, NoDepth::LittleSupport, support);
     match upper_median(values, f32::total_cmp) {
-        Some(median) if usize::from(support) >= LEAST_DISPARITIES => {
-            ObjectDepth { disparity: Ok(Disparity::saturating_from_num(median)), ..nothing }
-        }
-        _ => nothing,
+        Some(median) if usize::from(support) >= LEAST_DISPARITIES => Ok(ObjectDepth {
+            disparity: Disparity::saturating_from_num(median),
+            sigma: Disparity::ZERO,
+            slope_q10: [0; 2],
+            spread: Disparity::ZERO,
+            metres: None,
+            support,
+            confidence: Confidence::ZERO,
+        }),
+        _ => Err(NoDepth { reason: Reason::LittleSupport, support }),
     }
 }

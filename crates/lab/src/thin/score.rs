@@ -2,9 +2,9 @@
 
 use super::pair::{PastedPair, Pole, percentile};
 use anyhow::Result;
-use linestereo::diagnostics::{BarEvidence, Observer};
-use linestereo::objects::Run;
-use linestereo::{Bar, Params, Point, Region, Span};
+use linestereo::results::{Bar, Point};
+use linestereo::unstable::{BarEvidence, Observer};
+use linestereo::{Params, Region, image::Span, objects::Run};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use std::collections::BTreeMap;
@@ -88,7 +88,7 @@ impl Told {
 }
 
 impl Observer for Log {
-    fn on_event(&mut self, _: linestereo::diagnostics::StageEvent<'_>) {}
+    fn on_event(&mut self, _: linestereo::unstable::StageEvent<'_>) {}
 
     fn bar_evidence(&mut self, index: usize, evidence: &BarEvidence) {
         self.evidence.insert(index, *evidence);
@@ -104,8 +104,10 @@ impl Observer for Log {
 /// Runs the core on a captured pair and judges what it says.
 pub fn judge(pair: &PastedPair, [left, right]: &[GrayImage; 2], has_bars: bool) -> Result<Judged> {
     let params = Params { max_disparity: pair.max_disparity, ..Params::default() };
-    let engine = Engine::new(&params, pair.dims)?;
-    let mut engine = if has_bars { engine } else { engine.without_bars() };
+    let mut engine = Engine::new(&params, pair.dims)?;
+    if !has_bars {
+        engine.matcher.leave_out_bars();
+    }
     let mut log = Log::default();
     let result = engine.run_observed(left.view()?, right.view()?, &mut log)?;
     let map = map_of(pair, &result);
@@ -192,16 +194,11 @@ fn objects(pair: &PastedPair, engine: &mut Engine) -> Result<BTreeMap<u16, f64>>
         }
     }
     runs.retain(|run| run.label > 0);
-    let mut regions = Vec::new();
-    for number in (1..).take(pair.poles.len()) {
-        // A later pole may cover it.
-        regions.extend(Region::masked(number, &runs, pair.dims).ok());
-    }
-    let found = engine.objects(&regions);
-    Ok(found
-        .iter()
-        .filter_map(|object| Some((object.label, object.disparity.ok()?.to_num())))
-        .collect())
+    let depth = |number: u16| {
+        let region = Region::masked(number, &runs, pair.dims).ok()?; // a later pole may cover it
+        Some((number, engine.object(&region).ok()?.disparity.to_num()))
+    };
+    Ok((1..).take(pair.poles.len()).filter_map(depth).collect())
 }
 
 fn toll(pair: &PastedPair, map: &[f64]) -> Toll {

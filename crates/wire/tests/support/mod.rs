@@ -1,11 +1,9 @@
 //! Records with ordinary and with extreme numbers, and a seeded source of bytes.
 
-use linestereo::diagnostics::Techniques;
 use linestereo::health::{CameraHealth, Rows, Skewed, Still, Tear};
-use linestereo::{
-    Confidence, Depth, Disparity, INFINITE_DEPTH, ImagePosition, Margin, Match, Owner, Parts,
-    Point, Position, Source,
-};
+use linestereo::params::{Margin, Parts};
+use linestereo::results::{ImagePosition, Match, Owner, Point, Source, Techniques};
+use linestereo::units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 use linestereo_rig::RigImage;
 use linestereo_wire::*;
 

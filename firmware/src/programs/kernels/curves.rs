@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Rooms, range};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::{LANES, STRIP, Strip, portable};
+use linestereo::unstable::kernel::{LANES, STRIP, Strip, portable};
 
 /// Lengths of cost curves: whole blocks, and such that are none.
 fn curve_lengths() -> impl Iterator<Item = usize> {

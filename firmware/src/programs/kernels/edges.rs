@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, Rooms, range};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::portable;
+use linestereo::unstable::kernel::portable;
 
 pub(super) fn largest_steps(
     kernels: &Kernels,

@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, range};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::{GRADIENTS, Products, RIGHT_GRADIENTS, portable};
+use linestereo::unstable::kernel::{GRADIENTS, Products, RIGHT_GRADIENTS, portable};
 
 pub(super) fn products(
     kernels: &Kernels,

@@ -37,7 +37,7 @@ mod support;
 pub use rooms::Rooms;
 
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::{
+use linestereo::unstable::kernel::{
     self, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, GRADIENTS, Knot, LargestStep,
     Products, RIGHT_GRADIENTS, RUN_PIXELS, Ring, Run, STRIP, Strip, portable,
 };

@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, UNTOUCHED, range, same};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::{CELL, Knot, Ring, Run, columns, portable};
+use linestereo::unstable::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
 /// Most runs of one list here.
 const MOST: usize = 5;

@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, UNTOUCHED, range, same};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::portable;
+use linestereo::unstable::kernel::portable;
 
 /// A kernel that computes a row from three, at every width; then with rows that are not equally
 /// long.

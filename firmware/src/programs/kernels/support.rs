@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, range, same};
 use super::{Compared, Kernels};
 use crate::programs::random::Random;
-use linestereo::diagnostics::kernel::{CODE_ROWS, STRIP, portable};
+use linestereo::unstable::kernel::{CODE_ROWS, STRIP, portable};
 
 /// Lengths of curves of bytes: all short ones, and some up to the longest.
 fn lengths() -> impl Iterator<Item = usize> {

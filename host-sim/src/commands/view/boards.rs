@@ -14,11 +14,11 @@ use crate::results::listing;
 use crate::serve::Server;
 use anyhow::{Result, bail};
 use core::time::Duration;
-use linestereo::{Dims, ObjectDepth};
+use linestereo::Dims;
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::GrayImage;
 use linestereo_rig::CameraSide;
-use linestereo_wire::{RegionBox, Regions, Request};
+use linestereo_wire::{ObjectRecord, RegionBox, Regions, Request};
 use serde_json::json;
 use std::path::Path;
 use std::thread;
@@ -230,13 +230,16 @@ impl Show<'_> {
     }
 
     /// Depths by the board, of the visitors' boxes by their labels, or of those of --send.
-    fn objects(&self, list: &[ObjectDepth]) {
-        let objects: Vec<_> = list.iter().map(|depth| listing::Object::new(depth, None)).collect();
+    fn objects(&self, list: &[ObjectRecord]) {
+        let objects: Vec<_> = list
+            .iter()
+            .map(|record| listing::Object::new(record.label, &record.depth(), None))
+            .collect();
         let boxes: Vec<_> = list
             .iter()
-            .filter_map(|depth| self.asked.boxes.get(usize::from(depth.label)))
+            .filter_map(|record| self.asked.boxes.get(usize::from(record.label)))
             .collect();
-        let has_metres = list.iter().any(|depth| depth.depth.is_some());
+        let has_metres = list.iter().any(|record| record.depth_q16.is_some());
         let told = json!({"boxes": boxes, "objects": objects, "rig": has_metres});
         self.server.send("objects", &[("objects", told.to_string())]);
     }

@@ -146,15 +146,14 @@ impl Show<'_> {
     fn answers(&mut self) -> Option<String> {
         let (setup, matcher) = self.player.at_hand().filter(|_| self.is_matched)?;
         let dims = setup.dims();
-        let region = |(&asked, label): (&AskedBox, u16)| {
+        let answer = |(&asked, label): (&AskedBox, u16)| {
             let [left, top, right, bottom] = asked;
-            Some((asked, Region::boxed(label, Area { left, top, right, bottom }, dims).ok()?))
+            let region = Region::boxed(label, Area { left, top, right, bottom }, dims).ok()?;
+            let found = matcher.engine.object(&region);
+            Some((asked, listing::Object::new(label, &found, None)))
         };
-        let (boxes, regions): (Vec<_>, Vec<_>) =
-            self.asked.boxes.iter().zip(0..).filter_map(region).unzip();
-        let depths = matcher.engine.objects(&regions);
-        let objects: Vec<_> =
-            depths.iter().map(|depth| listing::Object::new(depth, None)).collect();
+        let (boxes, objects): (Vec<_>, Vec<_>) =
+            self.asked.boxes.iter().zip(0..).filter_map(answer).unzip();
         let has_metres = setup.params.rig.is_some();
         Some(json!({"boxes": boxes, "objects": objects, "rig": has_metres}).to_string())
     }

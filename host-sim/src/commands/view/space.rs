@@ -5,8 +5,10 @@ use crate::commands::input::Setup;
 use crate::results::directions::Directions;
 use crate::serve::Event;
 use anyhow::Result;
-use linestereo::obstacles::ObstaclePlan;
-use linestereo::{Dims, Disparity, GroundPlane, ImagePosition, Match, Params, Point, Rig};
+use linestereo::results::{ImagePosition, Match, Point};
+use linestereo::{
+    Dims, Params, Rig, ground::GroundPlane, obstacles::ObstaclePlan, units::Disparity,
+};
 use linestereo_wire::Health;
 use serde_json::{Value, json};
 

@@ -3,9 +3,11 @@
 
 use super::super::{Run, hex, host, rig};
 use super::{execute, frames};
-use linestereo::{Confidence, Depth, Dims, Disparity, Margin, Match, Parts};
+use linestereo::params::{Margin, Parts};
+use linestereo::units::{Confidence, Depth, Disparity};
+use linestereo::{Dims, Options, results::Match};
 use linestereo_boards::Board;
-use linestereo_firmware::boards::stm32h743::Workspace;
+use linestereo_firmware::boards::stm32h743::BoardMemory;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_frames::Truth;
@@ -400,7 +402,7 @@ pub(super) static SCENES: LazyLock<Option<Run>> = LazyLock::new(|| {
 
 /// The board's memory and session on this machine.
 struct Twin {
-    memory: Box<Workspace>,
+    memory: Box<BoardMemory>,
     session: Session<'static>,
     pairs: u8,
 }
@@ -408,7 +410,7 @@ struct Twin {
 impl Twin {
     fn new() -> Self {
         Self {
-            memory: Box::new(Workspace::new()),
+            memory: Box::new(BoardMemory::CLEARED),
             session: Session::new(Board::STM32H743),
             pairs: 0,
         }
@@ -432,10 +434,11 @@ impl Twin {
             }
         }
         let areas = self.session.areas();
+        let options = Options { areas: areas.as_deref(), ..Options::default() };
         let matcher = self.session.matcher(dims).unwrap();
-        let mut matched = self.memory.run(matcher, areas.as_deref(), None, &mut ()).unwrap();
+        let mut matched = self.memory.run(matcher, options).unwrap();
         let objects = self.session.objects(&mut matched);
-        (matched.segments().to_vec(), objects.iter().map(ObjectRecord::from).collect())
+        (matched.segments().to_vec(), objects.to_vec())
     }
 }
 
