@@ -164,8 +164,7 @@ impl<'a> Run<'_, 'a> {
         let grid = Grid::new(&params, dims);
         let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
         let (half, noise) = (Grid::of_halves(&params, dims), support::Noise::of(images));
-        let row_offset = summary.row_offset();
-        let wants_curves = observer.wants_curves();
+        let (row_offset, wants_curves) = (summary.row_offset(), observer.wants_curves());
         let matching = support::Matching {
             images,
             grid,

@@ -21,8 +21,8 @@ pub const fn capacity(board: &Board) -> Capacity {
     Capacity { segments: board.segments as u16, ..Capacity::new(board.largest) }
 }
 
-/// All memory of one board that depends on the size of frames: `C` is the core's, `R` what rectifies
-/// a camera's rows. All zero when new, so that it takes no flash.
+/// All memory of one board that depends on the size of frames: `C` is the core's, `R` rectifies a
+/// camera's rows. All zero when new, so that it takes no flash.
 #[derive(Debug)]
 pub struct BoardMemory<const PIXELS: usize, const RAW_ROW: usize, C, R> {
     left: [u8; PIXELS],

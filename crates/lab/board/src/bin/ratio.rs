@@ -62,7 +62,7 @@ fn main() -> Result<()> {
     println!("{:20} {:>8} {usual:>16.2} {strict:>16.2}", "core = 1", "1.00");
     println!(
         "bytes beside the frames: core {} + stack {core_stack}, blocks {} + stack {stack}",
-        mps2_an500::Workspace::CORE,
+        mps2_an500::BoardMemory::CORE,
         Matcher::BYTES
     );
     println!("every digest is the PC's");
