@@ -22,7 +22,7 @@ use crate::support::{self, Grid, Support};
 
 /// Columns between two scans for the near-horizontal edges of the right image, not all of which are
 /// needed.
-const RIGHT_SCAN_STEP: i32 = 6 * lines::SCAN_STEP;
+const RIGHT_SCAN_STEP: i32 = 3 * lines::SCAN_STEP;
 
 /// A run: the pair, and all that its stages read of the caller.
 pub(crate) struct Run<'r, 'a> {

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! cost of eight columns around the edge at three of its rows, everywhere up to 96 px away
-//! alike: a minimum of at most 0.7 of the edge's own gradients
+//! alike: a minimum of at most 0.4 of the edge's own gradients
 //! four places in a row at one distance from each other, the edge itself among them: it repeats
 //! ```
 //!
@@ -29,7 +29,7 @@ const ROWS: i32 = 3;
 /// First column compared, relative to the edge.
 const FIRST_COLUMN: i32 = -4;
 /// Largest cost of a place that is alike, of the edge's own gradients, Q8.
-const ALIKE_Q8: u32 = 180;
+const ALIKE_Q8: u32 = 102;
 /// Places at equal distances that repeat.
 const RUN: i32 = 4;
 /// Deviation from equal distances, px.

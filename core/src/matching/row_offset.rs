@@ -27,7 +27,7 @@ pub(crate) const LIMIT_Q5: i16 = 64;
 /// Pixels of the image for each comparison.
 const PIXELS_A_COMPARISON: u32 = 6;
 /// Least votes in the cluster.
-const MIN_VOTES: u32 = 6;
+const MIN_VOTES: u32 = 8;
 
 /// Row offset of the right image against the left, 1/32 px, `None` when the votes do not determine
 /// it; and the number of left segments that were not compared, because an image of so many `pixels`
