@@ -2,7 +2,7 @@
 //! PC by `cargo xtask bless`.
 
 use crate::Board;
-use linestereo::diagnostics::Stage;
+use linestereo::unstable::Stage;
 
 /// One digest per stage, and one of what an autopilot gets.
 pub type Digests = [u32; Stage::ALL.len() + 1];
