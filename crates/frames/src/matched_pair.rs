@@ -68,7 +68,7 @@ pub fn memory(words: &mut Vec<MaybeUninit<u64>>, dims: Dims) -> &mut MemorySlice
 /// A pair that cannot be matched.
 #[derive(Debug, thiserror::Error)]
 pub enum MatchError {
-    /// What was given is no image.
+    /// Pixels or a size that are no image.
     #[error(transparent)]
     View(#[from] ViewError),
     /// It is not of the planned size.
@@ -91,7 +91,7 @@ impl MatchedPair {
     /// Matches a pair.
     ///
     /// # Errors
-    /// What was given is no image, or not of the matcher's size.
+    /// Pixels that are no image, or one that is not of the matcher's size.
     pub fn run(
         matcher: &mut Matcher,
         buffers: PairBuffers,
@@ -101,7 +101,7 @@ impl MatchedPair {
         Cell::try_new(buffers, |buffers| buffers.borrow_mut().run(matcher, options)).map(Self)
     }
 
-    /// What is known of it.
+    /// The results of the pair.
     #[must_use]
     pub fn get(&self) -> &Matched<'_> {
         self.0.borrow_dependent()
