@@ -34,7 +34,8 @@ impl Rig {
         disparity_offset_px: f32,
         principal_point_px: Option<[f32; 2]>,
     ) -> PyResult<Self> {
-        let mut rig = linestereo::Rig::new(focal_px, baseline_m, disparity_offset_px).map_err(refused)?;
+        let mut rig =
+            linestereo::Rig::new(focal_px, baseline_m, disparity_offset_px).map_err(refused)?;
         if let Some(point) = principal_point_px {
             rig = rig.with_principal_point(point).map_err(refused)?;
         }
@@ -95,7 +96,9 @@ impl Unit {
             Self::SquareMm(millimetres) if (0.1..=10_000.0).contains(&millimetres) => {
                 Ok(TranslationUnit::Squares { millimetres })
             }
-            _ => Err(PyValueError::new_err("translation_unit is \"m\", \"mm\", or the side of the board's squares in mm")),
+            _ => Err(PyValueError::new_err(
+                "translation_unit is \"m\", \"mm\", or the side of the board's squares in mm",
+            )),
         }
     }
 }
@@ -128,7 +131,8 @@ impl Calibration {
         let range = linestereo::Params::DEFAULT;
         let most = linestereo::Params::default_max_disparity(dims.width);
         let view = focal_px.map_or(View::Alpha(alpha), View::Focal);
-        let image = RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
+        let image =
+            RigImage::new(calibration, dims, view, (range.min_disparity, most)).map_err(refused)?;
         Ok(Self { notes, ..Self::of(image)? })
     }
 
@@ -195,7 +199,11 @@ impl Calibration {
 
     fn __repr__(&self) -> PyResult<String> {
         let rig = self.rig()?.__repr__();
-        Ok(format!("Calibration(raw_size={:?}, size={:?}, rig={rig})", self.raw_size(), self.size()))
+        Ok(format!(
+            "Calibration(raw_size={:?}, size={:?}, rig={rig})",
+            self.raw_size(),
+            self.size()
+        ))
     }
 }
 
@@ -203,7 +211,13 @@ impl Calibration {
     fn of(image: RigImage) -> PyResult<Self> {
         let rectifier = PairRectifier::new(image.remap()).map_err(refused)?;
         let usable = CameraSide::BOTH.map(|eye| rectifier.facts(eye).usable);
-        Ok(Self { rig: image.remap().rig().map_err(refused)?, image, usable, rectifier, notes: Vec::new() })
+        Ok(Self {
+            rig: image.remap().rig().map_err(refused)?,
+            image,
+            usable,
+            rectifier,
+            notes: Vec::new(),
+        })
     }
 
     pub(crate) fn pair(&mut self, [left, right]: &[GrayImage; 2]) -> PyResult<[GrayImage; 2]> {
@@ -215,7 +229,10 @@ impl Calibration {
     }
 }
 
-fn array(py: Python<'_>, GrayImage { dims, pixels }: GrayImage) -> PyResult<Bound<'_, PyArray2<u8>>> {
+fn array(
+    py: Python<'_>,
+    GrayImage { dims, pixels }: GrayImage,
+) -> PyResult<Bound<'_, PyArray2<u8>>> {
     let shape = (usize::from(dims.height), usize::from(dims.width));
     Ok(Array2::from_shape_vec(shape, pixels).map_err(refused)?.into_pyarray(py))
 }

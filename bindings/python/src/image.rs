@@ -9,7 +9,9 @@ use pyo3::prelude::*;
 
 /// An array of shape (rows, columns) and dtype uint8, with any strides.
 pub(crate) fn grey(array: &Bound<'_, PyAny>, name: &str) -> PyResult<GrayImage> {
-    let Ok(pixels) = array.extract::<PyReadonlyArray2<'_, u8>>() else { return Err(refusal(array, name)) };
+    let Ok(pixels) = array.extract::<PyReadonlyArray2<'_, u8>>() else {
+        return Err(refusal(array, name));
+    };
     let view = pixels.as_array();
     let (height, width) = view.dim();
     let side = |side: usize| u16::try_from(side).unwrap_or(u16::MAX);
@@ -22,7 +24,8 @@ pub(crate) fn grey(array: &Bound<'_, PyAny>, name: &str) -> PyResult<GrayImage> 
         }
     }
     // Checked here, where the name is known.
-    Gray::new(&pixels, dims, dims.width.into()).map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
+    Gray::new(&pixels, dims, dims.width.into())
+        .map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
     Ok(GrayImage { dims, pixels })
 }
 
@@ -58,6 +61,7 @@ fn conversion(kind: &str) -> &'static str {
 
 /// The core's view of an image, and of its valid pixels where they are not all.
 pub(crate) fn view<'a>(image: &'a GrayImage, valid: &'a [Span]) -> PyResult<Gray<'a>> {
-    let view = Gray::new(&image.pixels, image.dims, image.dims.width.into()).map_err(crate::refused)?;
+    let view =
+        Gray::new(&image.pixels, image.dims, image.dims.width.into()).map_err(crate::refused)?;
     if valid.is_empty() { Ok(view) } else { view.with_valid(valid).map_err(crate::refused) }
 }

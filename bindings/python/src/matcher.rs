@@ -4,9 +4,9 @@ use crate::calibration::{Calibration, Rig};
 use crate::image::{grey, view};
 use crate::records::{self, Answer};
 use crate::refused;
-use linestereo::image::{shrink_to_valid, Span};
-use linestereo::units::{Disparity, Position};
+use linestereo::image::{Span, shrink_to_valid};
 use linestereo::results::ImagePosition;
+use linestereo::units::{Disparity, Position};
 use linestereo::{Area, Dims, Matched, Options, Params, Region, objects::Run};
 use linestereo_frames::{GrayImage, MatchedPair, PairBuffers};
 use numpy::ndarray::Array2;
@@ -72,7 +72,9 @@ impl PyMatcher {
         let mut usable = [Vec::new(), Vec::new()];
         for ((spans, given), image) in usable.iter_mut().zip(valid).zip(&images) {
             let Some(given) = given else { continue };
-            spans.extend(given.as_array().rows().into_iter().map(|row| Span { start: row[0], end: row[1] }));
+            spans.extend(
+                given.as_array().rows().into_iter().map(|row| Span { start: row[0], end: row[1] }),
+            );
             shrink_to_valid(spans, image.dims.width);
             view(image, spans)?;
         }
@@ -98,12 +100,16 @@ impl PyMatcher {
             if self.takes_what_fits {
                 self.params.max_disparity = Params::default_max_disparity(dims.width);
             }
-            self.state = Some((dims, linestereo::Matcher::new(self.params, dims).map_err(refused)?));
+            self.state =
+                Some((dims, linestereo::Matcher::new(self.params, dims).map_err(refused)?));
         }
-        let Some((_, matcher)) = &mut self.state else { return Err(PyValueError::new_err("no matcher")) };
+        let Some((_, matcher)) = &mut self.state else {
+            return Err(PyValueError::new_err("no matcher"));
+        };
         let start = Instant::now();
         let options = Options { times_us, ..Options::default() };
-        let mut pair = MatchedPair::run(matcher, PairBuffers::new(images, usable), options).map_err(refused)?;
+        let mut pair = MatchedPair::run(matcher, PairBuffers::new(images, usable), options)
+            .map_err(refused)?;
         let points: Vec<_> = pair.ask(|matched| matched.points().collect());
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
         let (mut segments, mut bars) = (Vec::new(), Vec::new());
@@ -178,17 +184,27 @@ impl PyMatched {
     }
 
     /// Places of these points in space, three numbers of m each; not a number where there is none.
-    fn xyz<'py>(&self, py: Python<'py>, points: PyReadonlyArray2<'_, f32>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    fn xyz<'py>(
+        &self,
+        py: Python<'py>,
+        points: PyReadonlyArray2<'_, f32>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let Some(rig) = self.rig else {
-            return Err(PyValueError::new_err("places in space need a rig; give rig=linestereo.Rig(..) to the matcher"));
+            return Err(PyValueError::new_err(
+                "places in space need a rig; give rig=linestereo.Rig(..) to the matcher",
+            ));
         };
         let (rig, points) = (rig.centred(self.dims()), points.as_array());
         let place = |[x, y, disparity]: [f32; 3]| {
-            let at = ImagePosition { x: Position::saturating_from_num(x), y: Position::saturating_from_num(y) };
+            let at = ImagePosition {
+                x: Position::saturating_from_num(x),
+                y: Position::saturating_from_num(y),
+            };
             let found = rig.xyz(at, Disparity::saturating_from_num(disparity));
             found.map_or([f64::NAN; 3], |place| place.map(|metres| metres.to_num()))
         };
-        let places = points.rows().into_iter().flat_map(|row| place([row[0], row[1], row[2]])).collect();
+        let places =
+            points.rows().into_iter().flat_map(|row| place([row[0], row[1], row[2]])).collect();
         Ok(Array2::from_shape_vec((points.nrows(), 3), places).map_err(refused)?.into_pyarray(py))
     }
 
@@ -200,25 +216,36 @@ impl PyMatched {
             let wrong = |what: &str| PyValueError::new_err(format!("boxes[{index}]: {what}"));
             let area = nearest_area([row[0], row[1], row[2], row[3]], dims).map_err(wrong)?;
             let label = u16::try_from(index).map_err(|_| wrong("more than 65535 boxes"))?;
-            regions.push(Region::boxed(label, area, dims).map_err(|error| wrong(&error.to_string()))?);
+            regions
+                .push(Region::boxed(label, area, dims).map_err(|error| wrong(&error.to_string()))?);
         }
         Ok(py.detach(|| self.answers(&regions)))
     }
 
     /// Of an image of labels, 0 for what is no object.
-    fn labels(&mut self, py: Python<'_>, labels: PyReadonlyArray2<'_, u16>) -> PyResult<Vec<Answer>> {
+    fn labels(
+        &mut self,
+        py: Python<'_>,
+        labels: PyReadonlyArray2<'_, u16>,
+    ) -> PyResult<Vec<Answer>> {
         let labels = labels.as_array();
         let dims = self.dims();
         if labels.dim() != (dims.height.into(), dims.width.into()) {
             let (rows, columns) = labels.dim();
-            return Err(PyValueError::new_err(format!("a mask is {columns}x{rows}, the pair {dims}")));
+            return Err(PyValueError::new_err(format!(
+                "a mask is {columns}x{rows}, the pair {dims}"
+            )));
         }
         let mut runs: Vec<Run> = Vec::new();
         for (y, row) in (0..dims.height).zip(labels.rows()) {
             for (x, &label) in (0..dims.width).zip(row) {
                 match runs.last_mut() {
-                    Some(run) if run.label == label && run.y == y && run.span.end == x => run.span.end = x + 1,
-                    _ if label > 0 => runs.push(Run { label, y, span: Span { start: x, end: x + 1 } }),
+                    Some(run) if run.label == label && run.y == y && run.span.end == x => {
+                        run.span.end = x + 1
+                    }
+                    _ if label > 0 => {
+                        runs.push(Run { label, y, span: Span { start: x, end: x + 1 } })
+                    }
                     _ => {}
                 }
             }

@@ -1,12 +1,17 @@
 //! Results as bytes of structured arrays, whose dtypes stand in `python/linestereo/__init__.py`.
 
-use linestereo::results::{Bar, ImagePosition, Match, Owner, PixelDepth, PixelRejection, Point, Source};
+use linestereo::results::{
+    Bar, ImagePosition, Match, Owner, PixelDepth, PixelRejection, Point, Source,
+};
 use linestereo::units::{Depth, Disparity, INFINITE_DEPTH};
 use linestereo::{NoDepth, ObjectDepth, Params, Rig};
 
 /// Metres: infinite where the core says so, not a number without a rig.
 fn metres(depth: Option<Depth>) -> f64 {
-    depth.map_or(f64::NAN, |depth| if depth == INFINITE_DEPTH { f64::INFINITY } else { depth.to_num() })
+    depth.map_or(
+        f64::NAN,
+        |depth| if depth == INFINITE_DEPTH { f64::INFINITY } else { depth.to_num() },
+    )
 }
 
 fn pixels(disparity: Disparity) -> [u8; 4] {
@@ -24,7 +29,8 @@ struct Depths {
 impl Depths {
     fn depth(&mut self, disparity: Disparity) -> f64 {
         let find = || metres(Some(self.rig.depth(disparity)));
-        let known = usize::try_from(disparity.to_bits()).ok().and_then(|index| self.known.get_mut(index));
+        let known =
+            usize::try_from(disparity.to_bits()).ok().and_then(|index| self.known.get_mut(index));
         known.map_or_else(find, |known| *known.get_or_insert_with(find))
     }
 }
@@ -95,11 +101,13 @@ fn push_depths(bytes: &mut Vec<u8>, depth: Option<[Depth; 2]>, depth_sigma: Opti
     }
 }
 
-const _: () = assert!(Owner::Left as u32 == 0 && Owner::Right as u32 == 1 && Owner::Both as u32 == 2);
+const _: () =
+    assert!(Owner::Left as u32 == 0 && Owner::Right as u32 == 1 && Owner::Both as u32 == 2);
 
 /// Disparity, sigma, depth, its sigma, nearest depth, support, confidence, and the reason where
 /// there is no disparity.
-pub(crate) type Answer = (u16, Option<f64>, f64, f64, f64, f64, u16, f64, Option<(&'static str, String)>);
+pub(crate) type Answer =
+    (u16, Option<f64>, f64, f64, f64, f64, u16, f64, Option<(&'static str, String)>);
 
 pub(crate) fn of_object(label: u16, found: &Result<ObjectDepth, NoDepth>) -> Answer {
     let found = match found {

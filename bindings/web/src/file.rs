@@ -1,7 +1,7 @@
 //! PNG of every kind, and binary PGM and PPM of 8 bits, to grey as the PC reads them.
 
-use linestereo_frames::grey::{StoredGray, Values, luma};
 use crate::{IMAGE_BYTES, dims_of};
+use linestereo_frames::grey::{StoredGray, Values, luma};
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 use std::io::Cursor;
 
@@ -11,11 +11,16 @@ pub fn read(bytes: &[u8]) -> Result<StoredGray, String> {
         [b'P', b'5', ..] => plain(bytes, 1).ok_or_else(broken_plain),
         [b'P', b'6', ..] => plain(bytes, 3).ok_or_else(broken_plain),
         [0x89, b'P', b'N', b'G', ..] => png(bytes).map_err(|what| match what {
-            png::DecodingError::LimitsExceeded => "an image of more than 128 MiB of pixels is not read; give a smaller one".to_owned(),
+            png::DecodingError::LimitsExceeded => {
+                "an image of more than 128 MiB of pixels is not read; give a smaller one".to_owned()
+            }
             // Its own words would cost the page 3 KB.
             _ => "a damaged PNG; give another file".to_owned(),
         })?,
-        _ => Err("not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG".to_owned()),
+        _ => Err(
+            "not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG"
+                .to_owned(),
+        ),
     }
 }
 
@@ -42,7 +47,10 @@ fn plain(bytes: &[u8], channels: usize) -> Option<StoredGray> {
     let dims = dims_of(width, height).ok().filter(|_| largest == 255)?;
     let count = usize::from(dims.width) * usize::from(dims.height);
     let values = bytes.get(at + 1..at + 1 + count * channels)?;
-    Some(StoredGray { dims, values: Values::Eight(grey(values, channels, |value| u32::from(value), |grey| grey as u8)) })
+    Some(StoredGray {
+        dims,
+        values: Values::Eight(grey(values, channels, |value| u32::from(value), |grey| grey as u8)),
+    })
 }
 
 /// A refusal inside, since a text is none of the decoder's errors.
@@ -75,7 +83,12 @@ fn png(bytes: &[u8]) -> Result<Result<StoredGray, String>, png::DecodingError> {
 
 /// The grey of pixels of so many channels: one or two are grey, with transparency, three or four
 /// colour.
-fn grey<T: Copy>(values: &[T], channels: usize, wide: impl Fn(T) -> u32, narrow: impl Fn(u16) -> T) -> Vec<T> {
+fn grey<T: Copy>(
+    values: &[T],
+    channels: usize,
+    wide: impl Fn(T) -> u32,
+    narrow: impl Fn(u16) -> T,
+) -> Vec<T> {
     let pixels = values.chunks_exact(channels);
     if channels < 3 {
         return pixels.map(|pixel| pixel[0]).collect();
@@ -86,7 +99,9 @@ fn grey<T: Copy>(values: &[T], channels: usize, wide: impl Fn(T) -> u32, narrow:
 /// The entry of the orientation, a short number, in either order of bytes, is another than 1.
 fn is_turned(exif: &[u8]) -> bool {
     exif.windows(10).any(|entry| match entry {
-        [0x12, 0x01, 3, 0, 1, 0, 0, 0, value, 0] | [0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, value] => (2..=8).contains(value),
+        [0x12, 0x01, 3, 0, 1, 0, 0, 0, value, 0] | [0x01, 0x12, 0, 3, 0, 0, 0, 1, 0, value] => {
+            (2..=8).contains(value)
+        }
         _ => false,
     })
 }

@@ -71,8 +71,10 @@ pub extern "C" fn add_pixels(width: u32, height: u32) -> bool {
     done(|state| {
         let dims = dims_of(width, height)?;
         let (pixels, _) = state.room.as_chunks::<4>();
-        let values: Vec<u8> =
-            pixels.iter().map(|&[red, green, blue, _]| luma([red, green, blue].map(u32::from)) as u8).collect();
+        let values: Vec<u8> = pixels
+            .iter()
+            .map(|&[red, green, blue, _]| luma([red, green, blue].map(u32::from)) as u8)
+            .collect();
         if values.len() != usize::from(dims.width) * usize::from(dims.height) {
             return Err("the pixels are not of this size".to_owned());
         }
@@ -91,20 +93,29 @@ pub extern "C" fn pair(width: u32, holds_both: bool) -> bool {
         let mut grey = added.into_iter().map(|image| image.into_8_bit(bits));
         let [left, right] = match [grey.next(), grey.next()] {
             [Some(left), Some(right)] => [left, right],
-            [Some(both), _] if holds_both || both.dims.width / 2 >= both.dims.height => halves(&both),
+            [Some(both), _] if holds_both || both.dims.width / 2 >= both.dims.height => {
+                halves(&both)
+            }
             [Some(GrayImage { dims, .. }), _] => {
-                return Err(format!("one image of {dims} is no pair; give the other one too, or say that it holds both"));
+                return Err(format!(
+                    "one image of {dims} is no pair; give the other one too, or say that it holds both"
+                ));
             }
             _ => return Err("give two images, or one with both side by side".to_owned()),
         };
         if left.dims != right.dims {
             let [left, right] = [left.dims, right.dims];
-            return Err(format!("the left image is {left} but the right one is {right}; give two images of one size"));
+            return Err(format!(
+                "the left image is {left} but the right one is {right}; give two images of one size"
+            ));
         }
-        let width = if width == 0 { left.dims.width } else { u16::try_from(width).unwrap_or(u16::MAX) };
-        let reduced = |image| area_average(image, width).map_err(|WidthError { have, asked }| {
+        let width =
+            if width == 0 { left.dims.width } else { u16::try_from(width).unwrap_or(u16::MAX) };
+        let reduced = |image| {
+            area_average(image, width).map_err(|WidthError { have, asked }| {
             format!("a width of {asked} px is not between 1 and the image's {have}; images are only ever reduced")
-        });
+        })
+        };
         state.pair = Some([reduced(&left)?, reduced(&right)?]);
         Ok(())
     })
@@ -144,7 +155,12 @@ pub extern "C" fn reason_bytes() -> usize {
 /// Width and height within what is read.
 fn dims_of(width: u32, height: u32) -> Result<Dims, String> {
     match (u16::try_from(width), u16::try_from(height)) {
-        (Ok(width), Ok(height)) if u64::from(width) * u64::from(height) <= PIXELS => Ok(Dims { width, height }),
-        _ => Err("an image of more than 33 million pixels is not read; give a smaller one".to_owned()),
+        (Ok(width), Ok(height)) if u64::from(width) * u64::from(height) <= PIXELS => {
+            Ok(Dims { width, height })
+        }
+        _ => {
+            Err("an image of more than 33 million pixels is not read; give a smaller one"
+                .to_owned())
+        }
     }
 }
