@@ -155,7 +155,7 @@ impl<'a> Matched<'a> {
     pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.is_fit();
         let least_q16 = self.plan.params.min_confidence.to_bits();
-        let bars = self.bars().iter().flat_map(Bar::three_points);
+        let bars = self.buffers.bars.iter().flat_map(Bar::three_points);
         let unlisted = self.buffers.candidates.iter();
         let unlisted = unlisted.filter(|candidate| candidate.listed.is_none());
         let sides = unlisted.flat_map(move |candidate| {
@@ -168,7 +168,8 @@ impl<'a> Matched<'a> {
         bars.chain(sides).chain(support).filter(move |_| is_fit)
     }
 
-    /// Bars, thin things in front of what is around them.
+    /// Bars, thin things in front of what is around them. Those level with it are among the points
+    /// alone.
     #[must_use]
     pub fn bars(&self) -> &[Bar] {
         if self.is_fit() { bars::in_front(&self.buffers.bars) } else { &[] }

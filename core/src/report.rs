@@ -14,7 +14,7 @@
 //! within the rows of a contradiction. Points: one test a pixel of each side, at most 2 * reach *
 //! 32 a candidate, and one a support point.
 
-use crate::bars::{self, Bar, Edge};
+use crate::bars::{Bar, Edge};
 use crate::confidence::{Model, Models};
 use crate::evidence::SegmentKind;
 use crate::image::Dims;
@@ -114,7 +114,8 @@ impl<'r> Report<'r> {
             let segment = candidate.segment;
             let (_, y0, _, y1) = segment.ends_q5();
             let middle = (y0 + y1) >> 6;
-            let nearest = bars::in_front(self.bars)
+            let nearest = self
+                .bars
                 .iter()
                 .filter_map(|bar| Some((bar, bar.edge_of(&segment)?)))
                 .max_by_key(|(bar, _)| bar.disparity_at_q6(middle));
@@ -182,7 +183,7 @@ impl<'r> Report<'r> {
             views,
             support,
             marks,
-            bars: if is_fit { bars::in_front(bars) } else { &[] },
+            bars: if is_fit { bars } else { &[] },
             y: 0,
             columns: 0..0,
             candidates,

@@ -42,7 +42,9 @@ const LEAST_EDGE_Q3: i32 = 20;
 /// Probability less than that of the bar, Q16: 0.02.
 const LESS_Q16: u16 = 1311;
 
-/// Adds the parts that bars go on by, as far as there is room.
+/// Adds the parts that bars in front go on by, as far as there is room. Parts of level ones make
+/// 1.9 instead of 1.8 % of the answers on `qvga` wrong, and 3.9 instead of 3.7 % of those on
+/// `middlebury2005_half`.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn grow(
     bars: &mut List<'_, Bar>,

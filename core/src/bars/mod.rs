@@ -1,8 +1,9 @@
 //! Bars: poles, legs and stands 2 to 14 px wide, whose two edges are matched as one feature.
 //!
 //! In: all segments of the left image that run down the rows, both images, support points.
-//! Out: [`Bar`]s in front of the support points around them, each with one line of disparity and
-//! its probability.
+//! Out: [`Bar`]s, each with one line of disparity and its probability: in front of the support
+//! points around them, or level with them, as a stripe is, or a pole whose disparity the windows of
+//! these points took. The pixels of both have the bar's disparity; the former are told as bars.
 //!
 //! ```text
 //! edges:       beside a segment, along its rows, an edge 2 to 14 px off: width and two signs
@@ -86,7 +87,7 @@ const WIDE_Q5: i32 = 128;
 /// Distance from both edges where a bar has pixels to spare, 1/32 px.
 const WIDE_INNER_Q5: i32 = 24;
 
-/// A thin thing of the left image, between two edges, in front of what is around it.
+/// A thin thing of the left image, between two edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bar {
@@ -359,8 +360,7 @@ impl Bar {
 }
 
 /// Rates every matched bar by its evidence and by the support points around it. Those with at
-/// least this probability stay: in front of the points, and level with them, which masks alone
-/// need. Calls `watch` with the index, the bar, and its evidence by support points.
+/// least this probability stay, in front of the points and level with them. Calls `watch` with the index, the bar, and its evidence by support points.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn rate(
     bars: &mut List<'_, Bar>,

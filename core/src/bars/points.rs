@@ -3,13 +3,12 @@
 //!
 //! In: the grid of points, the bars that are told. Out: the points.
 
-use super::{Bar, in_front};
+use super::Bar;
 use crate::support::{Grid, SupportPoint};
 use crate::units::narrow;
 
 /// Points on the pixels of bars that lie behind these, or have no disparity, take that of the bar.
 pub(crate) fn take_points(points: &mut [SupportPoint], grid: Grid, bars: &[Bar]) {
-    let bars = in_front(bars);
     for (index, point) in points.iter_mut().enumerate().filter(|_| !bars.is_empty()) {
         let (x, y) = grid.pixel(index, point.place);
         let Some(bar) = bars.iter().find(|bar| bar.columns(y).contains(&x)) else {

@@ -9,23 +9,21 @@
 //! # Cost
 //! The rows and columns of the bars in the mask's rows: some 15 instructions a pixel.
 
-use super::{Bar, in_front};
+use super::Bar;
 use crate::area::Area;
 
 /// Widest mask, px a row on average, that bars answer for.
 const WIDEST: u32 = 16;
 /// Fewest pixels of a mask on bars.
 const LEAST_PIXELS: u32 = 6;
-/// Share of a mask's pixels that has to lie on bars in front: an eighth.
-const FRONT_SHARE: u32 = 8;
-/// On bars level with what is around them: a third.
-const LEVEL_SHARE: u32 = 3;
+/// Share of a mask's pixels that has to lie on bars of one disparity: an eighth.
+const LEAST_SHARE: u32 = 8;
 /// Largest difference of disparities of bars that are one thing, 1/64 px.
 const ONE_THING_Q6: i32 = 128;
 
-/// The bar of a mask in this area of so many pixels, and its disparity at a row, 1/64 px: bars in
-/// front; else those level with what is around them, if they fill enough of the mask, which says
-/// that what is between the edges is the object.
+/// The bar of a mask in this area of so many pixels, and its disparity at a row, 1/64 px: that with
+/// most of its pixels inside, where bars of its disparity have enough of all pixels, and others
+/// fewer.
 pub(crate) fn depth_of(
     bars: &[Bar],
     (area, pixels): (Area, u32),
@@ -37,8 +35,20 @@ pub(crate) fn depth_of(
         return None;
     }
     let inside = |bar: &Bar| count_inside(bar, area, &contains);
-    answer(in_front(bars).iter(), inside, (pixels, FRONT_SHARE), row)
-        .or_else(|| answer(bars.iter(), inside, (pixels, LEVEL_SHARE), row))
+    let at_q6 = |bar: &Bar| {
+        let [first, last] = bar.first_and_last();
+        bar.disparity_at_q6(row.max(first).min(last))
+    };
+    let most =
+        bars.iter().map(|bar| (inside(bar), bar)).reduce(|a, b| if b.0 > a.0 { b } else { a });
+    let (most, bar) = most?;
+    let d_q6 = at_q6(bar);
+    let (mut on, mut off) = (0, 0);
+    for other in bars {
+        let count = inside(other);
+        *if (at_q6(other) - d_q6).abs() <= ONE_THING_Q6 { &mut on } else { &mut off } += count;
+    }
+    (most >= LEAST_PIXELS && LEAST_SHARE * on >= pixels && off < on).then_some((*bar, d_q6))
 }
 
 /// Number of pixels of a bar in a mask; none where most of them are outside: it crosses the mask,
@@ -52,30 +62,6 @@ fn count_inside(bar: &Bar, area: Area, contains: &impl Fn(i32, i32) -> bool) -> 
         inside += columns.filter(|&x| contains(x.into(), y.into())).count() as u32;
     }
     if 2 * inside >= all { inside } else { 0 }
-}
-
-/// The bar with most of its pixels inside, where bars of its disparity have this share of all
-/// pixels, and others fewer.
-fn answer<'b>(
-    bars: impl Iterator<Item = &'b Bar> + Clone,
-    inside: impl Fn(&Bar) -> u32,
-    (pixels, share): (u32, u32),
-    row: i32,
-) -> Option<(Bar, i32)> {
-    let at_q6 = |bar: &Bar| {
-        let [first, last] = bar.first_and_last();
-        bar.disparity_at_q6(row.max(first).min(last))
-    };
-    let most =
-        bars.clone().map(|bar| (inside(bar), bar)).reduce(|a, b| if b.0 > a.0 { b } else { a });
-    let (most, bar) = most?;
-    let d_q6 = at_q6(bar);
-    let (mut on, mut off) = (0, 0);
-    for other in bars {
-        let count = inside(other);
-        *if (at_q6(other) - d_q6).abs() <= ONE_THING_Q6 { &mut on } else { &mut off } += count;
-    }
-    (most >= LEAST_PIXELS && share * on >= pixels && off < on).then_some((*bar, d_q6))
 }
 
 #[cfg(test)]
@@ -113,7 +99,7 @@ mod tests {
         assert_eq!(of_mask(&[bar(100, 20, 0)], 100..107), Some(20), "level with what is around it");
         assert_eq!(of_mask(&[bar(100, 20, FRONT)], 110..117), None);
         assert_eq!(of_mask(&[bar(100, 20, FRONT)], 80..120), None, "no thin mask");
-        assert_eq!(of_mask(&[bar(100, 20, 0)], 97..113), None, "a level one fills too little");
+        assert_eq!(of_mask(&[bar(100, 20, FRONT)], 106..122), None, "it fills too little");
         assert_eq!(
             of_mask(&[bar(100, 20, FRONT), bar(108, 9, FRONT)], 100..115),
             None,

@@ -2,10 +2,10 @@
 //! disparity of the bar.
 //!
 //! In: the bars that are told, a pixel, the answer that it has without them. Out: that of the bar
-//! where the pixel lies on one in front of it.
+//! where the pixel lies on one that is nearer.
 
 use super::{PixelDepth, PixelRejection};
-use crate::bars::{Bar, in_front};
+use crate::bars::Bar;
 use crate::rig::Rig;
 use crate::units::{Disparity, narrow};
 
@@ -16,7 +16,7 @@ pub(crate) fn on_bars(
     answer: Result<PixelDepth, PixelRejection>,
     rig: Option<Rig>,
 ) -> Result<PixelDepth, PixelRejection> {
-    let on = in_front(bars).iter().filter(|bar| bar.columns(y).contains(&x));
+    let on = bars.iter().filter(|bar| bar.columns(y).contains(&x));
     let Some(bar) = on.max_by_key(|bar| bar.disparity_at_q6(y.into())) else { return answer };
     let d_q6 = bar.disparity_at_q6(y.into());
     let is_bars = match answer {
