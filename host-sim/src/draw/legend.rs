@@ -1,6 +1,7 @@
 //! The strip below a picture: colours in px and metres, line styles, counts.
 
 use super::colour::{Range, colour};
+use super::floor::{DROP, FLOOR};
 use super::text::{Align, width, write};
 use crate::engine::FrameResult;
 use crate::results::listing::finite_metres;
@@ -41,7 +42,26 @@ pub(super) fn below(
     if MARGIN + width(TEXT_HEIGHT, &found) + 2.0 * MARGIN + width(TEXT_HEIGHT, key) < right {
         write(&mut whole, (right, line), Align::Right, TEXT_HEIGHT, INK, key);
     }
+    if result.ground.is_some() {
+        ground(&mut whole, line - TEXT_HEIGHT - 3.0);
+    }
     whole
+}
+
+/// Colours of the floor and of what lies below it.
+fn ground(picture: &mut RgbImage, top: f32) {
+    let mut x = MARGIN;
+    for (rgb, word) in [(FLOOR, "floor"), (DROP, "below the floor: a drop-off")] {
+        if x + TEXT_HEIGHT + width(TEXT_HEIGHT, word) + MARGIN > picture.width() as f32 {
+            return;
+        }
+        for y in top as u32 + 2..(top + TEXT_HEIGHT) as u32 {
+            (x as u32..(x + TEXT_HEIGHT) as u32).for_each(|x| picture.put_pixel(x, y, Rgb(rgb)));
+        }
+        x += TEXT_HEIGHT + 6.0;
+        write(picture, (x, top), Align::Left, TEXT_HEIGHT, INK, word);
+        x += width(TEXT_HEIGHT, word) + MARGIN;
+    }
 }
 
 /// Far on the left, near on the right.
