@@ -9,6 +9,8 @@ use image::{Rgb, RgbImage, imageops};
 use linestereo::{Rig, units::Disparity};
 
 const HEIGHT: u32 = 96;
+/// More of it where there is a ground plane.
+const GROUND_HEIGHT: u32 = 22;
 const MARGIN: f32 = 14.0;
 const BAR_HEIGHT: f32 = 14.0;
 const TEXT_HEIGHT: f32 = 15.0;
@@ -24,8 +26,9 @@ pub(super) fn below(
     rig: Option<&Rig>,
     range: &Range,
 ) -> RgbImage {
+    let height = HEIGHT + if result.ground.is_some() { GROUND_HEIGHT } else { 0 };
     let mut whole =
-        RgbImage::from_pixel(picture.width(), picture.height() + HEIGHT, Rgb(BACKGROUND));
+        RgbImage::from_pixel(picture.width(), picture.height() + height, Rgb(BACKGROUND));
     imageops::replace(&mut whole, picture, 0, 0);
     let top = picture.height() as f32 + 8.0;
     bar(&mut whole, top, range);
@@ -36,14 +39,14 @@ pub(super) fn below(
     if beyond > 0 {
         found.push_str(&format!(", {beyond} beyond these colours"));
     }
-    let line = picture.height() as f32 + HEIGHT as f32 - TEXT_HEIGHT - 8.0;
+    let line = whole.height() as f32 - TEXT_HEIGHT - 8.0;
     let right = whole.width() as f32 - MARGIN;
     write(&mut whole, (MARGIN, line), Align::Left, TEXT_HEIGHT, INK, &found);
     if MARGIN + width(TEXT_HEIGHT, &found) + 2.0 * MARGIN + width(TEXT_HEIGHT, key) < right {
         write(&mut whole, (right, line), Align::Right, TEXT_HEIGHT, INK, key);
     }
     if result.ground.is_some() {
-        ground(&mut whole, line - TEXT_HEIGHT - 3.0);
+        ground(&mut whole, line - GROUND_HEIGHT as f32);
     }
     whole
 }

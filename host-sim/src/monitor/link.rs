@@ -35,7 +35,7 @@ pub enum Event {
     /// Depths of the boxes that the board was asked for.
     Objects(Vec<ObjectRecord>),
     /// Nearest obstacle and nearest drop-off by direction, of the frame before.
-    Sectors(Sectors),
+    Sectors(Box<Sectors>),
     /// Both images as the cameras delivered them, before they were rectified.
     Photo([GrayImage; 2]),
     /// A line for people.
@@ -140,7 +140,7 @@ impl Link {
             }
             Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
             Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.to_vec())),
-            Some(Ok(Message::Sectors(sectors))) => Some(Event::Sectors(sectors)),
+            Some(Ok(Message::Sectors(sectors))) => Some(Event::Sectors(Box::new(sectors))),
             Some(Ok(Message::Photo(head))) => {
                 self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string()))
             }
