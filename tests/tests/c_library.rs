@@ -87,7 +87,8 @@ const SECTOR_NAMES: &str = "sector,state,distance_cm,confidence,drop_off_cm,drop
 const BAR_NAMES: &str = "x0,y0,x1,y1,width_px,disparity0_px,disparity1_px,sigma_px,confidence,\
                          depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
 
-/// Ten captured pairs cut to QVGA, and drawn ones, the first with a pole, the second with a drop-off.
+/// Ten captured pairs cut to QVGA, and drawn ones, the first with a pole, the second with a
+/// drop-off.
 pub(crate) fn pairs() -> Vec<(String, [GrayImage; 2])> {
     let drawn =
         [(Kind::Demo, QVGA), (Kind::Demo, Dims { width: 160, height: 120 })].map(|(kind, dims)| {

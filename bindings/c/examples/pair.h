@@ -143,7 +143,8 @@ static void bar_print(Write write, int has_rig, const LinestereoBar *bar) {
     text_print(write, "\n");
 }
 
-/* What the last pair shows in each direction in view. A robot keeps the obstacles from pair to pair, with the times of capture. */
+/* What the last pair shows in each direction in view. A robot keeps the obstacles from pair to
+   pair, with the times of capture. */
 static LinestereoStatus sectors_print(Write write, LinestereoMatcher *matcher) {
     static const char *const states[] = {"outside", "unknown", "free", "obstacle"};
     static LinestereoObstacles obstacles;

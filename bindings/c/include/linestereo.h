@@ -479,7 +479,8 @@ typedef struct {
 // Parameters of obstacles by direction. Take them from `linestereo_obstacle_config`, then change
 // what differs.
 typedef struct {
-  // Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 to 180. 0.
+  // Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 to 180.
+  // 0.
   float yaw_deg;
   // Obstacles and drop-offs at this distance or farther are ignored, m; 0.1 to 600. 10.
   float range_m;

@@ -205,7 +205,8 @@ pub struct Depth {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct ObstacleConfig {
-    /// Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 to 180. 0.
+    /// Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 to 180.
+    /// 0.
     pub yaw_deg: f32,
     /// Obstacles and drop-offs at this distance or farther are ignored, m; 0.1 to 600. 10.
     pub range_m: f32,

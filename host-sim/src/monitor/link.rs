@@ -1,7 +1,7 @@
 //! A board behind a port: bytes to what they say, and commands with their answers.
 //!
-//! In: bytes, and requests. Out: frames, photographs, depths of objects, directions, notes; a command
-//! is sent again until it is answered.
+//! In: bytes, and requests. Out: frames, photographs, depths of objects, directions, notes; a
+//! command is sent again until it is answered.
 
 use super::frames::{Assembler, Frame, FrameCounts};
 use super::photo::PhotoAssembler;
