@@ -1,4 +1,4 @@
-//! Obstacles of every pair to an autopilot, as MAVLink on a port of its own.
+//! Obstacles of every pair to an autopilot, as MAVLink on a port of its own, and to the host.
 //!
 //! In: the view of the rig, and of every pair its matches and health; bytes of the autopilot. Out:
 //! frames on a port, paced by [`AutopilotStream`]; requests that are answered ([`Received`]).
@@ -13,7 +13,7 @@ use linestereo::{Matched, health::HealthFlags};
 use linestereo_mavlink::{
     AutopilotParams, AutopilotStream, Mavlink, ParamValue, Received, Receiver, Sender,
 };
-use linestereo_wire::{SETTINGS, Setting, SettingValues};
+use linestereo_wire::{SETTINGS, SendError, Setting, SettingValues, send_sectors};
 
 /// Obstacles by direction, and their stream to an autopilot. Silent until there is a rig.
 #[derive(Clone, Debug)]
@@ -117,6 +117,22 @@ impl Autopilot {
                 );
             }
             None => self.obstacles.mark_missing(),
+        }
+    }
+
+    /// Sends a host what is known of each direction at the time that [`Autopilot::see`] got, after
+    /// the frame of this number; nothing without a view, or where the vehicle's settings say so.
+    pub fn send_sectors<E>(
+        &self,
+        sequence: u32,
+        time_us: u64,
+        write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), SendError<E>> {
+        match &self.view {
+            Some((plan, _)) if self.vehicle.sectors => {
+                send_sectors(sequence, plan, &self.obstacles, time_us, write)
+            }
+            _ => Ok(()),
         }
     }
 

@@ -6,13 +6,13 @@
 //! ```text
 //! offset  bytes            words of 32 bits, little endian; the first twelve bytes and the last four are as in a rig image
 //!      0      4  magic     "LSST"
-//!      4    2+2  version   1, length of the whole image
+//!      4    2+2  version   3, length of the whole image
 //!      8      4  sequence  counted by boards that write images into two slots
 //!     12      4  rig       number of the rig's image in the flash; all ones: no rig there
-//!     16   18*4  values    f32 in the order of Setting::ALL; all ones: as the board was built
-//!     88    2+2  boxes     how many, and 1 to match around them alone
-//!     92  16*12  boxes     label, left, top, right, bottom, 0; zeros behind the last one
-//!    284      4  CRC-32    of all bytes before it
+//!     16   20*4  values    f32 in the order of Setting::ALL; all ones: as the board was built
+//!     96    2+2  boxes     how many, and 1 to match around them alone
+//!    100  16*12  boxes     label, left, top, right, bottom, 0; zeros behind the last one
+//!    292      4  CRC-32    of all bytes before it
 //! ```
 
 use crate::vehicle::{VEHICLE, Vehicle};
@@ -94,6 +94,7 @@ pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) 
         block_cm,
         distance_sensor,
         drop_m,
+        sectors,
     ] = vehicle;
     let policy = Policy::ALL.get(policy as i32 as usize).copied().unwrap_or(Policy::Block);
     let block_cm = (block_cm > 0.0).then_some(block_cm as i32 as u16);
@@ -109,6 +110,7 @@ pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) 
         policy,
         block_cm,
         distance_sensor,
+        sectors: sectors > 0.0,
     };
     (params, vehicle)
 }
@@ -126,7 +128,7 @@ pub struct KeptSettings {
 }
 
 const MAGIC: [u8; 4] = *b"LSST";
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 /// A word that says nothing; of a value it would not be a number.
 const NOTHING: u32 = u32::MAX;
 /// Words before those of the settings.

@@ -31,6 +31,8 @@ pub struct Vehicle {
     pub block_cm: Option<u16>,
     /// Send DISTANCE_SENSOR as well.
     pub distance_sensor: bool,
+    /// Send the host the directions of every pair.
+    pub sectors: bool,
 }
 
 impl Vehicle {
@@ -46,6 +48,7 @@ impl Vehicle {
         policy: AutopilotParams::DEFAULT.policy,
         block_cm: None,
         distance_sensor: AutopilotParams::DEFAULT.distance_sensor,
+        sectors: false,
     };
 
     /// How the view is cut into directions.
@@ -90,6 +93,7 @@ impl Vehicle {
             block_cm,
             distance_sensor as f32,
             drop_m,
+            self.sectors as u8 as f32,
         ]
     }
 

@@ -181,8 +181,8 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             Message::Photo(_) | Message::Pixels(_) => panic!("nobody asked for a photo"),
             Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
             Message::Machine(_) | Message::Case(_) => panic!("of another program: {message:?}"),
-            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) => {
-                panic!("nobody asked for settings or the time")
+            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) | Message::Sectors(_) => {
+                panic!("nobody asked for settings, the time or sectors")
             }
         }
     }

@@ -2,7 +2,8 @@
 
 use crate::support::port::Port;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
-use linestereo::{Dims, units::Confidence};
+use linestereo::obstacles::Obstacles;
+use linestereo::{Dims, Matcher, Options, Params, units::Confidence};
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
@@ -72,6 +73,7 @@ const RANGE_M: u8 = 10;
 const RATE_HZ: u8 = 14;
 const POLICY: u8 = 15;
 const BLOCK_CM: u8 = 16;
+const SECTORS: u8 = 19;
 
 fn set((number, value): (u8, f32)) -> Request {
     Request::Set(SettingValue { number, value })
@@ -152,7 +154,7 @@ fn every_setting_is_the_one_that_is_set() {
     let mut session = Session::new(BOARD);
     let sets = [
         -1.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 7.0, 12.0, 2.0,
-        300.0, 1.0, 0.1,
+        300.0, 1.0, 0.1, 1.0,
     ];
     let mut expected = settings::built();
     for (number, (expected_value, value)) in (0..).zip(expected.clone().iter().zip(sets)) {
@@ -380,7 +382,7 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     // Each that is set is the one that is read, and no other changes.
     let sets = [
         7.0, 60.0, 50.0, 22.0, 8.0, 16.0, 3.0, 0.5, 1.0, -90.0, 5.0, -2.0, 2.0, 1.0, 12.0, 2.0,
-        300.0, 1.0, 0.1,
+        300.0, 1.0, 0.1, 1.0,
     ];
     for (name, value) in names.iter().zip(sets).skip(1) {
         assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, value));
@@ -483,6 +485,61 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
         "asked {asked} times, {time_us} us"
     );
     assert!(clocks.windows(2).all(|two| two[0].1 < two[1].1), "times run forwards");
+}
+
+/// Directions of the first pair are those of the core; each frame has its own, until the setting is
+/// off.
+#[test]
+fn a_host_that_wants_directions_gets_them_with_each_pair() {
+    let dims = Dims { width: 128, height: 96 };
+    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
+    let mut memory = Box::new(BoardMemory::CLEARED);
+    let params = Params { rig: Some(rig.rig().unwrap()), ..Params::DEFAULT };
+    let plan = Vehicle::DEFAULT.directions().plan(&params, dims).unwrap();
+    Painter::new(dims).next_pair(&mut *memory, None).unwrap();
+    let mut matcher = Matcher::new(params, dims).unwrap();
+    let matched = memory.run(&mut matcher, Options::default()).unwrap();
+    let mut obstacles = Obstacles::new();
+    let (points, flags) = (matched.obstacle_points(), matched.health().flags);
+    obstacles.update(&plan.on_ground(matched.ground()), matched.segments(), points, flags, 0);
+    let record =
+        |(index, sector)| SectorRecord::new(index, sector, obstacles.drop_off(&plan, index, 0));
+    let expected: Vec<_> = (0..).zip(obstacles.sectors(&plan, 0)).filter_map(record).collect();
+    assert!(expected.len() > 3, "{expected:?}");
+
+    let port = Port::with_look(1000);
+    let mut camera = Painter::new(dims);
+    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    port.send(2, set((SECTORS, 1.0)));
+    port.send(3, Request::Start);
+    let mut frames = |turns: usize| {
+        let mut frames = Vec::new();
+        for _ in 0..turns {
+            live.turn(&mut *memory, &mut camera);
+        }
+        for message in port.received() {
+            match message {
+                Message::Frame(head) => frames.push((head.sequence, None)),
+                Message::Sectors(sectors) => {
+                    let (sequence, found) = frames.last_mut().unwrap();
+                    assert_eq!((sectors.sequence, sectors.turn), (*sequence, 72));
+                    assert_eq!(found.replace(sectors.list.to_vec()), None, "once");
+                }
+                _ => {}
+            }
+        }
+        frames
+    };
+    let found = frames(8);
+    assert_eq!(found[0].1.as_ref(), Some(&expected));
+    assert!(found.len() > 4 && found.iter().all(|(_, list)| list.is_some()), "{found:?}");
+    // What an earlier pair showed is told with its age.
+    let is_older = |record: &SectorRecord| record.nearest.is_some_and(|seen| seen.age_ms > 0);
+    assert!(found.iter().any(|(_, list)| list.iter().flatten().any(is_older)));
+    port.send(4, set((SECTORS, 0.0)));
+    let found = frames(4);
+    assert!(!found.is_empty() && found.iter().all(|(_, list)| list.is_none()), "{found:?}");
 }
 
 #[test]

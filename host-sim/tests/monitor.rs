@@ -156,7 +156,7 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
         \x20       6       0.240      40.0     11.0      21.5      0.3     10/12       2.00    infinite  good\n\
          frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n\
          packets: 12 good, 2 framing damaged, 2 checksum wrong, 1 too long, 1 malformed, 1 of another version\n\
-         another version: version 1, this program reads version 6\n\
+         another version: version 1, this program reads version 7\n\
          bytes: {} received, {skipped} skipped\n",
         bytes.len()
     );
@@ -221,6 +221,52 @@ fn json_has_one_line_per_complete_frame() {
     assert!(names.iter().all(|(name, _)| counts.contains_key(*name)), "{counts:?}");
     assert_eq!((&counts["segments_left"], &counts["matched"]), (&40.into(), &25.into()));
     assert_eq!((&counts["segments_left_dropped"], &counts["slant"]), (&1.into(), &0.into()));
+}
+
+/// Directions of frame 1: an obstacle to the left, seen 40 ms before, a drop-off ahead, and a free
+/// one.
+pub(crate) fn sectors() -> Message {
+    let seen = |distance_cm, age_ms| Some(Sighting { distance_cm, confidence_q16: 0xfd71, age_ms });
+    let list = [
+        SectorRecord { index: 0, nearest: None, drop_off: seen(80, 0) },
+        SectorRecord { index: 1, nearest: seen(0, 0), drop_off: None },
+        SectorRecord { index: 70, nearest: seen(125, 40), drop_off: seen(95, 0) },
+    ];
+    Message::Sectors(Sectors { sequence: 1, turn: 72, list: list.into_iter().collect() })
+}
+
+#[test]
+fn directions_are_a_line_behind_their_frame() {
+    let folder = TempDir::new().unwrap();
+    let none = Sectors { sequence: 2, turn: 72, list: heapless::Vec::new() };
+    let of_second = packet(&Message::Sectors(none));
+    let bytes = [frame(1, 3).concat(), packet(&sectors()), frame(2, 0).concat(), of_second];
+    fs::write(folder.path().join("run.bin"), bytes.concat()).unwrap();
+    let output = text(&monitor(folder.path(), &["run.bin"]).stdout);
+    let lines: Vec<&str> = output.lines().collect();
+    assert_eq!(
+        (lines[3], lines[5]),
+        (
+            "sectors: obstacle 1.25 m at -10 degrees, drop-off 0.80 m at 0 degrees, 1 free",
+            "sectors: unknown"
+        )
+    );
+    let output = text(&monitor(folder.path(), &["run.bin", "--json"]).stdout);
+    let lines: Vec<Value> =
+        output.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 4);
+    let none = serde_json::json!({"sequence": 2, "turn": 72, "sectors": []});
+    assert_eq!(
+        (&lines[1]["sequence"], &lines[1]["turn"], &lines[3]),
+        (&1.into(), &72.into(), &none)
+    );
+    let expected = serde_json::json!({
+        "index": 70, "direction_deg": -10.0, "state": "obstacle", "distance_m": 1.25,
+        "confidence": 0.99001, "age_ms": 40, "drop_off_m": 0.95, "drop_off_confidence": 0.99001,
+    });
+    assert_eq!(lines[1]["sectors"][2], expected);
+    let states: Vec<_> = (0..3).map(|index| &lines[1]["sectors"][index]["state"]).collect();
+    assert_eq!(states, ["unknown", "free", "obstacle"]);
 }
 
 #[test]

@@ -156,7 +156,9 @@ def foxglove(path, job):
 def plain(value):
     """A message as JSON."""
     if isinstance(value, np.ndarray):
-        return value.tolist()
+        return plain(value.tolist())
+    if isinstance(value, float) and not np.isfinite(value):
+        return None if np.isnan(value) else 'infinite'
     if hasattr(value, '__dataclass_fields__'):
         return {name: plain(getattr(value, name)) for name in value.__dataclass_fields__ if name != '__msgtype__'}
     if isinstance(value, list):

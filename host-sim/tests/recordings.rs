@@ -632,6 +632,10 @@ fn messages_hold_the_numbers_of_the_lines() {
         ["sequence", "rec/1", "--max-disparity", "48", "--objects", "rec/1/objects.png", "--out"];
     succeed(at, &[&args[..], &["lines.jsonl"]].concat());
     succeed(at, &[&args[..], &["out.mcap", "--with", "images,disparity"]].concat());
+    let known = ["--max-disparity", "48", "--sectors", "--quiet", "--json", "sectors.json"];
+    succeed(at, &[&["run", "rec/1/left.png", "rec/1/right.png"], &known[..]].concat());
+    let text = fs::read_to_string(at.join("sectors.json")).unwrap();
+    let sectors = serde_json::from_str::<Value>(&text).unwrap()["sectors"].take();
     let Some(text) = python(at, &["read", "out.mcap"]) else { return };
     let all: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     let on = |topic: &str| {
@@ -677,6 +681,28 @@ fn messages_hold_the_numbers_of_the_lines() {
             near(&colours[i]["a"], segment["confidence"].as_f64().unwrap(), 1e-5);
         }
     }
+
+    let mut known = 0;
+    for (topic, field) in [("obstacles", "distance_m"), ("drop_offs", "drop_off_m")] {
+        let scan = &on(topic)["message"];
+        assert_eq!(scan["header"]["frame_id"], "left_camera_scan");
+        let ranges = scan["ranges"].as_array().unwrap();
+        assert_eq!(ranges.len(), 72);
+        for (place, range) in ranges.iter().enumerate() {
+            // From behind on, counter-clockwise.
+            let sector = &sectors[(72 + 36 - place) % 72];
+            match (range.as_f64(), &sector[field]) {
+                (Some(metres), expected) => near(expected, metres, 1e-5),
+                (None, expected) => assert!(expected.is_null(), "{sector}"),
+            }
+            known += usize::from(range.is_f64());
+        }
+    }
+    assert!(known > 5, "{known} directions have a distance");
+    let frame = all.iter().find(|line| line["topic"] == "/tf").unwrap();
+    let frame = &frame["message"]["transforms"][0];
+    assert_eq!(frame["child_frame_id"], "left_camera_scan");
+    assert_eq!(frame["transform"]["rotation"]["y"], -0.5);
 
     let objects =
         line["objects"].as_array().unwrap().iter().filter(|object| !object["depth_m"].is_null());

@@ -1,7 +1,7 @@
 //! `linestereo view` as a browser meets it: who is let in, events against the lines of `sequence`
 //! and `monitor`, boxes, a board's link, the end.
 
-use crate::monitor::{damaged_recording, frame, packet};
+use crate::monitor::{damaged_recording, frame, packet, sectors};
 use crate::rectify::RIG;
 use crate::support::{
     all_refused, linestereo, stderr, succeed, with_drawn_pairs, with_pole, with_rig,
@@ -401,6 +401,11 @@ fn boxes_of_the_page_are_asked_of_the_board() {
         (&found["boxes"], &found["objects"][0]["depth_m"]),
         (&json!([[10, 20, 30, 40]]), &json!(2.5))
     );
+    // Directions that it sends are drawn among all of the turn.
+    board.write_all(&packet(&sectors())).unwrap();
+    let found = events.json("sectors");
+    assert_eq!((found.as_array().unwrap().len(), &found[70]["distance_m"]), (72, &json!(1.25)));
+    assert_eq!((&found[0]["drop_off_m"], &found[2]["state"]), (&json!(0.8), &json!("unknown")));
     // The board is pulled out: the page is told, and the program says so.
     drop(board);
     assert!(events.of("end").contains("was closed"));

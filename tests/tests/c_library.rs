@@ -2,8 +2,9 @@
 //! and on an emulated Cortex-M7.
 
 use core::fmt::Write as _;
+use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::PixelRejection;
-use linestereo::units::Disparity;
+use linestereo::units::{Confidence, Disparity};
 use linestereo::{Area, Dims, Params, Region, Rig, health::HealthFlags, objects::Reason};
 use linestereo_boards::Board;
 use linestereo_frames::GrayImage;
@@ -78,11 +79,16 @@ fn compiled(compiler: &str, flags: &[&str], source: &Path, into: &Path) -> PathB
 
 /// Name of the pair with a pole.
 const POLE: &str = "pole";
+/// Name of the pair with a floor that ends.
+const EDGE: &str = "edge";
+/// Line of names before the directions.
+const SECTOR_NAMES: &str = "sector,state,distance_cm,confidence,drop_off_cm,drop_off_confidence\n";
 /// Line of names before the bars.
 const BAR_NAMES: &str = "x0,y0,x1,y1,width_px,disparity0_px,disparity1_px,sigma_px,confidence,\
                          depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
 
-/// Ten captured pairs cut to QVGA, and drawn ones, the first with a pole.
+/// Ten captured pairs cut to QVGA, and drawn ones, the first with a pole, the second with a
+/// drop-off.
 pub(crate) fn pairs() -> Vec<(String, [GrayImage; 2])> {
     let drawn =
         [(Kind::Demo, QVGA), (Kind::Demo, Dims { width: 160, height: 120 })].map(|(kind, dims)| {
@@ -93,6 +99,7 @@ pub(crate) fn pairs() -> Vec<(String, [GrayImage; 2])> {
     captured
         .map(|scene| (scene.name, [cut(&scene.left), cut(&scene.right)]))
         .chain([(POLE.to_owned(), super::bars::pair(&[(150, 5, 24)], 2))])
+        .chain([(EDGE.to_owned(), super::drop_offs::pair(Some(1.5), 6))])
         .chain(drawn)
         .collect()
 }
@@ -116,10 +123,37 @@ pub(crate) fn expected(images: &[GrayImage; 2]) -> String {
     results(images).0
 }
 
-/// Output of the examples, by the PC's program: [`expected`], then the bars of its JSON.
+/// Output of the examples, by the PC's program: [`expected`], the bars of its JSON, its directions.
 fn printed(images: &[GrayImage; 2]) -> String {
     let (text, result) = results(images);
-    text + &bars(images[0].dims, &result)
+    text + &bars(images[0].dims, &result) + &sectors(images[0].dims, &result)
+}
+
+/// Directions in view as the examples print them, by the core.
+fn sectors(dims: Dims, result: &FrameResult) -> String {
+    let params = Params { rig: Some(rig()), ..Params::default() };
+    let plan = ObstacleParams::DEFAULT.plan(&params, dims).unwrap();
+    let mut obstacles = Obstacles::new();
+    let points = result.obstacle_points.iter().copied();
+    let health = result.health.of_pair();
+    obstacles.update(&plan.on_ground(result.ground), &result.matches, points, health, 0);
+    let probability = |p: Confidence| (p.to_num::<f64>() * 1e5).round() / 1e5;
+    let mut text = SECTOR_NAMES.to_owned();
+    for (index, sector) in (0..).zip(obstacles.sectors(&plan, 0)) {
+        let said = match sector {
+            Sector::Outside => continue,
+            Sector::Unknown => "unknown,0,0".to_owned(),
+            Sector::Free { confidence, .. } => format!("free,0,{}", probability(confidence)),
+            Sector::Obstacle { distance_cm, confidence, .. } => {
+                format!("obstacle,{distance_cm},{}", probability(confidence))
+            }
+        };
+        let drop_off = obstacles
+            .drop_off(&plan, index, 0)
+            .map_or((0, 0.0), |found| (found.distance_cm, probability(found.confidence)));
+        writeln!(text, "{index},{said},{},{}", drop_off.0, drop_off.1).unwrap();
+    }
+    text
 }
 
 /// The bars of the program's JSON as the examples print them, with their depths.
@@ -179,6 +213,12 @@ fn results([left, right]: &[GrayImage; 2]) -> (String, FrameResult) {
     }
     writeln!(text, "health: {flags}, {}", if flags.is_fit() { "fit" } else { "not fit" }).unwrap();
     (text, result)
+}
+
+/// True when one of the directions has one.
+fn has_drop_off(printed: &str) -> bool {
+    let (_, sectors) = printed.split_once(SECTOR_NAMES).unwrap();
+    sectors.lines().any(|line| !line.ends_with(",0,0"))
 }
 
 #[track_caller]
@@ -248,7 +288,9 @@ fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
         write_pair(into.path(), &images);
         let found = run_on(&["left.pgm", "right.pgm", "64", RIG[0], RIG[1]]);
         let expected = printed(&images);
-        assert!(name != POLE || !expected.ends_with(BAR_NAMES), "no bar on the pole");
+        let names = format!("{BAR_NAMES}{SECTOR_NAMES}");
+        assert!(name != POLE || !expected.contains(&names), "no bar on the pole");
+        assert!(name != EDGE || has_drop_off(&expected), "no drop-off of the floor that ends");
         assert_equal(&name, &found.stdout, &expected);
     }
     let refused = run_on(&["left.pgm", "right.pgm", "5000"]);

@@ -6,6 +6,7 @@ use linestereo::obstacles::{DropOff, ObstacleParams, ObstaclePlan, Obstacles, Se
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
 use linestereo::{Dims, Params, Rig, ground::GroundPlane, health::HealthFlags};
+use linestereo_frames::GrayImage;
 use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
 
@@ -116,22 +117,26 @@ fn a_drop_off_is_kept_and_its_sector_not_free() {
     assert_eq!(obstacles.drop_off(&plan, 255, 0), None);
 }
 
-/// Middles of sectors whose edge is told within 10 % of `edge_m`, and of those where one is told
-/// elsewhere, of a floor that ends there and goes on 0.3 m lower.
-fn drawn(edge_m: Option<f64>, seed: u64) -> [u32; 2] {
+/// A floor that ends at `edge_m` and goes on 0.3 m lower.
+pub(crate) fn pair(edge_m: Option<f64>, seed: u64) -> [GrayImage; 2] {
     let texture = Texture::new(seed);
     let edge_row = edge_m.map_or(HORIZON, |edge_m| HORIZON + FOCAL * BASELINE / edge_m / DOWN);
     let disparity = |y: f64| match y.max(HORIZON + 8.0) {
         y if y >= edge_row => DOWN * (y - HORIZON),
         y => DOWN * (y - HORIZON) * HEIGHT / (HEIGHT + 0.3),
     };
-    let paint = |moves: f64| {
+    [0.0, 1.0].map(|moves: f64| {
         linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |x, y| {
             let (x, y) = (f64::from(x), f64::from(y));
             texture.at(x + moves * disparity(y), y).round() as u8
         })
-    };
-    let (params, [left, right]) = (params(), [0.0, 1.0].map(paint));
+    })
+}
+
+/// Middles of sectors whose edge is told within 10 % of `edge_m`, and of those where one is told
+/// elsewhere, of [`pair`].
+fn drawn(edge_m: Option<f64>, seed: u64) -> [u32; 2] {
+    let (params, [left, right]) = (params(), pair(edge_m, seed));
     let mut engine = Engine::new(&params, DIMS).unwrap();
     // Of two floors the larger one would be taken: an IMU or the pair before says which it is.
     engine.matcher.expect_ground(Some(floor()));

@@ -117,7 +117,7 @@ fn no_panic_is_reachable_from_c() {
     let library = build("../bindings/c/Cargo.toml", "linestereo_c");
     let mut functions = entries(&library, "linestereo_");
     functions.retain(|name| name != "linestereo_panic");
-    assert_eq!(functions.len(), 16, "functions found in the library");
+    assert_eq!(functions.len(), 20, "functions found in the library");
     let linked =
         link(&linker(), &library, &OF_C, &functions.iter().map(String::as_str).collect::<Vec<_>>())
             .unwrap();

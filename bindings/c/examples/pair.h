@@ -143,7 +143,39 @@ static void bar_print(Write write, int has_rig, const LinestereoBar *bar) {
     text_print(write, "\n");
 }
 
-/* The last pair: segments, points, the depth of its middle, health, bars. */
+/* What the last pair shows in each direction in view. A robot keeps the obstacles from pair to
+   pair, with the times of capture. */
+static LinestereoStatus sectors_print(Write write, LinestereoMatcher *matcher) {
+    static const char *const states[] = {"outside", "unknown", "free", "obstacle"};
+    static LinestereoObstacles obstacles;
+    LinestereoObstacleConfig config = linestereo_obstacle_config();
+    LinestereoStatus status = linestereo_obstacles_init(&obstacles, matcher, &config);
+    if (status != LINESTEREO_STATUS_OK) return status;
+    status = linestereo_obstacles_update(&obstacles, matcher, 0);
+    if (status != LINESTEREO_STATUS_OK && status != LINESTEREO_STATUS_PAIR_UNFIT) return status;
+
+    text_print(write, "sector,state,distance_cm,confidence,drop_off_cm,drop_off_confidence\n");
+    for (size_t index = 0; index < config.sectors; index++) {
+        LinestereoSector sector;
+        if ((status = linestereo_sector(&obstacles, index, 0, &sector)) != LINESTEREO_STATUS_OK) return status;
+        if (sector.state == LINESTEREO_SECTOR_STATE_OUTSIDE) continue;
+        decimal_print(write, (int32_t)index, 0, 0);
+        text_print(write, ",");
+        text_print(write, states[sector.state]);
+        text_print(write, ",");
+        decimal_print(write, sector.distance_cm, 0, 0);
+        text_print(write, ",");
+        decimal_print(write, sector.confidence_q16, 16, 5);
+        text_print(write, ",");
+        decimal_print(write, sector.drop_off_cm, 0, 0);
+        text_print(write, ",");
+        decimal_print(write, sector.drop_off_confidence_q16, 16, 5);
+        text_print(write, "\n");
+    }
+    return LINESTEREO_STATUS_OK;
+}
+
+/* The last pair: segments, points, the depth of its middle, health, bars, with a rig directions. */
 static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, const LinestereoConfig *config) {
     int has_rig = config->focal_px != 0;
     LinestereoHealth health;
@@ -195,7 +227,7 @@ static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, c
         if ((status = linestereo_bar(matcher, index, &bar)) != LINESTEREO_STATUS_OK) return status;
         bar_print(write, has_rig, &bar);
     }
-    return LINESTEREO_STATUS_OK;
+    return has_rig ? sectors_print(write, matcher) : LINESTEREO_STATUS_OK;
 }
 
 /* Two files, the arguments of the programs -> their text. */

@@ -1,5 +1,5 @@
 /* A rectified pair of PGM images -> segments, points, the depth of the middle, health,
-   bars:
+   bars, with a rig directions:
 
        pc left.pgm right.pgm [MAX_DISPARITY [FOCAL_PX BASELINE_M]] */
 #include <stdio.h>

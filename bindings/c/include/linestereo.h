@@ -49,7 +49,8 @@ enum LinestereoStatus
   LINESTEREO_STATUS_MISALIGNED = 2,
   // The memory is smaller than `linestereo_scratch_size` says.
   LINESTEREO_STATUS_MEMORY_TOO_SMALL = 3,
-  // There is no matcher at this address: it was not initialised, or copied from elsewhere.
+  // There is no matcher, or are no obstacles, at this address: not initialised, or copied from
+  // elsewhere.
   LINESTEREO_STATUS_NOT_INITIALISED = 4,
   // The call comes from a callback of the same matcher.
   LINESTEREO_STATUS_BUSY = 5,
@@ -111,6 +112,20 @@ enum LinestereoStatus
   LINESTEREO_STATUS_REGION_OUTSIDE = 41,
   // A run of a mask is empty, outside of the image, or not behind the run before it.
   LINESTEREO_STATUS_REGION_RUN = 42,
+  // There are not so many sectors.
+  LINESTEREO_STATUS_NO_SUCH_SECTOR = 50,
+  // `yaw_deg` is outside its range.
+  LINESTEREO_STATUS_YAW = 51,
+  // `sectors` is outside its range.
+  LINESTEREO_STATUS_SECTORS = 52,
+  // `range_m` is outside its range.
+  LINESTEREO_STATUS_SECTOR_RANGE = 53,
+  // `heights_m` is outside its range.
+  LINESTEREO_STATUS_HEIGHTS = 54,
+  // `drop_m` is outside its range.
+  LINESTEREO_STATUS_DROP_DEPTH = 55,
+  // `error_probability` is outside its range.
+  LINESTEREO_STATUS_ERROR_PROBABILITY = 56,
   // No depth: too few credible hypotheses in the region.
   LINESTEREO_STATUS_LITTLE_SUPPORT = 100,
   // No depth: two surfaces explain the region equally well.
@@ -160,6 +175,30 @@ enum LinestereoOwner
 typedef enum LinestereoOwner LinestereoOwner;
 #else
 typedef uint16_t LinestereoOwner;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// State of a direction.
+enum LinestereoSectorState
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint16_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Not in view of the camera.
+  LINESTEREO_SECTOR_STATE_OUTSIDE = 0,
+  // In view, but without evidence, or with evidence that is too old.
+  LINESTEREO_SECTOR_STATE_UNKNOWN = 1,
+  // Surfaces behind the range are seen, and none within it. Obstacles without texture, such as a
+  // blank wall, are not detected.
+  LINESTEREO_SECTOR_STATE_FREE = 2,
+  // An obstacle within the range.
+  LINESTEREO_SECTOR_STATE_OBSTACLE = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum LinestereoSectorState LinestereoSectorState;
+#else
+typedef uint16_t LinestereoSectorState;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -437,6 +476,54 @@ typedef struct {
   LinestereoSpan span;
 } LinestereoRun;
 
+// Parameters of obstacles by direction. Take them from `linestereo_obstacle_config`, then change
+// what differs.
+typedef struct {
+  // Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 to 180.
+  // 0.
+  float yaw_deg;
+  // Obstacles and drop-offs at this distance or farther are ignored, m; 0.1 to 600. 10.
+  float range_m;
+  // Lowest and highest height of obstacles, m above the camera; -1000 to 1000. All.
+  float heights_m[2];
+  // Least depth of a drop-off below the floor, m; 0 to 100; 0 for a vehicle that flies, which
+  // has none. 0.05.
+  float drop_m;
+  // Largest probability that all evidence of an obstacle or a drop-off is wrong; 0.00002 to 0.5.
+  // 0.01.
+  float error_probability;
+  // Sectors of a full turn, 4 to 72. 72, which are 5 degrees each.
+  uint16_t sectors;
+  // Time for which a state is kept when it is not seen again, ms. 500.
+  uint16_t keep_ms;
+} LinestereoObstacleConfig;
+
+// What is known of each direction, kept between pairs. For the functions alone; it stays where
+// `linestereo_obstacles_init` found it. No memory has to be freed.
+typedef struct {
+  // Not for callers.
+  uint64_t words[112];
+} LinestereoObstacles;
+
+// The nearest obstacle and the nearest drop-off of a direction.
+typedef struct {
+  // What is known of obstacles.
+  LinestereoSectorState state;
+  // Distance of the obstacle along the ground, cm; 1 or more, below the range; 0 without one.
+  uint16_t distance_cm;
+  // Probability of the obstacle, or that the sector is free, 1/65536; 0 otherwise.
+  uint16_t confidence_q16;
+  // Distance along the ground to where the floor ends, cm; 1 or more, below the range; 0 where
+  // no drop-off is known.
+  uint16_t drop_off_cm;
+  // Probability of the drop-off, 1/65536; 0 without one.
+  uint16_t drop_off_confidence_q16;
+  // Time since the obstacle or the free way was seen, ms; 0 otherwise.
+  uint32_t age_ms;
+  // Time since the drop-off was seen, ms; 0 without one.
+  uint32_t drop_off_age_ms;
+} LinestereoSector;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -504,6 +591,24 @@ LinestereoStatus linestereo_pixel(LinestereoMatcher *matcher, uint16_t x, uint16
 // Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this
 // disparity (1/64 px): x right, y down, z forward of the left camera, three numbers of 1/65536 m.
 LinestereoStatus linestereo_position(LinestereoMatcher *matcher, uint16_t x_q5, uint16_t y_q5, int16_t disparity_q6, int32_t *xyz_q16);
+
+// The default parameters of obstacles by direction.
+LinestereoObstacleConfig linestereo_obstacle_config(void);
+
+// Makes obstacles of which nothing is known, for the images and the rig of this matcher, which
+// needs one. For other heights: more of them, beside the same matcher.
+LinestereoStatus linestereo_obstacles_init(LinestereoObstacles *obstacles,
+                                           LinestereoMatcher *matcher,
+                                           const LinestereoObstacleConfig *config);
+
+// Takes what the last pair of the matcher shows, once for each pair; `time_us` is its time of
+// capture, us of any steady clock. `LINESTEREO_STATUS_PAIR_UNFIT` and `LINESTEREO_STATUS_NO_PAIR`:
+// nothing is taken, and what is known ages.
+LinestereoStatus linestereo_obstacles_update(LinestereoObstacles *obstacles, LinestereoMatcher *matcher, uint64_t time_us);
+
+// The nearest obstacle and the nearest drop-off of a direction, as known at `time_us` of the same
+// clock. Sector 0 is ahead of the vehicle, then clockwise, seen from above.
+LinestereoStatus linestereo_sector(const LinestereoObstacles *obstacles, size_t index, uint64_t time_us, LinestereoSector *sector);
 
 // A status in words; never null.
 const char *linestereo_status_text(int32_t status);

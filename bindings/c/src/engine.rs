@@ -115,6 +115,10 @@ impl Engine {
         self.matcher.dims()
     }
 
+    pub fn params(&self) -> &Params {
+        self.matcher.params()
+    }
+
     pub fn run(
         &mut self,
         left: Gray<'static>,
@@ -129,7 +133,8 @@ impl Engine {
         if self.matched()?.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
     }
 
-    fn matched(&mut self) -> Result<&mut Matched<'static>, Status> {
+    /// The last pair.
+    pub fn matched(&mut self) -> Result<&mut Matched<'static>, Status> {
         self.last.as_mut().map_err(|status| *status)
     }
 

@@ -6,8 +6,12 @@
 //! alone, and one thread uses it at a time.
 
 use crate::engine::Engine;
+use crate::obstacles::Directions;
 use crate::status::Status;
-use crate::types::{Area, Bar, Config, Depth, FAULT_NAMES, Health, Image, Point, Run, Segment};
+use crate::types::{
+    Area, Bar, Config, Depth, FAULT_NAMES, Health, Image, ObstacleConfig, Obstacles, Point, Run,
+    Sector, Segment,
+};
 use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};
 use core::mem::MaybeUninit;
@@ -88,23 +92,29 @@ fn status(result: Result<(), Status>) -> Status {
     result.err().unwrap_or(Status::Ok)
 }
 
+/// What was initialised at a pointer, by the address that it holds `offset` bytes behind its start.
+///
+/// # Safety
+/// Where that address is the pointer's, there is a `T`.
+unsafe fn initialised<T>(object: *mut T, offset: usize) -> Result<*mut T, Status> {
+    if object.is_null() {
+        return Err(Status::Null);
+    }
+    // SAFETY: as this function's; the address is looked at alone, since memory that was not
+    // initialised is no `T`.
+    let address = *unsafe { read(object.wrapping_byte_add(offset).cast::<usize>())? };
+    let is_there = address == object.addr() && object.is_aligned();
+    if is_there { Ok(object) } else { Err(Status::NotInitialised) }
+}
+
 /// The matcher at a pointer, which is busy from here on.
 ///
 /// # Safety
 /// As [`with`].
 #[inline(never)]
 unsafe fn enter<'a>(matcher: *mut Handle) -> Result<&'a Handle, Status> {
-    if matcher.is_null() {
-        return Err(Status::Null);
-    }
-    // SAFETY: as this function's; the address is looked at alone, since memory that was not
-    // initialised is no `Handle`.
-    let address = *unsafe { read(matcher.wrapping_byte_add(core::mem::offset_of!(Handle, address)).cast::<usize>())? };
-    if address != matcher.addr() || !matcher.is_aligned() {
-        return Err(Status::NotInitialised);
-    }
-    // SAFETY: it was written by `linestereo_init`.
-    let found = unsafe { &*matcher };
+    // SAFETY: as this function's.
+    let found = unsafe { &*initialised(matcher, core::mem::offset_of!(Handle, address))? };
     if found.is_busy.replace(true) { Err(Status::Busy) } else { Ok(found) }
 }
 
@@ -386,6 +396,78 @@ pub unsafe extern "C" fn linestereo_position(
     };
     // SAFETY: as this function's.
     unsafe { with_room(matcher, xyz_q16.cast(), work) }
+}
+
+/// The default parameters of obstacles by direction.
+#[unsafe(no_mangle)]
+pub extern "C" fn linestereo_obstacle_config() -> ObstacleConfig {
+    ObstacleConfig::new()
+}
+
+/// Makes obstacles of which nothing is known, for the images and the rig of this matcher, which
+/// needs one. For other heights: more of them, beside the same matcher.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_obstacles_init(
+    obstacles: *mut Obstacles,
+    matcher: *mut Handle,
+    config: *const ObstacleConfig,
+) -> Status {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<Directions>| {
+        // SAFETY: as this function's.
+        let config = unsafe { read(config)? };
+        room.write(Directions::new(obstacles.addr(), config, engine)?);
+        Ok(())
+    };
+    if let Err(status) = check(obstacles.addr(), align_of::<Obstacles>()) {
+        return status;
+    }
+    // SAFETY: as this function's; the content is no larger.
+    unsafe { with_room(matcher, obstacles.cast(), work) }
+}
+
+/// Takes what the last pair of the matcher shows, once for each pair; `time_us` is its time of
+/// capture, us of any steady clock. `LINESTEREO_STATUS_PAIR_UNFIT` and `LINESTEREO_STATUS_NO_PAIR`:
+/// nothing is taken, and what is known ages.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_obstacles_update(
+    obstacles: *mut Obstacles,
+    matcher: *mut Handle,
+    time_us: u64,
+) -> Status {
+    // SAFETY: as this function's.
+    match unsafe { directions(obstacles) } {
+        // SAFETY: as this function's.
+        Ok(directions) => unsafe { with(matcher, |engine| directions.update(engine, time_us)) },
+        Err(status) => status,
+    }
+}
+
+/// The nearest obstacle and the nearest drop-off of a direction, as known at `time_us` of the same
+/// clock. Sector 0 is ahead of the vehicle, then clockwise, seen from above.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_sector(
+    obstacles: *const Obstacles,
+    index: usize,
+    time_us: u64,
+    sector: *mut Sector,
+) -> Status {
+    // SAFETY: as this function's.
+    let find = || unsafe {
+        let (directions, room) = (directions(obstacles.cast_mut())?, room(sector)?);
+        room.write(directions.sector(index, time_us)?);
+        Ok(())
+    };
+    status(find())
+}
+
+/// The content of obstacles, which `linestereo_obstacles_init` wrote.
+///
+/// # Safety
+/// As [`read`]; nobody else uses them during `'a`.
+unsafe fn directions<'a>(obstacles: *mut Obstacles) -> Result<&'a mut Directions, Status> {
+    let address = core::mem::offset_of!(Directions, address);
+    // SAFETY: as this function's.
+    unsafe { Ok(&mut *initialised(obstacles.cast::<Directions>(), address)?) }
 }
 
 /// A status in words; never null.

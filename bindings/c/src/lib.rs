@@ -4,6 +4,7 @@
 //! ```text
 //! exports   the functions of linestereo.h: pointers are checked here
 //! engine    what they do
+//! obstacles obstacles by direction, between pairs
 //! types     structures that both sides know
 //! status    codes of errors with their texts
 //! ```
@@ -14,6 +15,7 @@
 mod engine;
 #[allow(unsafe_code, reason = "pointers of C")]
 mod exports;
+mod obstacles;
 mod status;
 mod types;
 

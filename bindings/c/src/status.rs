@@ -18,7 +18,8 @@ pub enum Status {
     Misaligned = 2,
     /// The memory is smaller than `linestereo_scratch_size` says.
     MemoryTooSmall = 3,
-    /// There is no matcher at this address: it was not initialised, or copied from elsewhere.
+    /// There is no matcher, or are no obstacles, at this address: not initialised, or copied from
+    /// elsewhere.
     NotInitialised = 4,
     /// The call comes from a callback of the same matcher.
     Busy = 5,
@@ -80,6 +81,20 @@ pub enum Status {
     RegionOutside = 41,
     /// A run of a mask is empty, outside of the image, or not behind the run before it.
     RegionRun = 42,
+    /// There are not so many sectors.
+    NoSuchSector = 50,
+    /// `yaw_deg` is outside its range.
+    Yaw = 51,
+    /// `sectors` is outside its range.
+    Sectors = 52,
+    /// `range_m` is outside its range.
+    SectorRange = 53,
+    /// `heights_m` is outside its range.
+    Heights = 54,
+    /// `drop_m` is outside its range.
+    DropDepth = 55,
+    /// `error_probability` is outside its range.
+    ErrorProbability = 56,
     /// No depth: too few credible hypotheses in the region.
     LittleSupport = 100,
     /// No depth: two surfaces explain the region equally well.
@@ -106,7 +121,7 @@ pub enum Status {
 
 impl Status {
     /// Every code.
-    pub(crate) const ALL: [Self; 46] = [
+    pub(crate) const ALL: [Self; 53] = [
         Self::Ok,
         Self::Null,
         Self::Misaligned,
@@ -142,6 +157,13 @@ impl Status {
         Self::RegionEmpty,
         Self::RegionOutside,
         Self::RegionRun,
+        Self::NoSuchSector,
+        Self::Yaw,
+        Self::Sectors,
+        Self::SectorRange,
+        Self::Heights,
+        Self::DropDepth,
+        Self::ErrorProbability,
         Self::LittleSupport,
         Self::TwoSurfaces,
         Self::OnlyOutline,
@@ -165,7 +187,7 @@ impl Status {
             }
             Self::MemoryTooSmall => c"the memory is smaller than linestereo_scratch_size says",
             Self::NotInitialised => {
-                c"no matcher at this address: not initialised, or copied from elsewhere"
+                c"nothing at this address: not initialised, or copied from elsewhere"
             }
             Self::Busy => c"a callback called the matcher that runs it",
             Self::NoPair => c"no pair has been matched yet",
@@ -201,6 +223,15 @@ impl Status {
             Self::RegionRun => {
                 c"a run of the mask is empty, outside of the image, or not behind the run before it"
             }
+            Self::NoSuchSector => c"no sector has this index",
+            Self::Yaw => c"yaw_deg is outside -180 to 180",
+            Self::Sectors => c"sectors is outside 4 to 72",
+            Self::SectorRange => c"range_m is outside 0.1 to 600",
+            Self::Heights => {
+                c"heights_m is outside -1000 to 1000, or the lowest is above the highest"
+            }
+            Self::DropDepth => c"drop_m is outside 0 to 100",
+            Self::ErrorProbability => c"error_probability is outside 0.00002 to 0.5",
             Self::LittleSupport => c"too few credible hypotheses in the region",
             Self::TwoSurfaces => c"two surfaces explain the region equally well",
             Self::OnlyOutline => {

@@ -200,6 +200,75 @@ pub struct Depth {
     pub nearest_q16: i32,
 }
 
+/// Parameters of obstacles by direction. Take them from `linestereo_obstacle_config`, then change
+/// what differs.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ObstacleConfig {
+    /// Direction of the optical axis, degrees clockwise from ahead, seen from above; -180 to 180.
+    /// 0.
+    pub yaw_deg: f32,
+    /// Obstacles and drop-offs at this distance or farther are ignored, m; 0.1 to 600. 10.
+    pub range_m: f32,
+    /// Lowest and highest height of obstacles, m above the camera; -1000 to 1000. All.
+    pub heights_m: [f32; 2],
+    /// Least depth of a drop-off below the floor, m; 0 to 100; 0 for a vehicle that flies, which
+    /// has none. 0.05.
+    pub drop_m: f32,
+    /// Largest probability that all evidence of an obstacle or a drop-off is wrong; 0.00002 to 0.5.
+    /// 0.01.
+    pub error_probability: f32,
+    /// Sectors of a full turn, 4 to 72. 72, which are 5 degrees each.
+    pub sectors: u16,
+    /// Time for which a state is kept when it is not seen again, ms. 500.
+    pub keep_ms: u16,
+}
+
+/// What is known of each direction, kept between pairs. For the functions alone; it stays where
+/// `linestereo_obstacles_init` found it. No memory has to be freed.
+#[repr(C)]
+#[derive(Debug)]
+pub struct Obstacles {
+    /// Not for callers.
+    pub words: [u64; 112],
+}
+
+/// State of a direction.
+#[repr(u16)]
+#[derive(Clone, Copy, Debug)]
+pub enum SectorState {
+    /// Not in view of the camera.
+    Outside = 0,
+    /// In view, but without evidence, or with evidence that is too old.
+    Unknown = 1,
+    /// Surfaces behind the range are seen, and none within it. Obstacles without texture, such as a
+    /// blank wall, are not detected.
+    Free = 2,
+    /// An obstacle within the range.
+    Obstacle = 3,
+}
+
+/// The nearest obstacle and the nearest drop-off of a direction.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Sector {
+    /// What is known of obstacles.
+    pub state: SectorState,
+    /// Distance of the obstacle along the ground, cm; 1 or more, below the range; 0 without one.
+    pub distance_cm: u16,
+    /// Probability of the obstacle, or that the sector is free, 1/65536; 0 otherwise.
+    pub confidence_q16: u16,
+    /// Distance along the ground to where the floor ends, cm; 1 or more, below the range; 0 where
+    /// no drop-off is known.
+    pub drop_off_cm: u16,
+    /// Probability of the drop-off, 1/65536; 0 without one.
+    pub drop_off_confidence_q16: u16,
+    /// Time since the obstacle or the free way was seen, ms; 0 otherwise.
+    pub age_ms: u32,
+    /// Time since the drop-off was seen, ms; 0 without one.
+    pub drop_off_age_ms: u32,
+}
+
 /// Levels of one camera's image.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

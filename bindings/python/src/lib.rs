@@ -4,6 +4,7 @@
 mod calibration;
 mod image;
 mod matcher;
+mod obstacles;
 mod records;
 
 use core::fmt::Display;
@@ -36,6 +37,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<calibration::Rig>()?;
     module.add_class::<matcher::PyMatched>()?;
     module.add_class::<matcher::PyMatcher>()?;
+    module.add_class::<obstacles::PyObstacles>()?;
     module.add_function(wrap_pyfunction!(remedy, module)?)?;
     module.add_function(wrap_pyfunction!(fault_names, module)?)
 }

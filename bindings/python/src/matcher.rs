@@ -120,7 +120,7 @@ impl PyMatcher {
         let records = records::of_points(&points, &self.params);
         Ok(PyMatched {
             pair,
-            rig: self.params.rig,
+            params: self.params,
             points: Some(records),
             segments: Some(segments),
             bars: Some(bars),
@@ -133,7 +133,7 @@ impl PyMatcher {
 #[pyclass(module = "linestereo", name = "Matched")]
 pub(crate) struct PyMatched {
     pair: MatchedPair,
-    rig: Option<linestereo::Rig>,
+    params: Params,
     points: Option<Vec<u8>>,
     segments: Option<Vec<u8>>,
     bars: Option<Vec<u8>>,
@@ -189,7 +189,7 @@ impl PyMatched {
         py: Python<'py>,
         points: PyReadonlyArray2<'_, f32>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let Some(rig) = self.rig else {
+        let Some(rig) = self.params.rig else {
             return Err(PyValueError::new_err(
                 "places in space need a rig; give rig=linestereo.Rig(..) to the matcher",
             ));
@@ -290,6 +290,14 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
 }
 
 impl PyMatched {
+    pub(crate) fn matched(&self) -> &Matched<'_> {
+        self.pair.get()
+    }
+
+    pub(crate) fn params(&self) -> &Params {
+        &self.params
+    }
+
     fn dims(&self) -> Dims {
         self.pair.get().dims()
     }

@@ -1,9 +1,10 @@
 //! Results as bytes of structured arrays, whose dtypes stand in `python/linestereo/__init__.py`.
 
+use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 use linestereo::results::{
     Bar, ImagePosition, Match, Owner, PixelDepth, PixelRejection, Point, Source,
 };
-use linestereo::units::{Depth, Disparity, INFINITE_DEPTH};
+use linestereo::units::{Confidence, Depth, Disparity, INFINITE_DEPTH};
 use linestereo::{NoDepth, ObjectDepth, Params, Rig};
 
 /// Metres: infinite where the core says so, not a number without a rig.
@@ -82,6 +83,39 @@ pub(crate) fn push_bar(bytes: &mut Vec<u8>, found: &Bar, rig: Option<Rig>) {
     let depth = rig.map(|rig| disparity.map(|d| rig.depth(d)));
     let depth_sigma = rig.map(|rig| disparity.map(|d| rig.depth_sigma(d, sigma)));
     push_depths(bytes, depth, depth_sigma);
+}
+
+/// 40 bytes for each sector of the turn.
+pub(crate) fn of_sectors(plan: &ObstaclePlan, obstacles: &Obstacles, time_us: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let metres = |cm: u16| f64::from(cm) / 100.0;
+    for (index, sector) in (0..plan.sectors()).zip(obstacles.sectors(plan, time_us)) {
+        let turned = 360.0 * f32::from(index) / f32::from(plan.sectors());
+        let (state, distance, confidence, age_ms) = match sector {
+            Sector::Outside => (0_u32, f64::NAN, Confidence::ZERO, 0),
+            Sector::Unknown => (1, f64::NAN, Confidence::ZERO, 0),
+            Sector::Free { confidence, age_ms } => (2, f64::INFINITY, confidence, age_ms),
+            Sector::Obstacle { distance_cm, confidence, age_ms } => {
+                (3, metres(distance_cm), confidence, age_ms)
+            }
+        };
+        let (drop_off, drop_confidence, drop_age_ms) = obstacles
+            .drop_off(plan, index, time_us)
+            .map_or((f64::NAN, Confidence::ZERO, 0), |found| {
+                (metres(found.distance_cm), found.confidence, found.age_ms)
+            });
+        let direction = if turned < 180.0 { turned } else { turned - 360.0 };
+        bytes.extend(direction.to_le_bytes());
+        bytes.extend(state.to_le_bytes());
+        bytes.extend(distance.to_le_bytes());
+        bytes.extend(drop_off.to_le_bytes());
+        for probability in [confidence, drop_confidence] {
+            bytes.extend(probability.to_num::<f32>().to_le_bytes());
+        }
+        bytes.extend(age_ms.to_le_bytes());
+        bytes.extend(drop_age_ms.to_le_bytes());
+    }
+    bytes
 }
 
 /// Column and row of both ends.

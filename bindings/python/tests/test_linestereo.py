@@ -98,6 +98,65 @@ def test_objects(result):
     assert result.pixel(0, 0).reason is not None and result.pixel(0, 0).text
 
 
+def test_directions(result):
+    sectors = result.sectors()
+    assert len(sectors) == 72 and sectors.dtype == linestereo.SECTOR and sectors["direction"][[0, 1, 36, 71]].tolist() == [0, 5, -180, -5]
+    states = set(sectors["state"])
+    assert sectors["state"][0] == linestereo.SectorState.OBSTACLE and sectors["state"][36] == linestereo.SectorState.OUTSIDE
+    assert abs(sectors["distance"][0] - 1) < 0.05 and sectors["confidence"][0] > 0.99 and sectors["age_ms"][0] == 0
+    assert np.isnan(sectors["distance"][36]) and np.isnan(sectors["drop_off"]).all() and states <= {0, 1, 3}
+    turned = result.sectors(yaw_deg=90, sectors=4)
+    assert turned["state"].tolist() == [0, 3, 0, 0] and turned["direction"].tolist() == [0, 90, -180, -90]
+    near = result.sectors(range_m=0.5)
+    assert near["state"][0] == linestereo.SectorState.FREE and near["distance"][0] == np.inf
+
+    obstacles = linestereo.Obstacles(keep_ms=300)
+    with pytest.raises(ValueError, match="no pair yet"):
+        obstacles.sectors(0)
+    assert obstacles.update(result, 1_000_000).tobytes() == sectors.tobytes()
+    assert obstacles.sectors(1_200_000)["age_ms"][0] == 200
+    assert obstacles.sectors(1_400_000)["state"][0] == linestereo.SectorState.UNKNOWN
+
+
+def floor(edge_row):
+    """A textured floor, 0.4 px of disparity a row below row 80, that goes on deeper above `edge_row`."""
+    grain = np.random.default_rng(3).integers(40, 210, (240, 900)).astype(np.float32)
+    grain = cv2.GaussianBlur(grain, None, 1.2)
+    y, x = np.mgrid[:240, :320].astype(np.float32)
+    disparity = 0.4 * np.maximum(y - 80, 8) * np.where(y < edge_row, 0.25 / 0.55, 1)
+    images = [cv2.remap(grain, x + moves * disparity.astype(np.float32), y, cv2.INTER_CUBIC) for moves in (0, 1)]
+    return [np.clip(np.rint(2 * image - 125), 0, 255).astype(np.uint8) for image in images]
+
+
+def test_where_the_floor_ends(tmp_path):
+    rig = linestereo.Rig(300, 0.1, 0, (159.5, 80))
+    result = linestereo.match(*floor(130), max_disparity=80, rig=rig)
+    sectors = result.sectors()
+    edge = 300 * 0.1 / (0.4 * (130 - 80))
+    assert abs(sectors["drop_off"][0] - edge) < 0.1 * edge and sectors["drop_off_confidence"][0] >= 0.99
+    assert sectors["state"][0] == linestereo.SectorState.UNKNOWN  # not free
+    assert np.isnan(result.sectors(drop_m=None)["drop_off"]).all()
+    assert np.isnan(linestereo.match(*floor(0), max_disparity=80, rig=rig).sectors()["drop_off"]).all()
+
+
+@pytest.mark.parametrize("parameters, text", [
+    ({"sectors": 3}, "sectors is 3"),
+    ({"sectors": 300}, "sectors is 300"),
+    ({"keep_ms": -1}, "keep_ms is -1"),
+    ({"range_m": 0}, "range"),
+    ({"yaw_deg": 200}, "yaw"),
+    ({"heights_m": (1, 0)}, "height"),
+    ({"drop_m": -1}, "drop-off"),
+])
+def test_parameters_of_directions_are_refused(pair, result, parameters, text):
+    with pytest.raises(ValueError, match=text):
+        linestereo.Obstacles(**parameters)
+    with pytest.raises(ValueError, match="rig"):
+        linestereo.match(*pair, max_disparity=32).sectors()
+    with pytest.raises(ValueError, match="pickled"):
+        pickle.loads(pickle.dumps(result)).sectors()
+
+
 @pytest.mark.parametrize("boxes, masks, text", [
     (None, None, "either"),
     ([[1, 2, 3]], None, "shape"),
@@ -475,7 +534,7 @@ def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     pair = pole() if kind == "pole" else pair
     for name, image in zip(("left.png", "right.png"), pair):
         cv2.imwrite(str(tmp_path / name), image)
-    command = [program(), "run", "left.png", "right.png", "--max-disparity", "32", "--quiet", "--json", "-"]
+    command = [program(), "run", "left.png", "right.png", "--max-disparity", "32", "--quiet", "--sectors", "--json", "-"]
     command += ["--rig", "rig.toml"] if kind == "raw" else ["--focal-px", "200", "--baseline-m", "0.06"]
     listing = json.loads(subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout)
     rig = linestereo.Calibration.load(rig_file) if kind == "raw" else linestereo.Rig(200, 0.06)
@@ -489,6 +548,10 @@ def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     assert result.bars["ends"].tolist() == [bar["left"] for bar in listing["bars"]]
     for name in ("width", "disparity", "sigma"):
         assert result.bars[name].tolist() == [bar[f"{name}_px"] for bar in listing["bars"]]
+    sectors = result.sectors()
+    assert [linestereo.SectorState(state).name.lower() for state in sectors["state"]] == [sector["state"] for sector in listing["sectors"]]
+    for name, field in (("distance", "distance_m"), ("drop_off", "drop_off_m")):
+        assert [None if not np.isfinite(z) else z for z in sectors[name].tolist()] == [sector[field] for sector in listing["sectors"]]
     assert sorted(fault.value for fault in result.health) == sorted(listing["health"]["flags"])
 
 

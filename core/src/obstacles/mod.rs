@@ -86,9 +86,15 @@ pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
 /// 26 %, doorway 33 and 62 %; on a ramp, whose ghosts rise from 4 to 29 %, 48 and 41 %.
 pub const LEAST_CONFIDENCE: Confidence = Confidence::from_bits(0x8000);
 
-/// Largest distance from the ground of what may be a part of it, 1/64 px.
+/// Largest distance from the ground plane of what may be a part of it, px.
+pub const GROUND_TOLERANCE: Disparity = Disparity::from_bits(GROUND_Q6 as i16);
+
+/// Least distance behind the ground plane of what shows a drop-off, px.
+pub const BELOW_GROUND: Disparity = Disparity::from_bits(BELOW_Q6 as i16);
+
+/// [`GROUND_TOLERANCE`], 1/64 px.
 const GROUND_Q6: i32 = 48;
-/// Least distance behind the ground of a point below it, 1/64 px. Chosen on `robot_world` and
+/// [`BELOW_GROUND`], 1/64 px. Chosen on `robot_world` and
 /// `robot_sequences`: with 1, 1.5 and 2 px 53, 50 and 51 % of the drop-offs within 2 m are told,
 /// and 3.6, 1.5 and 1.1 % of the sectors without one have one. Sets that did not choose it: none in
 /// 385 sectors of homes and of Middlebury at 320 px, and 56 of 425 on roads (KITTI), where the

@@ -58,6 +58,7 @@ mod message;
 mod object;
 mod packet;
 mod rig_fault;
+mod sector;
 mod send;
 mod settings;
 
@@ -76,7 +77,8 @@ pub use message::{
 pub use object::{MAX_REGIONS, OBJECTS_PER_PACKET, ObjectRecord, Objects, RegionBox, Regions};
 pub use packet::{Counters, DELIMITER, DecodeError, Decoder, EncodeError, Record, VERSION, encode};
 pub use rig_fault::{RigFault, RigInUse, RigReport};
-pub use send::{PointStream, SendError, send, send_frame, send_objects};
+pub use sector::{SECTORS_PER_PACKET, SectorRecord, Sectors, Sighting};
+pub use send::{PointStream, SendError, send, send_frame, send_objects, send_sectors};
 pub use settings::{KeptReport, SETTINGS, Setting, SettingValue, SettingValues};
 
 /// The example of the package's page.

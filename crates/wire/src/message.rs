@@ -7,6 +7,7 @@ use crate::frame::{FrameHead, Points, SEGMENTS_PER_PACKET, Segments};
 use crate::object::Objects;
 use crate::packet::{Record, Sealed, VERSION, packet_bytes};
 use crate::rig_fault::RigReport;
+use crate::sector::Sectors;
 use crate::settings::{KeptReport, SettingValue};
 use heapless::String;
 use serde::{Deserialize, Serialize};
@@ -48,6 +49,9 @@ pub enum Message {
     /// Time of the board's own clock, in which pairs are captured, microseconds: for
     /// `Request::ReadClock`, before the answer.
     Clock(u64),
+    /// Nearest obstacle and nearest drop-off by direction, of the frame that began last: where the
+    /// setting `sectors` is 1 and there is a rig; an empty list where nothing is known.
+    Sectors(Sectors),
 }
 
 impl Sealed for Message {}

@@ -10,6 +10,8 @@ use crate::frame::{FrameHead, POINTS_PER_PACKET, Points, SEGMENTS_PER_PACKET, Se
 use crate::message::{MAX_PACKET, Message};
 use crate::object::{OBJECTS_PER_PACKET, ObjectRecord, Objects};
 use crate::packet::{EncodeError, Record, encode};
+use crate::sector::{SectorRecord, Sectors};
+use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::results::{Match, Point};
 
 /// Why something was not sent.
@@ -129,4 +131,33 @@ pub fn send_objects<E>(
         send(&Message::Objects(Objects { sequence, list }), write)?;
     }
     Ok(())
+}
+
+/// Sends what is known of each direction at the capture of a frame's pair, `time_us` of the clock
+/// that [`Obstacles::update`] got, after [`send_frame`].
+#[inline(never)]
+pub fn send_sectors<E>(
+    sequence: u32,
+    plan: &ObstaclePlan,
+    obstacles: &Obstacles,
+    time_us: u64,
+    write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<(), SendError<E>> {
+    let turn = plan.sectors();
+    let mut known = obstacles.sectors(plan, time_us).zip(0..).filter_map(|(sector, index)| {
+        SectorRecord::new(index, sector, obstacles.drop_off(plan, index, time_us))
+    });
+    loop {
+        let mut list = heapless::Vec::new();
+        while !list.is_full()
+            && let Some(record) = known.next()
+        {
+            let _ = list.push(record); // it fits
+        }
+        let is_last = !list.is_full();
+        send(&Message::Sectors(Sectors { sequence, turn, list }), write)?;
+        if is_last {
+            return Ok(());
+        }
+    }
 }

@@ -6,13 +6,14 @@
 //! Every value is an `f32`, which holds each whole number here exactly. `parts` is 0 for both and 1
 //! for support alone, `policy` 0 for silent, 1 for block and 2 for unknown, `block_cm` 0 for the
 //! near limit of the rig, `distance_sensor` 0 for off and 1 for on, `drop_m` 0 for a vehicle that
-//! flies, to which drop-offs do not matter.
+//! flies, to which drop-offs do not matter, `sectors` 1 where the host gets the directions of every
+//! pair and 0 where it does not.
 
 use crate::rig_fault::RigFault;
 use serde::{Deserialize, Serialize};
 
 /// Number of settings.
-pub const SETTINGS: usize = 19;
+pub const SETTINGS: usize = 20;
 
 /// Values of all settings, in the order of [`Setting::ALL`].
 pub type SettingValues = [f32; SETTINGS];
@@ -54,6 +55,7 @@ impl Setting {
         Self::whole("block_cm", 0.0, 60_000.0),
         Self::whole("distance_sensor", 0.0, 1.0),
         Self::real("drop_m", 0.0, 100.0),
+        Self::whole("sectors", 0.0, 1.0),
     ];
 
     /// Number of the first setting of the vehicle.

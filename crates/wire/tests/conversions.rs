@@ -3,9 +3,10 @@
 use crate::support::*;
 use linestereo::health::{CameraHealth, HealthFlags, PairHealth, Rows, Still, Tear};
 use linestereo::objects::{ObjectMetres, Reason};
+use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Depth, Disparity};
-use linestereo::{Dims, NoDepth, ObjectDepth};
+use linestereo::{Dims, NoDepth, ObjectDepth, Params, Rig, ground::GroundPlane};
 use linestereo_wire::*;
 
 /// Sends by `send` and gives the messages that arrive.
@@ -19,6 +20,67 @@ fn received(
     });
     assert_eq!(sent, Ok(()));
     decode(&wire).0.into_iter().map(Result::unwrap).collect()
+}
+
+/// Directions of a wide camera, of which one is unknown and one has a drop-off.
+#[test]
+fn directions_come_back_equal() {
+    let dims = Dims { width: 640, height: 480 };
+    let rig = Rig::new(120.0, 0.1, 0.0).unwrap(); // 139 degrees
+    let params = Params { rig: Some(rig), ..Params::default() };
+    let plan = ObstacleParams::DEFAULT.plan(&params, dims).unwrap();
+    // 0.1 px of disparity down each row: 1 m below the camera.
+    let ground = GroundPlane { down_q16: 6554, across_q16: 0, origin_q16: -6554 * 240 };
+    let point = |x, y, disparity: f64| Point {
+        x,
+        y,
+        disparity: Disparity::from_num(disparity),
+        confidence: Confidence::from_num(0.95),
+        source: Source::Support,
+    };
+    // 2 m away above the floor at all columns but some; and below the floor.
+    let walls = (0..640).step_by(8).filter(|x| !(300..340).contains(x));
+    let points = walls.flat_map(|x| [200, 208, 216].map(|y| point(x, y, 6.0)));
+    let points = points.chain([316, 318, 320, 322].map(|x| point(x, 400, 10.0)));
+    let mut obstacles = Obstacles::new();
+    obstacles.update(&plan.on_ground(Some(ground)), &[], points, HealthFlags::GOOD, 1_000_000);
+
+    let messages = received(|mut write| send_sectors(7, &plan, &obstacles, 1_250_000, &mut write));
+    assert_eq!(messages.len(), 2);
+    let mut back = vec![(Sector::Unknown, None); 72];
+    for message in messages {
+        let Message::Sectors(Sectors { sequence: 7, turn: 72, list }) = message else {
+            panic!("{message:?}")
+        };
+        for record in list {
+            back[usize::from(record.index)] = (record.sector(), record.drop_off());
+        }
+    }
+    let mut found = [0; 3];
+    for (index, (sector, drop_off)) in (0..72).zip(back) {
+        let expected = match obstacles.sector(&plan, index, 1_250_000) {
+            Sector::Outside => Sector::Unknown,
+            sector => sector,
+        };
+        let expected_drop = obstacles.drop_off(&plan, index, 1_250_000);
+        assert_eq!((sector, drop_off), (expected, expected_drop), "sector {index}");
+        found[0] += usize::from(matches!(sector, Sector::Obstacle { age_ms: 250, .. }));
+        found[1] += usize::from(drop_off.is_some());
+        found[2] += usize::from(sector == Sector::Unknown && drop_off.is_none());
+    }
+    assert!(found[0] > SECTORS_PER_PACKET && found[1] > 0 && found[2] > 0, "{found:?}");
+
+    let free = Sector::Free { confidence: Confidence::from_num(0.99), age_ms: 70_000 };
+    let record = SectorRecord::new(3, free, None).unwrap();
+    assert_eq!(record.nearest.unwrap().age_ms, u16::MAX);
+    assert!(matches!(record.sector(), Sector::Free { age_ms: 65_535, .. }));
+    assert_eq!(SectorRecord::new(3, Sector::Unknown, None), None);
+    assert_eq!(SectorRecord::new(3, Sector::Outside, None), None);
+
+    // Nothing known: a host learns that, too.
+    let none = received(|mut write| send_sectors(8, &plan, &Obstacles::new(), 0, &mut write));
+    let list = heapless::Vec::new();
+    assert_eq!(none, [Message::Sectors(Sectors { sequence: 8, turn: 72, list })]);
 }
 
 /// An object of arbitrary bits; every third is refused.

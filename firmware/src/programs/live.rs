@@ -14,7 +14,7 @@ use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND,
     MAX_PACKET, Message, ObjectRecord, Outcome, PIXELS_PER_PACKET, PairHead, Pixels, Refusal,
-    Request, SEGMENTS_PER_PACKET, Setting, TimeSource, send, send_frame, send_objects,
+    Request, SEGMENTS_PER_PACKET, SendError, Setting, TimeSource, send, send_frame, send_objects,
 };
 
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or
@@ -275,7 +275,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
                 self.write(&Message::Answer(answer));
             }
             Reply::Settings(answer) => {
-                self.write_by(|port, session| {
+                self.write_by(|port, session, _| {
                     session.report_settings(|message| {
                         let _ = send(message, &mut packets(port));
                     });
@@ -460,18 +460,18 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         self.autopilot.see(&matched, health.flags, now_us); // of the clock of its turns
         let head =
             FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
-        self.write_frame(head, Some((matched.segments(), &objects)));
+        let found = Found { matches: matched.segments(), objects: &objects, seen_us: now_us };
+        self.write_frame(head, Some(found));
         Some(())
     }
 
     /// Numbers a frame and sends it, if the host wants results.
-    fn write_frame(&mut self, head: FrameHead, found: Option<(&[Match], &[ObjectRecord])>) {
+    fn write_frame(&mut self, head: FrameHead, found: Option<Found<'_>>) {
         self.status = Status::of(head.health);
         if !self.session.running {
             return;
         }
         let sequence = self.session.next_sequence();
-        let (matches, objects) = found.unwrap_or_default();
         let skipped = if self.has_skipped { Health::RESULTS_SKIPPED } else { Health::GOOD };
         let times = core::mem::take(&mut self.times);
         let (capture_time_us, clock) = self.sync.stamp(head.capture_time_us);
@@ -483,14 +483,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
             clock,
             ..head
         };
-        self.has_skipped = !self.has_room(&head, matches, objects);
+        self.has_skipped = !self.has_room(&head, found);
         if self.has_skipped {
             return;
         }
-        self.write_by(|port, _| {
-            let mut write = packets(port);
-            let _ = send_frame(&head, matches, &mut write);
-            let _ = send_objects(head.sequence, objects, &mut write);
+        self.write_by(|port, _, autopilot| {
+            let _ = send_found(&head, found, autopilot, &mut packets(port));
         });
     }
 
@@ -501,9 +499,11 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
 
     /// Does the port take a frame as a whole without waiting, or hold nothing? A slow host is not
     /// to slow the cameras down.
-    fn has_room(&self, head: &FrameHead, matches: &[Match], objects: &[ObjectRecord]) -> bool {
+    fn has_room(&self, head: &FrameHead, found: Option<Found<'_>>) -> bool {
         let Room { free, all } = self.port.room();
-        if free >= all || free >= (3 + matches.len().div_ceil(SEGMENTS_PER_PACKET)) * MAX_PACKET {
+        let segments = found.map_or(0, |found| found.matches.len());
+        // Head, objects and sectors.
+        if free >= all || free >= (5 + segments.div_ceil(SEGMENTS_PER_PACKET)) * MAX_PACKET {
             return true;
         }
         let mut bytes = 0;
@@ -511,8 +511,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
             bytes += packet.len();
             Ok::<(), core::convert::Infallible>(())
         };
-        let _ = send_frame(head, matches, &mut count);
-        let _ = send_objects(head.sequence, objects, &mut count);
+        let _ = send_found(head, found, &self.autopilot, &mut count);
         free >= bytes
     }
 
@@ -527,18 +526,42 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     }
 
     fn write(&mut self, message: &Message) {
-        self.write_by(|port, _| {
+        self.write_by(|port, _, _| {
             let _ = send(message, &mut packets(port));
         });
     }
 
     /// Writes, and counts the time that it takes.
-    fn write_by(&mut self, write: impl FnOnce(&mut P, &Session<'_>)) {
+    fn write_by(&mut self, write: impl FnOnce(&mut P, &Session<'_>, &Autopilot)) {
         let before_us = self.time();
-        write(&mut self.port, &self.session);
+        write(&mut self.port, &self.session, &self.autopilot);
         let took_us = saturated(self.time() - before_us);
         self.times.port_us = self.times.port_us.saturating_add(took_us);
     }
+}
+
+/// Results of a matched pair.
+#[derive(Clone, Copy)]
+struct Found<'m> {
+    matches: &'m [Match],
+    objects: &'m [ObjectRecord],
+    /// When the autopilot saw it, microseconds.
+    seen_us: u64,
+}
+
+/// Sends a frame with all that was found in it.
+fn send_found<E>(
+    head: &FrameHead,
+    found: Option<Found<'_>>,
+    autopilot: &Autopilot,
+    write: &mut impl FnMut(&[u8]) -> Result<(), E>,
+) -> Result<(), SendError<E>> {
+    let Some(Found { matches, objects, seen_us }) = found else {
+        return send_frame(head, &[], write);
+    };
+    send_frame(head, matches, write)?;
+    send_objects(head.sequence, objects, write)?;
+    autopilot.send_sectors(head.sequence, seen_us, write)
 }
 
 /// Number of the setting that a parameter is.

@@ -285,8 +285,8 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             Message::Machine(_) | Message::Case(_) => {
                 bail!("a board that is fed by a file ran a built-in pair")
             }
-            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) => {
-                bail!("nobody asked the board for settings or its time")
+            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) | Message::Sectors(_) => {
+                bail!("nobody asked the board for settings, its time or sectors")
             }
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;

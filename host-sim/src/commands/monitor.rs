@@ -11,7 +11,7 @@ use crate::results::health;
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use linestereo_frames::untrusted::printable;
-use linestereo_wire::Health;
+use linestereo_wire::{Health, Sectors};
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -164,6 +164,7 @@ impl Monitor {
             Event::Objects(list) => {
                 list.iter().try_for_each(|object| self.screen.note(&text::object(object)))
             }
+            Event::Sectors(sectors) => self.screen.sectors(&sectors),
             Event::Photo([left, _]) => {
                 let note = format!(
                     "photograph: {}; linestereo photograph saves them, linestereo view shows them",
@@ -247,6 +248,13 @@ impl Screen {
             Self::Lines => print(&(text::line(frame, last) + "\n")),
             Self::Json if frame.missing() == 0 => print(&(text::json(frame)? + "\n")),
             Self::Json | Self::Notes => Ok(()),
+        }
+    }
+
+    fn sectors(&self, sectors: &Sectors) -> Result<()> {
+        match self {
+            Self::Json => print(&(text::sectors_json(sectors)? + "\n")),
+            _ => self.note(&text::sectors(sectors)),
         }
     }
 

@@ -63,7 +63,8 @@ pub struct Args {
     /// Write the points as a disparity map of Middlebury: PFM, px, infinity = none.
     #[arg(long, value_name = "FILE.pfm")]
     pfm: Option<OutputPath>,
-    /// Draw the segments over the left image, red near to blue far, as PNG.
+    /// Draw the segments over the left image, red near to blue far, as PNG; where a floor is found,
+    /// it is pale and what lies below it magenta.
     #[arg(long, value_name = "FILE.png")]
     overlay: Option<OutputPath>,
     /// Write the objects as CSV.

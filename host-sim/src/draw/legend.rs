@@ -1,6 +1,7 @@
 //! The strip below a picture: colours in px and metres, line styles, counts.
 
 use super::colour::{Range, colour};
+use super::floor::{DROP, FLOOR};
 use super::text::{Align, width, write};
 use crate::engine::FrameResult;
 use crate::results::listing::finite_metres;
@@ -8,6 +9,8 @@ use image::{Rgb, RgbImage, imageops};
 use linestereo::{Rig, units::Disparity};
 
 const HEIGHT: u32 = 96;
+/// More of it where there is a ground plane.
+const GROUND_HEIGHT: u32 = 22;
 const MARGIN: f32 = 14.0;
 const BAR_HEIGHT: f32 = 14.0;
 const TEXT_HEIGHT: f32 = 15.0;
@@ -23,8 +26,9 @@ pub(super) fn below(
     rig: Option<&Rig>,
     range: &Range,
 ) -> RgbImage {
+    let height = HEIGHT + if result.ground.is_some() { GROUND_HEIGHT } else { 0 };
     let mut whole =
-        RgbImage::from_pixel(picture.width(), picture.height() + HEIGHT, Rgb(BACKGROUND));
+        RgbImage::from_pixel(picture.width(), picture.height() + height, Rgb(BACKGROUND));
     imageops::replace(&mut whole, picture, 0, 0);
     let top = picture.height() as f32 + 8.0;
     bar(&mut whole, top, range);
@@ -35,13 +39,32 @@ pub(super) fn below(
     if beyond > 0 {
         found.push_str(&format!(", {beyond} beyond these colours"));
     }
-    let line = picture.height() as f32 + HEIGHT as f32 - TEXT_HEIGHT - 8.0;
+    let line = whole.height() as f32 - TEXT_HEIGHT - 8.0;
     let right = whole.width() as f32 - MARGIN;
     write(&mut whole, (MARGIN, line), Align::Left, TEXT_HEIGHT, INK, &found);
     if MARGIN + width(TEXT_HEIGHT, &found) + 2.0 * MARGIN + width(TEXT_HEIGHT, key) < right {
         write(&mut whole, (right, line), Align::Right, TEXT_HEIGHT, INK, key);
     }
+    if result.ground.is_some() {
+        ground(&mut whole, line - GROUND_HEIGHT as f32);
+    }
     whole
+}
+
+/// Colours of the floor and of what lies below it.
+fn ground(picture: &mut RgbImage, top: f32) {
+    let mut x = MARGIN;
+    for (rgb, word) in [(FLOOR, "floor"), (DROP, "below the floor: a drop-off")] {
+        if x + TEXT_HEIGHT + width(TEXT_HEIGHT, word) + MARGIN > picture.width() as f32 {
+            return;
+        }
+        for y in top as u32 + 2..(top + TEXT_HEIGHT) as u32 {
+            (x as u32..(x + TEXT_HEIGHT) as u32).for_each(|x| picture.put_pixel(x, y, Rgb(rgb)));
+        }
+        x += TEXT_HEIGHT + 6.0;
+        write(picture, (x, top), Align::Left, TEXT_HEIGHT, INK, word);
+        x += width(TEXT_HEIGHT, word) + MARGIN;
+    }
 }
 
 /// Far on the left, near on the right.

@@ -4,11 +4,13 @@
 //! enlarged, with every segment in the colour of its disparity (red near, blue far), ticks on the
 //! owning side, the outlines of bars, the points as tinted pixels, support points as discs, and a
 //! legend in px and metres below. What is less probable is fainter; below p = 0.9 it is dashed.
+//! With a ground plane the floor is pale and what lies below it magenta.
 
 mod calibration;
 mod colour;
 mod explanation;
 mod fan;
+mod floor;
 mod legend;
 mod levels;
 mod quality;
@@ -69,8 +71,9 @@ pub fn overlay(
     let range = Range::of(result, max_disparity);
     let mut canvas = Canvas::new(&shown(left), factor as u32);
     for point in &result.points {
-        let (rgb, confidence) =
-            (colour(&range, point.disparity.to_num()), point.confidence.to_num());
+        let rgb = floor::of_point(result.ground, point)
+            .unwrap_or_else(|| colour(&range, point.disparity.to_num()));
+        let confidence = point.confidence.to_num();
         if point.source == Source::Support {
             canvas.support_point(point.x, point.y, rgb, confidence);
         } else {
@@ -79,7 +82,10 @@ pub fn overlay(
     }
     // The most confident come first in the list and have to end on top.
     for found in result.matches.iter().rev() {
-        canvas.segment(found, &range);
+        let disparities = found.disparity.map(|d| d.to_num::<f32>());
+        let rgb = floor::of_segment(result.ground, found)
+            .unwrap_or_else(|| colour(&range, 0.5 * (disparities[0] + disparities[1])));
+        canvas.segment(found, rgb);
     }
     for bar in &result.bars {
         canvas.bar(bar, &range);
@@ -142,12 +148,10 @@ impl Canvas {
         }
     }
 
-    fn segment(&mut self, found: &Match, range: &Range) {
+    fn segment(&mut self, found: &Match, rgb: [u8; 3]) {
         // Integer positions are pixel centres.
         let centre = |value: f32| (value + 0.5) * self.factor;
         let [start, end] = found.ends.map(|end| (centre(end.x.to_num()), centre(end.y.to_num())));
-        let disparities = found.disparity.map(|d| d.to_num::<f32>());
-        let rgb = colour(range, 0.5 * (disparities[0] + disparities[1]));
         let confidence = found.confidence.to_num::<f32>();
         let sure = f64::from(confidence) >= SURE;
         let width = (0.6 * self.factor).max(LEAST_LINE);
@@ -255,9 +259,9 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::Dims;
     use linestereo::results::{ImagePosition, Point, Techniques};
     use linestereo::units::{Confidence, Disparity};
+    use linestereo::{Dims, ground::GroundPlane};
 
     fn vertical(owner: Owner, x: f64, disparity: i16) -> Match {
         let point = |y: f64| ImagePosition {
@@ -311,5 +315,58 @@ mod tests {
         assert!(at(50, 12)[0] > 200 && at(50, 12)[2] < 80, "{:?}", at(50, 12));
         assert!(at(100, 12)[2] > 200 && at(100, 12)[0] < 100, "{:?}", at(100, 12));
         assert!(at(200, 9)[0] > 150 && at(201, 9) == [100; 3], "{:?}", at(200, 9));
+    }
+
+    #[test]
+    fn the_floor_is_pale_and_what_lies_below_it_magenta() {
+        let left = GrayImage { dims: Dims { width: 320, height: 32 }, pixels: vec![0; 320 * 32] };
+        // 1 px of disparity a row.
+        let plane = GroundPlane { down_q16: 1 << 16, across_q16: 0, origin_q16: 0 };
+        let point = |x: u16, disparity: f64| Point {
+            x,
+            y: 20,
+            disparity: Disparity::from_num(disparity),
+            confidence: Confidence::MAX,
+            source: Source::Side,
+        };
+        let points: Vec<_> = [19.25, 20.75, 20.8, 18.9, 18.0]
+            .iter()
+            .zip([40, 80, 120, 160, 200])
+            .map(|(&d, x)| point(x, d))
+            .collect();
+        let along = |disparity: [f64; 2]| Match {
+            disparity: disparity.map(Disparity::from_num),
+            ..vertical(Owner::Both, 250.0, 0)
+        };
+        assert_eq!(floor::of_segment(Some(plane), &along([5.5, 24.5])), Some(floor::FLOOR));
+        assert_eq!(floor::of_segment(Some(plane), &along([2.0, 20.0])), Some(floor::DROP));
+        assert_eq!(floor::of_segment(Some(plane), &along([5.0, 20.0])), None, "one end is below");
+        let standing = along([25.0, 25.0]);
+        assert_eq!(floor::of_segment(Some(plane), &standing), None);
+        assert_eq!(floor::of_segment(None, &along([5.0, 25.0])), None);
+
+        let result = |ground| FrameResult {
+            matches: vec![standing],
+            ground,
+            ..FrameResult::of_points(points.clone())
+        };
+        let [without, with] =
+            [None, Some(plane)].map(|ground| overlay(&left, &result(ground), None, 64));
+        let tinted = |rgb: [u8; 3]| rgb.map(|value| (TINT * f32::from(value)).round() as i32);
+        for (x, rgb) in [(40, Some(floor::FLOOR)), (80, Some(floor::FLOOR)), (120, None)]
+            .into_iter()
+            .chain([(160, None), (200, Some(floor::DROP)), (250, None)])
+        {
+            let at = |picture: &RgbImage| picture.get_pixel(4 * x + 2, 4 * 20 + 2).0;
+            match rgb {
+                None => assert_eq!(at(&with), at(&without), "{x}"),
+                Some(rgb) => {
+                    let found = at(&with).map(i32::from);
+                    let near = found.iter().zip(tinted(rgb)).all(|(a, b)| (a - b).abs() <= 1);
+                    assert!(near && at(&without) != at(&with), "{x}: {found:?}");
+                }
+            }
+        }
+        assert_ne!(with, without);
     }
 }

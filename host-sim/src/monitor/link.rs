@@ -1,7 +1,7 @@
 //! A board behind a port: bytes to what they say, and commands with their answers.
 //!
-//! In: bytes, and requests. Out: frames, photographs, depths of objects, notes; a command is sent
-//! again until it is answered.
+//! In: bytes, and requests. Out: frames, photographs, depths of objects, directions, notes; a
+//! command is sent again until it is answered.
 
 use super::frames::{Assembler, Frame, FrameCounts};
 use super::photo::PhotoAssembler;
@@ -13,7 +13,7 @@ use core::time::Duration;
 use linestereo_frames::GrayImage;
 use linestereo_wire::{
     Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, ObjectRecord,
-    Outcome, Request, SettingValue,
+    Outcome, Request, Sectors, SettingValue,
 };
 use std::collections::VecDeque;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -34,6 +34,8 @@ pub enum Event {
     Frame(Frame),
     /// Depths of the boxes that the board was asked for.
     Objects(Vec<ObjectRecord>),
+    /// Nearest obstacle and nearest drop-off by direction, of the frame before.
+    Sectors(Box<Sectors>),
     /// Both images as the cameras delivered them, before they were rectified.
     Photo([GrayImage; 2]),
     /// A line for people.
@@ -138,6 +140,7 @@ impl Link {
             }
             Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
             Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.to_vec())),
+            Some(Ok(Message::Sectors(sectors))) => Some(Event::Sectors(Box::new(sectors))),
             Some(Ok(Message::Photo(head))) => {
                 self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string()))
             }

@@ -227,10 +227,11 @@ fn vehicle_setting(name: &str) -> Option<u8> {
 }
 
 /// Words of settings whose values are a choice.
-const CHOICES: [(&str, &[&str]); 3] = [
+const CHOICES: [(&str, &[&str]); 4] = [
     ("parts", &["both", "support"]),
     ("policy", &["silent", "block", "unknown"]),
     ("distance_sensor", &["off", "on"]),
+    ("sectors", &["off", "on"]),
 ];
 
 /// A change of the vehicle.

@@ -2,11 +2,14 @@
 
 use super::frames::{Frame, FrameCounts};
 use crate::engine::FrameResult;
+use crate::results::directions::Direction;
 use crate::results::health;
 use crate::results::listing::{self, Answers};
 use core::fmt::Write;
 use linestereo::{Dims, ObjectDepth};
-use linestereo_wire::{Counters, Counts, FrameHead, FrameTimes, ObjectRecord, VERSION};
+use linestereo_wire::{
+    Counters, Counts, FrameHead, FrameTimes, ObjectRecord, SectorRecord, Sectors, VERSION,
+};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
@@ -54,6 +57,41 @@ pub fn object(record: &ObjectRecord) -> String {
         Some(metres) => format!("object {label}: {metres:.2} m, {support} segments"),
         None => format!("object {label}: {disparity:.2} px, sigma {sigma:.2} px"),
     }
+}
+
+/// The nearest of what is known by direction, as one line.
+pub fn sectors(sectors: &Sectors) -> String {
+    let list = directions(sectors);
+    let nearest = |what: &str, distance: fn(&Direction) -> Option<f64>| {
+        let all = list.iter().filter_map(|of| Some((distance(of)?, of.direction_deg)));
+        all.min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(metres, degrees)| format!("{what} {metres:.2} m at {degrees} degrees"))
+    };
+    let found = [
+        nearest("obstacle", |of| of.distance_m),
+        nearest("drop-off", |of| of.drop_off_m),
+        match list.iter().filter(|of| of.state == "free").count() {
+            0 => None,
+            free => Some(format!("{free} free")),
+        },
+    ];
+    let found: Vec<_> = found.into_iter().flatten().collect();
+    format!("sectors: {}", if found.is_empty() { "unknown".to_owned() } else { found.join(", ") })
+}
+
+/// Directions as one line of JSON; each is as in [`listing::json`].
+pub fn sectors_json(sectors: &Sectors) -> serde_json::Result<String> {
+    serde_json::to_string(&json!({
+        "sequence": sectors.sequence, "turn": sectors.turn, "sectors": directions(sectors)
+    }))
+}
+
+/// What a board knows of each direction.
+pub fn directions(sectors: &Sectors) -> Vec<Direction> {
+    let direction = |record: &SectorRecord| {
+        Direction::new(record.index, sectors.turn, record.sector(), record.drop_off())
+    };
+    sectors.list.iter().map(direction).collect()
 }
 
 #[derive(Serialize)]

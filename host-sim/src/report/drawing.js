@@ -40,12 +40,25 @@ function colour(d, [far, near], alpha = 1) {
   return `rgba(${STOPS[i].map((value, k) => Math.round(value * (1 - t) + STOPS[i + 1][k] * t)).join(",")},${alpha})`;
 }
 
+/// Colours of what lies on the ground plane and below it, as of `run --overlay`; that of the
+/// disparity elsewhere, and without a plane.
+export const FLOOR = "222,214,190", DROP = "255,0,220";
+const ON_FLOOR_PX = 0.75, BELOW_PX = 2;
+function onGround(plane, places, d, span, alpha = 1) {
+  const above = plane ? places.map(([x, y, found]) => found - plane.down_px_per_row * y - plane.across_px_per_column * x - plane.origin_px) : [];
+  if (above.length && above.every(px => Math.abs(px) <= ON_FLOOR_PX)) return `rgba(${FLOOR},${alpha})`;
+  if (above.length && above.every(px => px <= -BELOW_PX)) return `rgba(${DROP},${alpha})`;
+  return colour(d, span, alpha);
+}
+
 /// The colours between the words at both ends, and how many of these disparities lie beyond them.
-export function showLegend(place, [far, near], segments, span) {
+export function showLegend(place, [far, near], segments, span, ground = null) {
   const beyond = segments.flatMap(segment => segment.disparity).filter(d => d < span[0] || d > span[1]).length;
   const bar = document.createElement("i");
   bar.style.background = `linear-gradient(90deg, ${STOPS.map(stop => `rgb(${stop})`).join(",")})`;
-  place.replaceChildren(far, bar, near, beyond ? ` ${beyond} ends beyond these colours` : "");
+  const square = rgb => Object.assign(document.createElement("b"), { textContent: " \u25a0", style: `color: rgb(${rgb})` });
+  const floor = ground ? [square(FLOOR), " floor", square(DROP), " below it"] : [];
+  place.replaceChildren(far, bar, near, beyond ? ` ${beyond} ends beyond these colours` : "", ...floor);
 }
 
 /// Grey pixels as a picture half as bright, so that colours stand out. Of a dark one all but the
@@ -59,20 +72,22 @@ export function dimmed(grey, width, height) {
 }
 
 /// A picture, or black, with squares of `side` px around points, segments, outlines of bars, and
-/// boxes with their numbers.
-export function drawPair(canvas, { width, height, picture }, { points, side, segments, bars = [], boxes, span }) {
+/// boxes with their numbers. With a `ground` the floor and what lies below it have colours of their
+/// own.
+export function drawPair(canvas, { width, height, picture, ground }, { points, side, segments, bars = [], boxes, span }) {
   const scale = Math.max(1, Math.round(1280 / width)), context = canvas.getContext("2d"), size = Math.max(8, width / 32);
   Object.assign(canvas, { width: width * scale, height: height * scale });
   context.imageSmoothingEnabled = false;
   context.scale(scale, scale);
   if (picture) context.drawImage(picture, 0, 0, width, height);
   for (const { x, y, disparity } of points) {
-    context.fillStyle = colour(disparity, span, side > 2 ? 0.3 : 0.8);
+    context.fillStyle = onGround(ground, [[x, y, disparity]], disparity, span, side > 2 ? 0.3 : 0.8);
     context.fillRect(x - side / 2, y - side / 2, Math.max(side - 0.5, 1), Math.max(side - 0.5, 1));
   }
   context.lineWidth = 1.2;
   for (const { x, y, disparity } of [...segments].reverse()) {
-    context.strokeStyle = colour((disparity[0] + disparity[1]) / 2, span);
+    const ends = [0, 1].map(end => [x[end], y[end], disparity[end]]);
+    context.strokeStyle = onGround(ground, ends, (disparity[0] + disparity[1]) / 2, span);
     context.beginPath();
     // Whole numbers are centres of pixels.
     context.moveTo(x[0] + 0.5, y[0] + 0.5);

@@ -54,7 +54,7 @@ on("frame", line => {
   const placed = ({ left: [[x0, y0], [x1, y1]], width_px, disparity_px }) => ({ x: [x0, x1], y: [y0, y1], wide: width_px, disparity: disparity_px });
   const segments = line.segments.map(placed), bars = (line.bars ?? []).map(placed);
   const points = (line.points ?? []).map(([x, y, disparity]) => ({ x, y, disparity }));
-  frame = { line, name, width: line.size[0], height: line.size[1], segments, bars, points, picture: picture?.canvas ?? null };
+  frame = { line, name, width: line.size[0], height: line.size[1], segments, bars, points, picture: picture?.canvas ?? null, ground: line.ground ?? null };
 });
 on("above", ({ points, rig, yaw_deg }) => {
   yaw = yaw_deg;
@@ -138,7 +138,7 @@ function show() {
   const shown = { points: $("show-points").checked ? points : [], side: SIDE, segments: $("show-segments").checked ? segments : [], bars: $("show-bars").checked ? bars : [] };
   drawPair($("left"), frame, { ...shown, boxes: [...boxes, ...(dragged ? [dragged] : [])], span });
   const metres = frame.rig && span.map(d => (d + frame.rig.offset > 0 ? inMetres(frame.rig.product / (d + frame.rig.offset)) : "∞"));
-  showLegend($("legend"), metres ?? span.map(d => `${d} px`), segments, span);
+  showLegend($("legend"), metres ?? span.map(d => `${d} px`), segments, span, frame.ground);
   $("top-note").textContent = !frame.rig ? "Metres and directions need focal length and baseline." : above.length ? "" : "Nothing was placed.";
   drawTop($("top"), above, span, sectors);
 }

@@ -4,7 +4,7 @@
 use core::convert::Infallible;
 use core::fmt::Write;
 use linestereo::health::HealthFlags;
-use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
+use linestereo::obstacles::{DropOff, ObstaclePlan, Obstacles, Sector};
 use linestereo::results::{Match, Point};
 use linestereo_mavlink::{AutopilotStream, Policy};
 use serde::Serialize;
@@ -37,6 +37,32 @@ pub struct Direction {
     pub drop_off_confidence: Option<f64>,
 }
 
+impl Direction {
+    /// The sector of this index among `turn` sectors of a full turn.
+    pub fn new(index: u8, turn: u8, sector: Sector, drop_off: Option<DropOff>) -> Self {
+        let turned = 360.0 * f64::from(index) / f64::from(turn);
+        let metres = |cm: u16| f64::from(cm) / 100.0;
+        let (state, distance_m, seen) = match sector {
+            Sector::Outside => ("outside", None, None),
+            Sector::Unknown => ("unknown", None, None),
+            Sector::Free { confidence, age_ms } => ("free", None, Some((confidence, age_ms))),
+            Sector::Obstacle { distance_cm, confidence, age_ms } => {
+                ("obstacle", Some(metres(distance_cm)), Some((confidence, age_ms)))
+            }
+        };
+        Self {
+            index,
+            direction_deg: if turned < 180.0 { turned } else { turned - 360.0 },
+            state,
+            distance_m,
+            confidence: seen.map(|(confidence, _)| five_decimals(confidence.to_num())),
+            age_ms: seen.map(|(_, age_ms)| age_ms),
+            drop_off_m: drop_off.map(|found| metres(found.distance_cm)),
+            drop_off_confidence: drop_off.map(|found| five_decimals(found.confidence.to_num())),
+        }
+    }
+}
+
 impl Directions {
     /// Of the matches and points of a pair with this health.
     pub fn new(
@@ -62,38 +88,9 @@ impl Directions {
 
     /// Every direction of the turn, from ahead on, clockwise.
     pub fn list(&self) -> Vec<Direction> {
-        let width = self.width_deg();
         let direction = |(sector, index): (Sector, u8)| {
-            let turned = f64::from(index) * width;
             let drop_off = self.obstacles.drop_off(&self.plan, index, 0);
-            let none = Direction {
-                index,
-                direction_deg: if turned < 180.0 { turned } else { turned - 360.0 },
-                state: "unknown",
-                distance_m: None,
-                confidence: None,
-                age_ms: None,
-                drop_off_m: drop_off.map(|drop_off| f64::from(drop_off.distance_cm) / 100.0),
-                drop_off_confidence: drop_off
-                    .map(|drop_off| five_decimals(drop_off.confidence.to_num())),
-            };
-            match sector {
-                Sector::Outside => Direction { state: "outside", ..none },
-                Sector::Unknown => none,
-                Sector::Free { confidence, age_ms } => Direction {
-                    state: "free",
-                    confidence: Some(five_decimals(confidence.to_num())),
-                    age_ms: Some(age_ms),
-                    ..none
-                },
-                Sector::Obstacle { distance_cm, confidence, age_ms } => Direction {
-                    state: "obstacle",
-                    distance_m: Some(f64::from(distance_cm) / 100.0),
-                    confidence: Some(five_decimals(confidence.to_num())),
-                    age_ms: Some(age_ms),
-                    ..none
-                },
-            }
+            Direction::new(index, self.plan.sectors(), sector, drop_off)
         };
         self.obstacles.sectors(&self.plan, 0).zip(0..).map(direction).collect()
     }

@@ -3,6 +3,9 @@
 //! ```text
 //! /linestereo/points         sensor_msgs/PointCloud2: x, y, z, confidence      with a rig
 //! /linestereo/segments       visualization_msgs/Marker, a list of lines        with a rig
+//! /linestereo/obstacles      sensor_msgs/LaserScan: nearest obstacles          with a rig
+//! /linestereo/drop_offs      sensor_msgs/LaserScan: where the floor ends       with a rig
+//! /tf                        tf2_msgs/TFMessage: the frame of both             with a rig
 //! /linestereo/objects        visualization_msgs/MarkerArray                    where objects are given
 //! /linestereo/detections     vision_msgs/Detection3DArray                      the same for other programs
 //! /linestereo/health         diagnostic_msgs/DiagnosticArray                   always
@@ -11,16 +14,17 @@
 //! ```
 //!
 //! Frame: the optical one of the left camera, x right, y down, z forward, m. What has no finite
-//! depth is left out.
+//! depth is left out. Scans have a frame of their own at the left camera, x forward, y left, z up.
 
 use super::health;
 use crate::engine::FrameResult;
-use linestereo::units::{Disparity, Position};
+use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles, Sector};
+use linestereo::units::{Confidence, Disparity, Position};
 use linestereo::{Area, Dims, Params, Rig, results::ImagePosition};
 use linestereo_frames::GrayImage;
 use linestereo_recordings::mcap::Writer;
 use linestereo_recordings::ros::messages::{DisparityImage, Image, RegionOfInterest};
-use linestereo_recordings::ros::sent::{self, Label, Level, Line, Projection, Stamp, Topic};
+use linestereo_recordings::ros::sent::{self, Beam, Label, Level, Line, Projection, Stamp, Topic};
 use linestereo_recordings::ros::{cdr, schema};
 use linestereo_wire::RigUpdate;
 use serde::Serialize;
@@ -30,6 +34,11 @@ const POINTS: Topic =
     Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
 const SEGMENTS: Topic =
     Topic { name: "/linestereo/segments", package: "visualization_msgs", message: "Marker" };
+const OBSTACLES: Topic =
+    Topic { name: "/linestereo/obstacles", package: "sensor_msgs", message: "LaserScan" };
+const DROP_OFFS: Topic =
+    Topic { name: "/linestereo/drop_offs", package: "sensor_msgs", message: "LaserScan" };
+const FRAMES: Topic = Topic { name: "/tf", package: "tf2_msgs", message: "TFMessage" };
 const OBJECTS: Topic =
     Topic { name: "/linestereo/objects", package: "visualization_msgs", message: "MarkerArray" };
 const DETECTIONS: Topic =
@@ -77,12 +86,14 @@ pub struct RosFile<W: Write> {
     writer: Writer<W>,
     extras: Vec<Extra>,
     channels: Vec<(Topic, u16)>,
+    /// Kept from pair to pair, of the rig and size of the last one.
+    directions: Option<(ObstaclePlan, Obstacles)>,
 }
 
 impl<W: Write> RosFile<W> {
     pub fn new(out: W, extras: &[Extra]) -> io::Result<Self> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
-        Ok(Self { writer, extras: extras.to_vec(), channels: Vec::new() })
+        Ok(Self { writer, extras: extras.to_vec(), channels: Vec::new(), directions: None })
     }
 
     /// The messages of a pair.
@@ -98,6 +109,7 @@ impl<W: Write> RosFile<W> {
         if let Some(rig) = rig {
             self.send(POINTS, stamp, &sent::point_cloud(stamp, &points(rig, result)))?;
             self.send(SEGMENTS, stamp, &sent::lines(stamp, &lines(rig, result)))?;
+            self.scans(stamp, frame)?;
             if let Some(labels) = &frame.objects {
                 self.send(OBJECTS, stamp, &sent::labels(stamp, labels))?;
                 self.send(DETECTIONS, stamp, &sent::detections(stamp, labels))?;
@@ -132,6 +144,25 @@ impl<W: Write> RosFile<W> {
         values.extend(counts.into_iter().map(|(name, count)| (name.to_owned(), count.to_string())));
         let message = if flags.is_empty() { "good".to_owned() } else { flags.join(", ") };
         self.state(stamp, named, level, message, values)
+    }
+
+    /// Nearest obstacles and drop-offs after this pair.
+    fn scans(&mut self, stamp: Stamp<'_>, frame: &Frame<'_>) -> io::Result<()> {
+        let result = frame.result;
+        let plan = ObstacleParams::DEFAULT.plan(frame.params, frame.images[0].dims);
+        let Ok(plan) = plan else { return Ok(()) }; // a principal point outside of the image
+        if self.directions.as_ref().is_none_or(|(known, _)| *known != plan) {
+            self.directions = None;
+        }
+        let (_, obstacles) = self.directions.get_or_insert_with(|| (plan, Obstacles::new()));
+        let (points, time_us) = (result.obstacle_points.iter().copied(), stamp.ns / 1000);
+        let (plan, health) = (plan.on_ground(result.ground), result.health.of_pair());
+        obstacles.update(&plan, &result.matches, points, health, time_us);
+        let [nearest, edges] = beams(&plan, obstacles, time_us);
+        let range_m = f32::from(plan.range_cm()) / 100.0;
+        self.send(FRAMES, stamp, &sent::scan_frame(stamp))?;
+        self.send(OBSTACLES, stamp, &sent::scan(stamp, range_m, &nearest))?;
+        self.send(DROP_OFFS, stamp, &sent::scan(stamp, range_m, &edges))
     }
 
     /// The message of one that cannot be matched.
@@ -200,6 +231,34 @@ fn lines(rig: &Rig, result: &FrameResult) -> Vec<Line> {
         Some(Line { ends: [start?, end?], confidence: found.confidence.to_num() })
     };
     result.matches.iter().filter_map(line).collect()
+}
+
+/// Obstacles and drop-offs all around, from behind counter-clockwise. Both are infinite where a
+/// direction is free.
+fn beams(plan: &ObstaclePlan, obstacles: &Obstacles, time_us: u64) -> [Vec<Beam>; 2] {
+    let beam =
+        |range_m: f32, confidence: Confidence| Beam { range_m, confidence: confidence.to_num() };
+    let metres = |cm: u16| f32::from(cm) / 100.0;
+    let none = beam(f32::NAN, Confidence::ZERO);
+    let turn = plan.sectors();
+    // Sectors are counted clockwise from ahead.
+    let sectors = (0..turn).map(|place| (turn + turn / 2 - place) % turn);
+    sectors
+        .map(|index| {
+            let (nearest, free) = match obstacles.sector(plan, index, time_us) {
+                Sector::Outside | Sector::Unknown => (none, none),
+                Sector::Free { confidence, .. } => [beam(f32::INFINITY, confidence); 2].into(),
+                Sector::Obstacle { distance_cm, confidence, .. } => {
+                    (beam(metres(distance_cm), confidence), none)
+                }
+            };
+            let drop_off = obstacles.drop_off(plan, index, time_us);
+            let edge =
+                drop_off.map_or(free, |found| beam(metres(found.distance_cm), found.confidence));
+            (nearest, edge)
+        })
+        .unzip()
+        .into()
 }
 
 /// The label of an object, placed at the middle of its area, with the area's size at its depth, m.

@@ -21,7 +21,7 @@ use linestereo_rig::{
 };
 use linestereo_wire::{
     Command, DecodeError, Decoder, EncodeError, FrameHead, MAX_COMMAND, MAX_PACKET, Message, ObjectRecord, ParamUpdate,
-    PointStream, Refusal, SendError, Setting, encode, send_frame, send_objects,
+    PointStream, Refusal, SendError, Setting, encode, send_frame, send_objects, send_sectors,
 };
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -349,13 +349,15 @@ pub fn proof_send(
     matches: &[Match],
     points: &[Point],
     objects: &[ObjectRecord],
+    (plan, obstacles): (&ObstaclePlan, &Obstacles),
     mut write: Write,
 ) -> Result<(), SendError<()>> {
     send_frame(head, matches, &mut write)?;
     let mut stream = PointStream::new(head.sequence);
     points.iter().try_for_each(|point| stream.push(point, &mut write))?;
     stream.finish(&mut write)?;
-    send_objects(head.sequence, objects, &mut write)
+    send_objects(head.sequence, objects, &mut write)?;
+    send_sectors(head.sequence, plan, obstacles, 0, &mut write)
 }
 
 #[unsafe(no_mangle)]

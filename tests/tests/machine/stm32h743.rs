@@ -175,7 +175,7 @@ fn boxes(boxes: &[RegionBox], only: bool) -> Request {
 /// Settings other than those that a board was built with; a confidence is kept in 1/65536.
 const VALUES: SettingValues = [
     -1.0, 48.0, 56.0, 28.0, 10.0, 32.0, 2.0, 0.625, 0.0, 10.0, 8.0, -0.5, 0.5, 3.0, 12.0, 1.0,
-    30.0, 1.0, 0.08,
+    30.0, 1.0, 0.08, 1.0,
 ];
 
 /// Times at which the host resets the bus, closes the port, and opens it; the clock that it sets,

@@ -24,8 +24,8 @@ import numpy.typing as npt
 from . import _core
 from ._core import Calibration, Rig, __version__
 
-__all__ = ["BAR", "Calibration", "Fault", "Matcher", "Object", "POINT", "Result", "Rig", "SEGMENT",
-           "match", "rectify"]
+__all__ = ["BAR", "Calibration", "Fault", "Matcher", "Object", "Obstacles", "POINT", "Result", "Rig",
+           "SECTOR", "SEGMENT", "SectorState", "match", "rectify"]
 
 def _calibration(image: bytes) -> Calibration:
     return Calibration._decoded(image)
@@ -54,6 +54,15 @@ BAR = np.dtype([
 left edge in px, top first, width from the left to the right edge along a row in px, disparity at
 both ends and its standard deviation in px, probability that it is within 1 px, depth at both ends
 and its standard deviation in m (inf: too far, nan: no rig)."""
+
+
+SECTOR = np.dtype([
+    ("direction", "<f4"), ("state", "<u4"), ("distance", "<f8"), ("drop_off", "<f8"), ("confidence", "<f4"), ("drop_off_confidence", "<f4"),
+    ("age_ms", "<u4"), ("drop_off_age_ms", "<u4"),
+])
+"""A direction: its middle in degrees clockwise from ahead, -180 to 180, its `SectorState`, distance of the nearest obstacle along the ground in
+m (inf: free, nan: unknown, or not in view), distance to where the floor ends in m (nan: no drop-off is known), probability of the obstacle or
+that the direction is free, probability of the drop-off, and the time since each of both was seen in ms (0 without one)."""
 
 
 Valid = Optional[Tuple[Optional[npt.ArrayLike], Optional[npt.ArrayLike]]]
@@ -97,6 +106,19 @@ class Fault(enum.Enum):
 
 
 _FAULTS = [Fault(name) for name in _core.fault_names()]
+
+
+class SectorState(enum.IntEnum):
+    """State of a direction."""
+
+    OUTSIDE = 0
+    """Not in view of the camera."""
+    UNKNOWN = 1
+    """In view, but without evidence, or with evidence that is too old."""
+    FREE = 2
+    """Surfaces behind the range are seen, and none within it. Obstacles without texture, such as a blank wall, are not detected."""
+    OBSTACLE = 3
+    """An obstacle within the range."""
 
 
 @dataclass(frozen=True)
@@ -235,6 +257,11 @@ class Result:
             raise ValueError(f"pixel {x},{y} is outside of the image of {width}x{height}")
         return Object._of(self._pair.pixel(x, y))
 
+    def sectors(self, **parameters: Any) -> npt.NDArray[np.void]:
+        """Nearest obstacle and nearest drop-off of each direction by this pair alone: a structured array of dtype `SECTOR`, the sectors of a turn
+        from ahead on, clockwise. Parameters are those of `Obstacles`, which keeps them from pair to pair. Needs a rig."""
+        return Obstacles(**parameters).update(self, 0)
+
     def __repr__(self) -> str:
         health = "+".join(sorted(fault.value for fault in self.health)) or "good"
         return f"Result({len(self.points)} points, {len(self.segments)} segments, health: {health})"
@@ -281,6 +308,37 @@ class Matcher:
         if valid is not None and isinstance(self._parameters[1], Calibration):
             raise ValueError("valid: a raw pair is rectified first, and the calibration knows which pixels that leaves; leave valid out")
         return Result(self._matcher.match(*images, times_us, spans))
+
+
+class Obstacles:
+    """Nearest obstacle and nearest drop-off of each direction over consecutive pairs of one rig. Heights are counted from the floor where its
+    plane is found: it is then no obstacle, and where it ends there is a drop-off."""
+
+    def __init__(self, *, yaw_deg: float = 0.0, sectors: int = 72, range_m: float = 10.0, heights_m: Tuple[float, float] = (-1000.0, 1000.0),
+                 drop_m: Optional[float] = 0.05, keep_ms: int = 500, error_probability: float = 0.01) -> None:
+        """yaw_deg: direction of the optical axis, degrees clockwise from ahead, -180 to 180.
+        sectors: of a full turn, 4 to 72.
+        range_m: obstacles and drop-offs at this distance or farther are ignored, 0.1 to 600 m.
+        heights_m: lowest and highest height of obstacles, m above the camera, -1000 to 1000.
+        drop_m: least depth of a drop-off below the floor, 0 to 100 m; None for a vehicle that flies.
+        keep_ms: time for which a state is kept when it is not seen again, 0 to 65535 ms.
+        error_probability: largest probability that all evidence of a state is wrong, 0.00002 to 0.5.
+        """
+        for name, value, low, high in (("sectors", sectors, 4, 72), ("keep_ms", keep_ms, 0, 65535)):
+            if not low <= value <= high:
+                raise ValueError(f"{name} is {value} but must be {low} to {high}")
+        low_m, high_m = heights_m
+        self._obstacles = _core.Obstacles(yaw_deg, sectors, range_m, [low_m, high_m], drop_m, keep_ms, error_probability)
+
+    def update(self, result: Result, time_us: int) -> npt.NDArray[np.void]:
+        """Takes a matched pair, captured at `time_us` of a steady clock, and returns `sectors(time_us)`. A pair that is not fit to be used changes
+        nothing but ages; after a pair of another rig or size only that one is known."""
+        self._obstacles.update(result._pair, time_us)
+        return self.sectors(time_us)
+
+    def sectors(self, time_us: int) -> npt.NDArray[np.void]:
+        """What is known at this time: a structured array of dtype `SECTOR`, the sectors of a turn from ahead on, clockwise."""
+        return self._obstacles.sectors(time_us).view(SECTOR)
 
 
 def match(left: npt.ArrayLike, right: npt.ArrayLike, max_disparity: Optional[int] = None, rig: Union[Rig, Calibration, None] = None, *,

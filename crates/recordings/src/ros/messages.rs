@@ -174,6 +174,36 @@ pub struct DiagnosticArray {
     pub status: Vec<DiagnosticStatus>,
 }
 
+/// `sensor_msgs/msg/LaserScan`: angles in rad counter-clockwise, seen from above, ranges in m.
+#[derive(Clone, Debug, Serialize)]
+pub struct LaserScan {
+    pub header: Header,
+    pub angle_min: f32,
+    pub angle_max: f32,
+    pub angle_increment: f32,
+    pub time_increment: f32,
+    pub scan_time: f32,
+    pub range_min: f32,
+    pub range_max: f32,
+    pub ranges: Vec<f32>,
+    pub intensities: Vec<f32>,
+}
+
+/// `geometry_msgs/msg/TransformStamped`; the rotation is x, y, z, w.
+#[derive(Clone, Debug, Serialize)]
+pub struct TransformStamped {
+    pub header: Header,
+    pub child_frame_id: String,
+    pub translation: [f64; 3],
+    pub rotation: [f64; 4],
+}
+
+/// `tf2_msgs/msg/TFMessage`.
+#[derive(Clone, Debug, Serialize)]
+pub struct TransformList {
+    pub transforms: Vec<TransformStamped>,
+}
+
 /// `geometry_msgs/msg/PoseWithCovariance`: 36 numbers by rows, in two halves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseWithCovariance {

@@ -3,8 +3,8 @@
 
 use super::messages::{
     CameraInfo, Detection3D, Detection3DArray, DiagnosticArray, DiagnosticStatus, Header, Image,
-    Marker, MarkerArray, ObjectHypothesisWithPose, PointCloud2, PointField, Pose,
-    PoseWithCovariance, Time,
+    LaserScan, Marker, MarkerArray, ObjectHypothesisWithPose, PointCloud2, PointField, Pose,
+    PoseWithCovariance, Time, TransformList, TransformStamped,
 };
 
 /// When and where a pair was seen.
@@ -60,6 +60,16 @@ pub struct Label {
     pub sigma_m: f64,
 }
 
+/// A distance in a direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Distance, m; infinite where nothing is as far as the range, not a number where it is
+    /// unknown.
+    pub range_m: f32,
+    /// Probability.
+    pub confidence: f32,
+}
+
 /// A rig of rectified images.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
@@ -93,6 +103,8 @@ const DELETE_ALL: i32 = 3;
 const LINE_WIDTH: f64 = 0.005;
 const BALL: f64 = 0.05;
 const LETTERS: f64 = 0.1;
+/// Least distance that is told, m.
+const LEAST_RANGE: f32 = 0.01;
 
 impl From<Stamp<'_>> for Header {
     /// Seconds of 31 bits: beyond the year 2038 it stays there.
@@ -223,6 +235,43 @@ pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
     Detection3DArray { header: stamp.into(), detections: labels.iter().map(detection).collect() }
 }
 
+/// Distances all around, from behind counter-clockwise as seen from above, in [`scan_frame`]; none
+/// is as large as `range_m`.
+#[must_use]
+pub fn scan(stamp: Stamp<'_>, range_m: f32, beams: &[Beam]) -> LaserScan {
+    let increment = core::f32::consts::TAU / beams.len().max(1) as f32;
+    LaserScan {
+        header: Stamp { frame_id: &scan_frame_id(stamp.frame_id), ..stamp }.into(),
+        angle_min: -core::f32::consts::PI,
+        angle_max: core::f32::consts::PI - increment,
+        angle_increment: increment,
+        time_increment: 0.0,
+        scan_time: 0.0,
+        range_min: LEAST_RANGE,
+        range_max: range_m,
+        ranges: beams.iter().map(|beam| beam.range_m).collect(),
+        intensities: beams.iter().map(|beam| beam.confidence).collect(),
+    }
+}
+
+/// Where the frame of scans lies: at the left camera, x forward along its optical axis, y left, z
+/// up.
+#[must_use]
+pub fn scan_frame(stamp: Stamp<'_>) -> TransformList {
+    let transform = TransformStamped {
+        header: stamp.into(),
+        child_frame_id: scan_frame_id(stamp.frame_id),
+        translation: [0.0; 3],
+        rotation: [0.5, -0.5, 0.5, 0.5],
+    };
+    TransformList { transforms: vec![transform] }
+}
+
+/// `left_camera_scan` of `left_camera_optical_frame`.
+fn scan_frame_id(optical: &str) -> String {
+    format!("{}_scan", optical.strip_suffix("_optical_frame").unwrap_or(optical))
+}
+
 /// A white marker that is not turned and stays until the next one.
 fn marker(stamp: Stamp<'_>, id: i32, r#type: i32) -> Marker {
     let pose = Pose { position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
@@ -259,4 +308,36 @@ pub fn diagnostics(
         values,
     };
     DiagnosticArray { header: stamp.into(), status: vec![status] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scans_turn_left_from_behind_in_a_frame_beside_the_optical_one() {
+        let stamp = Stamp { ns: 2_500_000_000, frame_id: "left_camera_optical_frame" };
+        let beam = |range_m| Beam { range_m, confidence: 0.5 };
+        let found = scan(stamp, 10.0, &[1.0, f32::INFINITY, f32::NAN, 4.0].map(beam));
+        assert_eq!((&*found.header.frame_id, found.header.stamp.sec), ("left_camera_scan", 2));
+        let quarter = core::f32::consts::FRAC_PI_2;
+        assert_eq!((found.angle_min, found.angle_increment), (-2.0 * quarter, quarter));
+        assert!((found.angle_max - quarter).abs() < 1e-6);
+        assert!(found.ranges[1].is_infinite() && found.ranges[2].is_nan());
+
+        let [frame] = &scan_frame(stamp).transforms[..] else { panic!("one frame") };
+        let [x, y, z, w] = frame.rotation;
+        // Forward, left and up in the optical frame: columns of the rotation's matrix.
+        let columns = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
+            [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
+            [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        assert_eq!(columns, [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);
+        assert_eq!(
+            (&*frame.header.frame_id, &*frame.child_frame_id),
+            ("left_camera_optical_frame", "left_camera_scan")
+        );
+        assert_eq!(scan_frame_id("cam"), "cam_scan");
+    }
 }

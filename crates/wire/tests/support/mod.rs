@@ -249,6 +249,16 @@ pub(crate) fn messages() -> Vec<Message> {
             list: [longest_object; OBJECTS_PER_PACKET].into(),
         }),
     ]);
+    let seen = Sighting { distance_cm: u16::MAX, confidence_q16: u16::MAX, age_ms: u16::MAX };
+    let longest_sector = SectorRecord { index: u8::MAX, nearest: Some(seen), drop_off: Some(seen) };
+    list.extend([
+        Message::Sectors(Sectors { sequence: 1, turn: 4, list: heapless::Vec::new() }),
+        Message::Sectors(Sectors {
+            sequence: u32::MAX,
+            turn: u8::MAX,
+            list: [longest_sector; SECTORS_PER_PACKET].into(),
+        }),
+    ]);
     let photo = PairHead {
         width: u16::MAX,
         height: 1,

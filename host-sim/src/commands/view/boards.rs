@@ -10,15 +10,16 @@ use crate::monitor::port::{Port, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
 use crate::output::say;
+use crate::results::directions::Direction;
 use crate::results::listing;
 use crate::serve::Server;
 use anyhow::{Result, bail};
 use core::time::Duration;
-use linestereo::Dims;
+use linestereo::{Dims, obstacles::Sector};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::GrayImage;
 use linestereo_rig::CameraSide;
-use linestereo_wire::{ObjectRecord, RegionBox, Regions, Request};
+use linestereo_wire::{ObjectRecord, RegionBox, Regions, Request, Sectors};
 use serde_json::json;
 use std::path::Path;
 use std::thread;
@@ -36,6 +37,8 @@ struct Show<'a> {
     pace: Pace,
     /// A port that a board listens at.
     is_live: bool,
+    /// Directions that the board sent, which know its support points, and their frame.
+    sectors: Option<(u32, Vec<Direction>)>,
     told: Instant,
     /// When the last photograph was asked for.
     photographed: Option<Instant>,
@@ -59,6 +62,7 @@ pub(super) fn show(args: &Args) -> Result<String> {
         asked: Asked::default(),
         pace: Pace::new(args),
         is_live,
+        sectors: None,
         told,
         photographed: None,
         setup: None,
@@ -166,6 +170,10 @@ impl Show<'_> {
                 self.objects(&list);
                 Ok(())
             }
+            Event::Sectors(sectors) => {
+                self.directions(&sectors);
+                Ok(())
+            }
             Event::Photo(photo) => self.photo(&photo),
             Event::Note(note) => {
                 self.note(&note);
@@ -200,7 +208,11 @@ impl Show<'_> {
         };
         let setup = self.setup.insert(setup);
         if let Some(space) = Space::of(&mut self.space, self.args, setup)? {
-            events.extend(space.events(&frame.matches, [&[], &[]], None, frame.head.health)?);
+            let events_of = space.events(&frame.matches, [&[], &[]], None, frame.head.health)?;
+            let sends_sectors = self.sectors.is_some();
+            events.extend(
+                events_of.into_iter().filter(|(name, _)| *name != "sectors" || !sends_sectors),
+            );
         }
         self.server.send("pair", &events);
         Ok(())
@@ -242,6 +254,23 @@ impl Show<'_> {
         let has_metres = list.iter().any(|record| record.depth_q16.is_some());
         let told = json!({"boxes": boxes, "objects": objects, "rig": has_metres});
         self.server.send("objects", &[("objects", told.to_string())]);
+    }
+
+    /// Obstacles and drop-offs by the board, whose packets of one frame belong together.
+    fn directions(&mut self, sectors: &Sectors) {
+        let (sequence, turn) = (sectors.sequence, sectors.turn);
+        let unknown = |index| Direction::new(index, turn, Sector::Unknown, None);
+        let (_, known) = self
+            .sectors
+            .take_if(|(of, known)| *of == sequence && known.len() == usize::from(turn))
+            .unwrap_or_else(|| (sequence, (0..turn).map(unknown).collect()));
+        let (_, known) = self.sectors.insert((sequence, known));
+        for found in text::directions(sectors) {
+            if let Some(place) = known.get_mut(usize::from(found.index)) {
+                *place = found;
+            }
+        }
+        self.server.send("sectors", &[("sectors", json!(known).to_string())]);
     }
 
     fn tell_counts(&mut self) {
