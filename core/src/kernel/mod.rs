@@ -5,14 +5,14 @@
 //! faster. The version follows from the target:
 //!
 //! ```text
-//! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
-//! thumbv8m.main (Cortex-M33 and above)    dsp       with the feature `dsp`, or compiled for such a processor
-//! Cortex-M55, M85                         helium    rows, codes, windows, paths, with the feature `helium`, or
-//!                                                   compiled for such a processor; others as `dsp`
-//! x86_64                                  sse2      sad_curve, code_costs, path_step
-//! wasm32 with simd128                     simd128   sad_curve, code_costs, path_step
-//! riscv32                                 swar      codes and windows of them, sums of strips and points, paths
-//! any other                               portable
+//! thumbv7em (Cortex-M4, M7)             dsp       every kernel; `cfg(dsp)` is set by build.rs
+//! thumbv8m.main (Cortex-M33 and above)  dsp       with the feature `dsp`, or compiled for such a processor
+//! the same (Cortex-M55, M85)            helium    with the feature `helium`, or compiled for such a processor:
+//!                                                 rows, codes and their windows, strips, paths; others as dsp
+//! x86_64                                sse2      sad_curve, code_costs, path_step
+//! wasm32 with simd128                   simd128   sad_curve, code_costs, path_step
+//! riscv32                               swar      codes and their windows, strips and points, paths, gradients
+//! any other                             portable
 //! ```
 //!
 //! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards
@@ -75,12 +75,11 @@ pub use helium::{
 #[cfg(not(dsp))]
 pub use portable::{
     add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_moments, code_steps,
-    crossing, gradient_row, largest_step, limited_steps, lower_curve, lower_sum_curve, lowest,
-    lowest_byte, place_of_byte, reverse_row, row_difference, second_differences, sum_curve,
-    sum_paths, weigh_knots,
+    crossing, largest_step, limited_steps, lower_curve, lower_sum_curve, lowest, place_of_byte,
+    reverse_row, row_difference, second_differences, sum_curve, weigh_knots,
 };
 #[cfg(not(any(dsp, swar)))]
-pub use portable::{code_columns, hamming_curve};
+pub use portable::{code_columns, gradient_row, hamming_curve, lowest_byte, sum_paths};
 #[cfg(not(any(dsp, swar, target_arch = "x86_64", target_feature = "simd128")))]
 pub use portable::{code_costs, path_step, sad_curve};
 #[cfg(target_feature = "simd128")]
@@ -88,4 +87,7 @@ pub use simd128::{code_costs, path_step, sad_curve};
 #[cfg(target_arch = "x86_64")]
 pub use sse2::{code_costs, path_step, sad_curve};
 #[cfg(swar)]
-pub use swar::{code_columns, code_costs, hamming_curve, path_step, sad_curve};
+pub use swar::{
+    code_columns, code_costs, gradient_row, hamming_curve, lowest_byte, path_step, sad_curve,
+    sum_paths,
+};

@@ -64,18 +64,12 @@ pub fn code_columns(rows: [&[u8]; ROWS], doublings: u32, columns: &mut [CodeColu
 /// Pixels of row r and row r + 4.
 #[inline(always)]
 fn pairs(rows: &[&[u8]; ROWS], x: usize) -> [u32; PAIRS] {
-    let pixel = |row: &[u8]| row.get(x).copied().map_or(0, u32::from);
-    let [a, b, c, d, e, f, g, h, i, j, k, l] = rows.map(pixel);
-    [
-        a | e << 16,
-        b | f << 16,
-        c | g << 16,
-        d | h << 16,
-        e | i << 16,
-        f | j << 16,
-        g | k << 16,
-        h | l << 16,
-    ]
+    let pixel = |row: usize| {
+        // SAFETY: rows are constants below ROWS, columns below the width that all rows have.
+        u32::from(unsafe { *rows.get_unchecked(row).get_unchecked(x) })
+    };
+    let pair = |row: usize| pixel(row) | pixel(row + 4) << 16;
+    [pair(0), pair(1), pair(2), pair(3), pair(4), pair(5), pair(6), pair(7)]
 }
 
 /// Sums of column x. `before`: the pixels two columns before, below [`BIAS`]; then those of this

@@ -89,7 +89,7 @@ fn add_strips_from<const PHASE: u32>(a: &Words, b: &Words, curve: &mut [u16]) {
             (sum & HALVES) + (sum >> 8 & HALVES)
         };
         let halves = sum_of(a, a0, a1) + sum_of(b, b0, b1);
-        let cost = &mut costs[PHASE as usize];
+        let Some(cost) = costs.get_mut(PHASE as usize) else { return };
         *cost = cost.wrapping_add(((halves.wrapping_add(halves << 16)) >> 16) as u16);
         (a0, b0, a_high, b_high) = (a1, b1, a_next, b_next);
     }

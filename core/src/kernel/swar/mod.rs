@@ -8,6 +8,7 @@
 //!         a byte would limit
 //! support costs of windows of codes, paths
 //! curves  sums of strips and points over disparity
+//! rows    gradient of a row
 //! ```
 //!
 //! # Cost
@@ -19,12 +20,13 @@
 
 mod codes;
 mod curves;
+mod rows;
 mod support;
 
-pub use super::portable::{census_row, gradient_row};
 pub use codes::code_columns;
 pub use curves::{hamming_curve, sad_curve};
-pub use support::{code_costs, path_step};
+pub use rows::gradient_row;
+pub use support::{code_costs, lowest_byte, path_step, sum_paths};
 
 /// A byte in each half word.
 const HALVES: u32 = 0x00ff_00ff;

@@ -88,7 +88,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
         let is_below = left & HIGH & !word;
         left & (is_below - (is_below >> 7))
     };
-    let (mut low, mut lows) = (127, four(127));
+    let mut low = Lowest::START;
     let mut before = 0;
     let mut here = words.first().map_or(0, |&first| left(first));
     for (i, &cost) in costs_of_words.iter().enumerate() {
@@ -104,13 +104,10 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
         if let Some(word) = words.get_mut(i) {
             *word = new;
         }
-        if !(((new | HIGH) - lows) | new) & HIGH != 0 {
-            low = new.to_ne_bytes().into_iter().fold(low, u8::min);
-            lows = four(low);
-        }
+        low.note(new);
         (before, here) = (here, after);
     }
-    if low < 127 { low } else { portable::lowest_byte(path.get(..length).unwrap_or_default()) }
+    low.lowest().unwrap_or_else(|| portable::lowest_byte(path.get(..length).unwrap_or_default()))
 }
 
 /// Byte by byte maximum of bytes below 128.
@@ -119,4 +116,65 @@ fn larger(a: u32, b: u32) -> u32 {
     let difference = (a | HIGH) - b;
     let is_larger = difference & HIGH;
     b + (difference & (is_larger - (is_larger >> 7)))
+}
+
+/// See [`portable::sum_paths`].
+pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
+    let length = sums.len();
+    let (Some(a), Some(b)) = (a.get(..length), b.get(..length)) else {
+        return portable::sum_paths(a, b, sums);
+    };
+    let (([], a, []), ([], b, []), ([], words, [])) =
+        (whole_words(a), whole_words(b), whole_words_mut(sums))
+    else {
+        return portable::sum_paths(a, b, sums);
+    };
+    let mut low = Lowest::START;
+    for ((sum, &a), &b) in words.iter_mut().zip(a).zip(b) {
+        let of = |word: u32| [word & HALVES, word >> 8 & HALVES];
+        let ([a, c], [b, d], [e, f]) = (of(a), of(b), of(*sum));
+        *sum = limited(a + b + e) | limited(c + d + f) << 8;
+        low.note(*sum);
+    }
+    low.lowest().unwrap_or_else(|| portable::lowest_byte(sums))
+}
+
+/// Half words below 1024, at most 255.
+#[inline(always)]
+fn limited(sums: u32) -> u32 {
+    let over = (sums + (0x0400_0400 - ABOVE)) & 0x0400_0400;
+    (sums | (over - (over >> 8)) >> 2) & HALVES
+}
+
+/// See [`portable::lowest_byte`].
+pub fn lowest_byte(costs: &[u8]) -> u8 {
+    let (head, words, tail) = whole_words(costs);
+    let mut low = Lowest::START;
+    words.iter().for_each(|&word| low.note(word));
+    match low.lowest() {
+        Some(low) => head.iter().chain(tail).fold(low, |low, &cost| low.min(cost)),
+        None => portable::lowest_byte(costs),
+    }
+}
+
+/// The lowest byte of words, where it is below 127.
+struct Lowest {
+    low: u8,
+    lows: u32,
+}
+
+impl Lowest {
+    const START: Self = Self { low: 127, lows: four(127) };
+
+    #[inline(always)]
+    fn note(&mut self, word: u32) {
+        if !(((word | HIGH) - self.lows) | word) & HIGH != 0 {
+            self.low = word.to_ne_bytes().into_iter().fold(self.low, u8::min);
+            self.lows = four(self.low);
+        }
+    }
+
+    fn lowest(self) -> Option<u8> {
+        (self.low < 127).then_some(self.low)
+    }
 }
