@@ -35,11 +35,11 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
     if whole.len() > LONGEST {
         return portable::sad_curve(strips, curve);
     }
-    let mut words = [const { Words { reference: [HIGH; 2], other: [0; WORDS] } }; 2];
+    let mut words = [const { Words { reference: [0; 2], other: [0; WORDS] } }; 2];
+    let [first, second] = &mut words;
+    let used = whole.len() / 4 + 2;
     let mut waiting = false;
     for strip in strips.iter().filter(|strip| strip.other.len() >= needed) {
-        let [first, second] = &mut words;
-        let used = whole.len() / 4 + 2;
         let place = if waiting { &mut *second } else { &mut *first };
         let Some(other) = place.other.get_mut(..used) else { continue };
         copy_words(strip.other.get(..needed).unwrap_or_default(), other);
@@ -52,46 +52,45 @@ pub fn sad_curve(strips: &[Strip<'_>], curve: &mut [u16]) {
         }
         place.reference = reference.map(|word| word | HIGH);
         if waiting {
-            add_strips(first, second, whole);
+            add_strips([first, second], whole);
         }
         waiting = !waiting;
     }
     if waiting {
-        let [first, second] = &mut words;
-        *second = Words { reference: [HIGH; 2], other: [0; WORDS] };
-        add_strips(first, second, whole);
+        add_strips([first], whole);
     }
 }
 
-/// Adds two strips.
+/// Adds one strip or two.
 #[inline(never)]
-fn add_strips(a: &Words, b: &Words, curve: &mut [u16]) {
-    add_strips_from::<0>(a, b, curve);
-    add_strips_from::<1>(a, b, curve);
-    add_strips_from::<2>(a, b, curve);
-    add_strips_from::<3>(a, b, curve);
+fn add_strips<const N: usize>(strips: [&Words; N], curve: &mut [u16]) {
+    add_strips_from::<0, N>(strips, curve);
+    add_strips_from::<1, N>(strips, curve);
+    add_strips_from::<2, N>(strips, curve);
+    add_strips_from::<3, N>(strips, curve);
 }
 
 /// Adds to every fourth disparity from `PHASE` on.
 #[inline(always)]
-fn add_strips_from<const PHASE: u32>(a: &Words, b: &Words, curve: &mut [u16]) {
+fn add_strips_from<const PHASE: u32, const N: usize>(strips: [&Words; N], curve: &mut [u16]) {
     let shifted = |low: u32, high: u32| {
         if PHASE == 0 { low } else { low >> (8 * PHASE) | high << (32 - 8 * PHASE) }
     };
-    let [mut a_high, mut b_high] = [a, b].map(|strip| strip.other[1]);
-    let (mut a0, mut b0) = (shifted(a.other[0], a_high), shifted(b.other[0], b_high));
-    let others = a.other.iter().zip(&b.other).skip(2);
-    for (costs, (&a_next, &b_next)) in curve.as_chunks_mut::<4>().0.iter_mut().zip(others) {
-        let (a1, b1) = (shifted(a_high, a_next), shifted(b_high, b_next));
-        let sum_of = |strip: &Words, low: u32, high: u32| {
-            let [first, second] = strip.reference;
-            let sum = add_differences(add_differences(four(2), first, low), second, high);
-            (sum & HALVES) + (sum >> 8 & HALVES)
-        };
-        let halves = sum_of(a, a0, a1) + sum_of(b, b0, b1);
+    let mut states = strips.map(|strip| {
+        let [low, high, next @ ..] = &strip.other;
+        (strip.reference, shifted(*low, *high), *high, next.iter())
+    });
+    for costs in curve.as_chunks_mut::<4>().0 {
+        let mut halves = 0;
+        for ([first, second], low, high, next) in &mut states {
+            let Some(&next) = next.next() else { return };
+            let after = shifted(*high, next);
+            let sum = add_differences(add_differences(four(2), *first, *low), *second, after);
+            halves += (sum & HALVES) + (sum >> 8 & HALVES);
+            (*low, *high) = (after, next);
+        }
         let Some(cost) = costs.get_mut(PHASE as usize) else { return };
-        *cost = cost.wrapping_add(((halves.wrapping_add(halves << 16)) >> 16) as u16);
-        (a0, b0, a_high, b_high) = (a1, b1, a_next, b_next);
+        *cost = cost.wrapping_add((halves.wrapping_add(halves << 16) >> 16) as u16);
     }
 }
 

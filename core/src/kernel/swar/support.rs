@@ -12,6 +12,10 @@
 use super::super::portable::{self, CodeColumn, JUMP_PENALTY, STEP_PENALTY, STRIP};
 use super::{HALVES, HIGH, four, whole_words, whole_words_mut};
 
+/// Disparities at a time.
+const BLOCK: usize = 4;
+/// Columns that their windows reach.
+const REACH: usize = BLOCK + STRIP - 1;
 /// A bit above each half's byte.
 const ABOVE: u32 = HALVES + 0x0001_0001;
 
@@ -25,30 +29,31 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
         [codes & HALVES | ABOVE, codes >> 8 & HALVES | ABOVE]
     });
     let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
-    let (twos, last) = costs.get_mut(..length).unwrap_or_default().as_chunks_mut::<2>();
-    for (two, columns) in twos.iter_mut().zip(columns_of_words.windows(STRIP + 1).step_by(2)) {
-        if let Some(columns) = columns.first_chunk() {
-            *two = two_costs(&window, columns);
-        }
+    let mut from = columns_of_words;
+    let (blocks, rest) = costs.get_mut(..length).unwrap_or_default().as_chunks_mut();
+    for block in blocks {
+        let Some(columns) = from.first_chunk() else { return };
+        *block = costs_of(&window, columns);
+        from = from.get(BLOCK..).unwrap_or_default();
     }
-    let rest = columns_of_words.get(2 * twos.len()..).and_then(<[u32]>::first_chunk);
-    if let ([cost], Some(&[a, b, c, d, e, f, g, h])) = (last, rest) {
-        [*cost, _] = two_costs(&window, &[a, b, c, d, e, f, g, h, h]);
+    if !rest.is_empty() {
+        let mut columns = [0; REACH];
+        columns.iter_mut().zip(from).for_each(|(column, &codes)| *column = codes);
+        rest.iter_mut().zip(costs_of(&window, &columns)).for_each(|(cost, of)| *cost = of);
     }
 }
 
-/// Costs of a window at two disparities.
+/// Costs of a window at a block of disparities.
 #[inline(always)]
-fn two_costs(window: &[[u32; 2]; STRIP], columns: &[u32; STRIP + 1]) -> [u8; 2] {
+fn costs_of(window: &[[u32; 2]; STRIP], columns: &[u32; REACH]) -> [u8; BLOCK] {
     let halves = |column: u32| [column & HALVES, column >> 8 & HALVES];
-    let [first, rest @ ..] = columns;
-    let mut here = halves(*first);
-    let mut sums = [2 * STRIP as u32 * 0x0001_0001; 2];
+    let [first, second, third, rest @ ..] = columns;
+    let mut here = [halves(*first), halves(*second), halves(*third)];
+    let mut sums = [2 * STRIP as u32 * 0x0001_0001; BLOCK];
     for (window, &column) in window.iter().zip(rest) {
-        let next = halves(column);
-        let [a, b] = sums;
-        sums = [add_differences(a, window, here), add_differences(b, window, next)];
-        here = next;
+        let ([a, b, c, d], [e, f, g], h) = (sums, here, halves(column));
+        let add = |sum: u32, codes: [u32; 2]| add_differences(sum, window, codes);
+        (sums, here) = ([add(a, e), add(b, f), add(c, g), add(d, h)], [f, g, h]);
     }
     // Both halves of a sum, of which 1/64 is kept.
     sums.map(|sum| ((sum.wrapping_add(sum << 16)) >> 22) as u8 + JUMP_PENALTY)
