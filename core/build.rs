@@ -2,8 +2,8 @@
 //! thumbv7em has it (Cortex-M4, M7); of thumbv8m.main those that are compiled for a processor with
 //! it, as `.cargo/config.toml` does (Cortex-M33 and all above), or with the feature `dsp`.
 //! `cfg(helium)`: Helium beside it, of Cortex-M55 and M85, or with the feature `helium`.
-//! `cfg(armv8m)`: the assembler has to be told which processor it is. `cfg(swar)`: 32 bits, and no
-//! packed instructions.
+//! `cfg(armv8m)`: the assembler has to be told which processor it is. `cfg(swar)`: 32 bits without
+//! packed instructions, of the families on which four bytes in a word were measured.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -27,13 +27,13 @@ fn main() {
     if armv8m {
         println!("cargo:rustc-cfg=armv8m");
     }
-    if target.starts_with("thumbv7em") || armv8m && with_dsp {
+    let is_of = |families: &[&str]| families.iter().any(|family| target.starts_with(family));
+    if is_of(&["thumbv7em"]) || armv8m && with_dsp {
         println!("cargo:rustc-cfg=dsp");
+    } else if is_of(&["riscv32", "thumbv7m", "thumbv8m.main"]) {
+        println!("cargo:rustc-cfg=swar");
     }
     if armv8m && with_helium {
         println!("cargo:rustc-cfg=helium");
-    }
-    if target.starts_with("riscv32") {
-        println!("cargo:rustc-cfg=swar");
     }
 }

@@ -11,7 +11,8 @@
 //!                                                 rows, codes and their windows, strips, paths; others as dsp
 //! x86_64                                sse2      sad_curve, code_costs, path_step
 //! wasm32 with simd128                   simd128   sad_curve, code_costs, path_step
-//! riscv32                               swar      codes and their windows, strips and points, paths, gradients
+//! riscv32, thumbv7m (Cortex-M3),
+//! thumbv8m.main without DSP             swar      codes and their windows, strips and points, paths, gradients
 //! any other                             portable
 //! ```
 //!

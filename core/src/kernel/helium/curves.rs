@@ -7,7 +7,7 @@
 //! ```
 //!
 //! # Cost
-//! 12 strips over 64 disparities: COST.
+//! 12 strips over 64 disparities: 2323 (4091).
 //!
 //! # Source
 //! See [`super`].

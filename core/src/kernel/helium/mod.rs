@@ -18,7 +18,7 @@
 //! and stores them itself. The coprocessor that has the floating-point unit has Helium too.
 //!
 //! # Cost
-//! In the modules, as instructions under QEMU, with those of the DSP version.
+//! In the modules, as instructions under QEMU, with those of the DSP version behind them.
 //!
 //! # Source
 //! Armv8-M Architecture Reference Manual, C2.4: VABAV, VHADD, VHSUB, VMIN, VMINV, VQADD, VQSUB,

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! # Cost
-//! A row of 320 pixels: COST.
+//! A row of 320 pixels: gradient 435 (1298), census 608 (2657).
 //!
 //! # Source
 //! See [`super`].
@@ -27,8 +27,8 @@ pub fn gradient_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) {
     }
     let (rows, to) = ([above, row, below].map(<[u8]>::as_ptr), out.as_mut_ptr());
     let last = width - 2 - VECTOR;
-    // SAFETY: all four slices hold at least `width` bytes. From a first column x on, at most `last`,
-    // the rows are read up to x + 2 + 16 <= width, and x + 1 to x + 16 are written.
+    // SAFETY: all four slices hold at least `width` bytes. From a first column x on, at most
+    // `last`, the rows are read up to x + 2 + 16 <= width, and x + 1 to x + 16 are written.
     unsafe {
         gradient_vectors(rows, to.add(1), (width - 2) / VECTOR);
         if !(width - 2).is_multiple_of(VECTOR) {
@@ -96,8 +96,8 @@ pub fn census_row(rows: [&[u8]; 3], out: &mut [u8]) {
     }
     let (from, to) = (rows.map(<[u8]>::as_ptr), out.as_mut_ptr());
     let last = width - 4 - VECTOR;
-    // SAFETY: all four slices hold at least `width` bytes. From a first column x on, at most `last`,
-    // the rows are read up to x + 4 + 16 <= width, and x + 2 to x + 17 are written.
+    // SAFETY: all four slices hold at least `width` bytes. From a first column x on, at most
+    // `last`, the rows are read up to x + 4 + 16 <= width, and x + 2 to x + 17 are written.
     unsafe {
         census_vectors(from, to.add(2), (width - 4) / VECTOR);
         if !(width - 4).is_multiple_of(VECTOR) {

@@ -8,7 +8,7 @@
 //! way.
 //!
 //! # Cost
-//! 64 disparities: 12 strips COST, 12 points COST.
+//! 64 disparities: 12 strips 28 700 (54 000), 12 points 7700 (14 700).
 //!
 //! # Source
 //! See [`super`].

@@ -1,19 +1,19 @@
-//! Kernels for cores of 32 bits without vectors or packed instructions, such as RV32IMAC: four
-//! bytes or two half words in an ordinary register, kept apart by bits that are never used.
+//! Kernels for cores of 32 bits without vectors or packed instructions, such as RV32IMAC and
+//! Cortex-M3: two to four values in an ordinary register, kept apart by bits that are never used.
 //!
 //! In and out as the [`portable`](super::portable) versions, the same bits for every input.
 //!
 //! ```text
-//! codes   codes of texture: rows as half words, exact sums, and bits above a byte tell a sum that
-//!         a byte would limit
-//! support costs of windows of codes, paths
+//! rows    gradient
 //! curves  sums of strips and points over disparity
-//! rows    gradient of a row
+//! codes   codes of texture
+//! support costs of windows of codes, paths
 //! ```
 //!
 //! # Cost
-//! In the modules, as instructions of RV32IMAC under QEMU, with the portable version's as compiled
-//! for the same processor.
+//! In the modules, as instructions of RV32IMAC under QEMU, with the portable version's behind them.
+//! Half words of bytes are seldom faster than good code for one byte; with the seven bits of
+//! gradients, four bytes are.
 //!
 //! # Source
 //! H. Warren, Hacker's Delight, 2nd ed., 2-18 and 5-1.

@@ -1,10 +1,17 @@
 //! Kernels of support points: costs of windows of codes, paths. Codes are in
 //! [`codes`](super::codes).
 //!
-//! In: codes, curves of bytes over disparity. Out: costs, path costs.
+//! In: codes, curves of bytes over disparity. Out: costs, path costs and their sums.
+//!
+//! ```text
+//! costs   four disparities a round; differences of half words, and a bit above them that says
+//!         which are negative
+//! path    what is left to `reach` in seven bits a byte; words without any keep the costs
+//! lowest  a word is looked at byte by byte where one of them is below the lowest so far
+//! ```
 //!
 //! # Cost
-//! 64 disparities: costs COST, path COST.
+//! 64 disparities: costs 9984 (21 400), path 650 to 900 (1400), sums 750 (1100), lowest 190 (520).
 //!
 //! # Source
 //! See [`super`].
