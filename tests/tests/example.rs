@@ -46,8 +46,18 @@ fn core_objects(toolchain: &Toolchain, target: &str, features: &[&str]) -> Vec<u
     std::fs::read(library.unwrap()).unwrap()
 }
 
-/// Instructions USADA8 (Armv7-M Architecture Reference Manual, A7.7.201) in the code of a library.
-fn differences(library: &[u8]) -> usize {
+/// USADA8 (Armv7-M Architecture Reference Manual, A7.7.201).
+fn is_usada8(first: u16, second: u16) -> bool {
+    first & 0xfff0 == 0xfb70 && second & 0xf0 == 0 && second >> 12 != 15
+}
+
+/// VABAV of unsigned lanes (Armv8-M Architecture Reference Manual, C2.4).
+fn is_vabav(first: u16, second: u16) -> bool {
+    first & 0xffc1 == 0xfe80 && second & 0xf51 == 0xf01
+}
+
+/// How often an instruction is in the code of a library.
+fn count(library: &[u8], is: fn(u16, u16) -> bool) -> usize {
     let archive = object::read::archive::ArchiveFile::parse(library).unwrap();
     let members = archive.members().map(|member| member.unwrap().data(library).unwrap());
     let files = members.filter_map(|data| object::File::parse(data).ok());
@@ -56,10 +66,7 @@ fn differences(library: &[u8]) -> usize {
         let count = |data: &[u8]| {
             let halves: Vec<u16> =
                 data.chunks_exact(2).map(|half| u16::from_le_bytes([half[0], half[1]])).collect();
-            halves
-                .windows(2)
-                .filter(|two| two[0] & 0xfff0 == 0xfb70 && two[1] & 0xf0 == 0 && two[1] >> 12 != 15)
-                .count()
+            halves.windows(2).filter(|two| is(two[0], two[1])).count()
         };
         code.map(|section| count(section.data().unwrap())).sum()
     };
@@ -77,19 +84,23 @@ fn the_readme_shows_firmware_that_builds() {
     );
 }
 
-/// A dependent of the core gets its DSP kernels: on thumbv7em always, on thumbv8m.main by a
-/// feature.
+/// A dependent of the core gets its DSP kernels, on thumbv7em always, on thumbv8m.main by a feature;
+/// and those of Helium by another one.
 #[test]
 fn firmware_elsewhere_gets_the_kernels() {
-    let cases: [(&str, &[&str], bool); 3] = [
-        ("thumbv7em-none-eabihf", &[], true),
-        ("thumbv8m.main-none-eabihf", &["dsp"], true),
-        ("thumbv8m.main-none-eabihf", &[], false),
+    let cases: [(&str, &[&str], bool, bool); 4] = [
+        ("thumbv7em-none-eabihf", &[], true, false),
+        ("thumbv8m.main-none-eabihf", &["dsp"], true, false),
+        ("thumbv8m.main-none-eabihf", &["helium"], true, true),
+        ("thumbv8m.main-none-eabihf", &[], false, false),
     ];
-    for (target, features, has_kernels) in cases {
+    for (target, features, has_dsp, has_helium) in cases {
         let Some(toolchain) = or_skip(Toolchain::for_target(target)) else { return };
-        let count = differences(&core_objects(&toolchain, target, features));
-        assert_eq!(count > 20, has_kernels, "{target}, features {features:?}: {count} USADA8");
-        assert!(has_kernels || count == 0, "{target}: {count}");
+        let library = core_objects(&toolchain, target, features);
+        let found = [count(&library, is_usada8), count(&library, is_vabav)];
+        for (found, has, most) in [(found[0], has_dsp, 20), (found[1], has_helium, 10)] {
+            assert_eq!(found > most, has, "{target}, features {features:?}: {found}");
+            assert!(has || found == 0, "{target}: {found}");
+        }
     }
 }

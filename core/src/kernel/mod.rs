@@ -5,32 +5,45 @@
 //! faster. The version follows from the target:
 //!
 //! ```text
-//! thumbv7em (Cortex-M4, M7)               dsp       every kernel; `cfg(dsp)` is set by build.rs
-//! thumbv8m.main (Cortex-M33 and above)    dsp       with the feature `dsp`, or compiled for such a processor
-//! x86_64                                  sse2      sad_curve, code_costs, path_step
-//! wasm32 with simd128                     simd128   sad_curve, code_costs, path_step
-//! any other, such as RISC-V               portable
+//! thumbv7em (Cortex-M4, M7)             dsp       every kernel; `cfg(dsp)` is set by build.rs
+//! thumbv8m.main (Cortex-M33 and above)  dsp       with the feature `dsp`, or compiled for such a processor
+//! the same (Cortex-M55, M85)            helium    with the feature `helium`, or compiled for such a processor:
+//!                                                 rows, codes and their windows, strips, paths; others as dsp
+//! x86_64                                sse2      sad_curve, code_costs, path_step
+//! wasm32 with simd128                   simd128   sad_curve, code_costs, path_step
+//! riscv32, thumbv7m (Cortex-M3),
+//! thumbv8m.main without DSP             swar      codes and their windows, strips and points, paths, gradients
+//! any other                             portable
 //! ```
 //!
 //! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards
 //! and on a PC.
 
 pub mod portable;
+#[allow(unsafe_code, reason = "whole words among bytes")]
+pub mod swar;
 
-/// Kernels that this build has: `dsp`, `sse2`, `simd128` or `portable`.
-pub const KERNELS: &str = if cfg!(dsp) {
+/// Kernels that this build has: `helium`, `dsp`, `sse2`, `simd128`, `swar` or `portable`.
+pub const KERNELS: &str = if cfg!(helium) {
+    "helium"
+} else if cfg!(dsp) {
     "dsp"
 } else if cfg!(target_arch = "x86_64") {
     "sse2"
 } else if cfg!(target_feature = "simd128") {
     "simd128"
+} else if cfg!(swar) {
+    "swar"
 } else {
     "portable"
 };
 
 #[cfg(dsp)]
 #[allow(unsafe_code, reason = "vector instructions")]
-mod dsp;
+pub mod dsp;
+#[cfg(helium)]
+#[allow(unsafe_code, reason = "vector instructions")]
+mod helium;
 #[cfg(target_feature = "simd128")]
 #[allow(unsafe_code, reason = "vector instructions")]
 mod simd128;
@@ -46,21 +59,36 @@ pub use portable::{
 
 #[cfg(dsp)]
 pub use dsp::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns, code_costs,
-    code_moments, code_steps, crossing, gradient_row, hamming_curve, largest_step, limited_steps,
-    lower_curve, lower_sum_curve, lowest, lowest_byte, path_step, place_of_byte, reverse_row,
-    row_difference, sad_curve, second_differences, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, code_moments, code_steps, crossing,
+    hamming_curve, largest_step, limited_steps, lower_curve, lower_sum_curve, lowest, reverse_row,
+    row_difference, second_differences, sum_curve, weigh_knots,
+};
+#[cfg(all(dsp, not(helium)))]
+pub use dsp::{
+    census_row, code_columns, code_costs, gradient_row, lowest_byte, path_step, place_of_byte,
+    sad_curve, sum_paths,
+};
+#[cfg(helium)]
+pub use helium::{
+    census_row, code_columns, code_costs, gradient_row, lowest_byte, path_step, place_of_byte,
+    sad_curve, sum_paths,
 };
 #[cfg(not(dsp))]
 pub use portable::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_columns,
-    code_moments, code_steps, crossing, gradient_row, hamming_curve, largest_step, limited_steps,
-    lower_curve, lower_sum_curve, lowest, lowest_byte, place_of_byte, reverse_row, row_difference,
-    second_differences, sum_curve, sum_paths, weigh_knots,
+    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_moments, code_steps,
+    crossing, largest_step, limited_steps, lower_curve, lower_sum_curve, lowest, place_of_byte,
+    reverse_row, row_difference, second_differences, sum_curve, weigh_knots,
 };
-#[cfg(not(any(dsp, target_arch = "x86_64", target_feature = "simd128")))]
+#[cfg(not(any(dsp, swar)))]
+pub use portable::{code_columns, gradient_row, hamming_curve, lowest_byte, sum_paths};
+#[cfg(not(any(dsp, swar, target_arch = "x86_64", target_feature = "simd128")))]
 pub use portable::{code_costs, path_step, sad_curve};
 #[cfg(target_feature = "simd128")]
 pub use simd128::{code_costs, path_step, sad_curve};
 #[cfg(target_arch = "x86_64")]
 pub use sse2::{code_costs, path_step, sad_curve};
+#[cfg(swar)]
+pub use swar::{
+    code_columns, code_costs, gradient_row, hamming_curve, lowest_byte, path_step, sad_curve,
+    sum_paths,
+};

@@ -1,8 +1,8 @@
 //! QEMU's mps3-an547: Arm Cortex-M55 (Corstone-300), with its tightly coupled memories by
 //! `mps3_an547.x`.
 //!
-//! It starts in the secure state and stays there. The kernels are those of Armv8-M's DSP extension;
-//! nothing uses Helium. Addresses: Arm's application note AN547; QEMU, `hw/arm/armsse.c` and
+//! It starts in the secure state and stays there. The kernels are those of Helium, and of Armv8-M's
+//! DSP extension. Addresses: Arm's application note AN547; QEMU, `hw/arm/armsse.c` and
 //! `hw/arm/mps2-tz.c`.
 
 use linestereo_boards::Board;

@@ -1,5 +1,5 @@
 //! QEMU's RISC-V machine `virt`: RV32IMAC, as ESP32-C6 and the RP2350's other cores, held to their
-//! RAM by `riscv_virt.x`. The kernels are the portable ones.
+//! RAM by `riscv_virt.x`. The kernels hold two or four values in a word.
 //!
 //! Addresses: QEMU, `hw/riscv/virt.c`.
 

@@ -54,9 +54,14 @@ fn costs(
     pixels: &[u8; PIXELS],
 ) -> [(&'static str, u64); Kernels::COUNT] {
     let row = |k: usize| pixels.get(k * WIDTH..(k + 1) * WIDTH).unwrap_or(&[]);
+    let mut gradients = [[0; WIDTH]; 2];
+    for (k, gradients) in gradients.iter_mut().enumerate() {
+        (kernels.gradient_row)(row(k), row(k + 1), row(k + 2), gradients);
+    }
+    let [left, right] = &gradients;
     let strips = core::array::from_fn::<_, WINDOWS, _>(|k| {
-        let reference = row(k).first_chunk::<STRIP>().copied().unwrap_or_default();
-        Strip { reference, other: row(k + 1) }
+        let from = |row: &'_ [u8; WIDTH]| row.get(k..).and_then(<[u8]>::first_chunk).copied();
+        Strip { reference: from(left).unwrap_or_default(), other: right.get(k..).unwrap_or(&[]) }
     });
     let points = core::array::from_fn::<_, WINDOWS, _>(|k| (k as u8, row(k)));
     // A slope of a fiftieth of a pixel per pixel, over the middle of the ring.

@@ -280,7 +280,8 @@ fn images(board: &Board) -> Result<()> {
 
 /// One board of each family of processors and chips, or all in the long form.
 fn linted() -> Vec<Board> {
-    let families = [Board::MPS2_AN500, Board::RISCV_VIRT, Board::PICO2, Board::STM32H743];
+    let families =
+        [Board::MPS2_AN500, Board::MPS3_AN547, Board::RISCV_VIRT, Board::PICO2, Board::STM32H743];
     if board::is_long() { Board::ALL.into() } else { families.into() }
 }
 

@@ -376,6 +376,7 @@ pub fn run_memory(rooms: &mut Rooms, report: impl FnMut(&Compared)) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use linestereo::unstable::kernel::swar;
 
     #[test]
     fn kernels_of_this_machine_equal_the_portable_ones() {
@@ -389,6 +390,26 @@ mod tests {
         });
         assert!(all_equal && names.len() == Kernels::COUNT);
         assert!(comparisons > 300_000, "{comparisons}");
+        assert!(rooms.fences().iter().all(|fence| fence.is_untouched()));
+    }
+
+    /// Those of RV32, which need no processor of their own.
+    #[test]
+    fn kernels_of_words_equal_the_portable_ones() {
+        let of_words = Kernels {
+            gradient_row: swar::gradient_row,
+            sad_curve: swar::sad_curve,
+            hamming_curve: swar::hamming_curve,
+            code_columns: swar::code_columns,
+            code_costs: swar::code_costs,
+            path_step: swar::path_step,
+            sum_paths: swar::sum_paths,
+            lowest_byte: swar::lowest_byte,
+            ..Kernels::PORTABLE
+        };
+        let mut rooms = Box::new(Rooms::new());
+        let report = |compared: &Compared| assert_eq!(compared.first, None, "{}", compared.kernel);
+        assert!(run(&of_words, &mut rooms, report));
         assert!(rooms.fences().iter().all(|fence| fence.is_untouched()));
     }
 
