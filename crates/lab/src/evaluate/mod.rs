@@ -33,6 +33,6 @@ pub use cells::{CellAnswer, CellAnswers, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 pub use owner::OwnedMiddle;
-pub use pixels::{PixelScore, QueriedPixel, pixel_report, query_pixels};
+pub use pixels::{PixelScore, QueriedPixel, query_pixels};
 pub use summary::{Answers, BinRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
 pub use table::{cell_table, report, scene_table};
