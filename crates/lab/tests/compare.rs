@@ -81,7 +81,10 @@ fn what_is_wrong_is_one_line() {
 fn scenes_are_scored_by_models_of_the_others() {
     let folder = scenes();
     let text = succeed(folder.path(), &["fit-confidence", ".", "--undamaged"]);
-    assert!(text.contains("pooled") && text.contains("Single pixels that are visible"), "{text}");
+    assert!(
+        text.contains("one answer per cell") && text.contains("Single pixels that are visible"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::batch::collect;
 use crate::bench::GLOSSY;
 use crate::evaluate::{
-    FrameScore, PixelScore, QueriedPixel, Summary, cell_table, query_pixels, report, scene_table,
+    FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, query_pixels,
 };
 use crate::fitting::{
     EvidenceLog, SceneSamples, add_ground_samples, fit, fit_pixels, pixel_source_text,
@@ -264,16 +264,14 @@ fn leave_one_out(
             .collect::<Result<Vec<_>>>()
     })?;
     let of_damage = |i: usize| scores.iter().map(move |scene| &scene[i]);
-    let clean: Vec<FrameScore> = of_damage(0).cloned().collect();
     let pooled: Vec<Summary> = (0..damages.len()).map(|i| Summary::pool(of_damage(i))).collect();
     let excess = pooled.iter().zip(damages).map(|(summary, (name, _))| {
         let excess = summary.overconfidence.map_or("-".to_owned(), |excess| format!("{excess:.1}"));
         format!("{name:16} {excess:>8}\n")
     });
     print(&format!(
-        "Leave one scene out: each scene by models fitted on the others\n\n{}\n{}\nUnder damages\n\n{}\n{}{}\n",
-        scene_table(&clean),
-        report(&pooled[0]),
+        "Leave one scene out: each scene by models fitted on the others\n\n{}\n{}\n{}{}\n",
+        calibration_table(&pooled[0]),
         cell_table(damages.iter().map(|&(name, _)| name).zip(&pooled)),
         "largest excess of stated over observed probability, bins of 1000 answers and more, percent\n",
         excess.collect::<String>(),
