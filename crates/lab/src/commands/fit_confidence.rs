@@ -76,8 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scenes = load(&args.folders)?;
     let also = if args.also.is_empty() { Vec::new() } else { load(&args.also)? };
     let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };
-    let halves =
-        halves_of(&args.folders)?.into_iter().chain(halves_of(&args.also)?).collect::<Vec<_>>();
+    let halves = halves_of(&[&args.folders[..], &args.also].concat())?;
     let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
     let name = |scene: &&Scene| scene.name.clone();
     let samples = for_each_pair(&all, None, name, |scene| {
