@@ -193,7 +193,8 @@ fn photos_in_folders_swapped_and_of_another_board() {
         Some(format!("{}/{}", side(name).0, number(name)))
     });
     copied(&photos, &folder.path().join("swapped"), |name| {
-        Some(format!("{}{}", side(name).1, number(name)))
+        let few = number(name).as_str() < "08.jpg";
+        few.then(|| format!("{}{}", side(name).1, number(name)))
     });
     let run = |name, board| ["calibrate", name, "--board", board, "--square-mm", "25"];
     let said = succeed(folder.path(), &run("folders", "9x6"));

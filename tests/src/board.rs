@@ -41,6 +41,11 @@ pub fn on_every_board(test: impl Fn(Board) + Sync) {
     });
 }
 
+/// Of [`Board::MEASURED`], which have every program, those that are tested.
+pub fn measured() -> impl Iterator<Item = Board> {
+    tested().into_iter().filter(|board| Board::MEASURED.contains(board))
+}
+
 /// The ELF file of a program that boards are tested with, or none where boards cannot be built.
 #[must_use]
 pub fn image(board: &Board, program: &str) -> Option<PathBuf> {

@@ -15,7 +15,7 @@ use linestereo_sim::board::{self, BoardResult, Machine, push, qemu};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
-use linestereo_tests::board::{Twin, image, machine, on_every_board, or_skip};
+use linestereo_tests::board::{Twin, image, machine, measured, on_every_board, or_skip};
 use linestereo_tests::drawn::rendered;
 use linestereo_wire::*;
 use object::{Object, ObjectSymbol};
@@ -141,7 +141,7 @@ fn every_kernel_equals_the_portable_one_between_fences() {
 
 #[test]
 fn a_rendered_scene_gives_the_json_of_the_pc() {
-    for board in Board::MEASURED {
+    for board in measured() {
         let Some(machine) = machine(board) else { return };
         for (width, height) in [(320, 240), (160, 120), (128, 96)] {
             let pair = boxes(width, height);
@@ -184,7 +184,7 @@ fn a_rendered_scene_gives_the_json_of_the_pc() {
 
 #[test]
 fn worst_cases_are_the_same_to_the_last_byte() {
-    for board in Board::MEASURED {
+    for board in measured() {
         let Some(machine) = machine(board) else { return };
         let mut twin = Twin::of(&board);
         for worst_case in [false, true] {
@@ -281,9 +281,7 @@ fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
 
 #[test]
 fn raw_pairs_give_the_json_of_the_pc() {
-    for (board, raws) in
-        Board::MEASURED.into_iter().zip([[(320, 240), (480, 360)], [(160, 120), (400, 300)]])
-    {
+    for (board, raws) in measured().zip([[(320, 240), (480, 360)], [(160, 120), (400, 300)]]) {
         let Some(machine) = machine(board) else { return };
         for (width, height) in raws {
             let (left, right) = boxes(width, height);
@@ -316,7 +314,7 @@ fn raw_pairs_give_the_json_of_the_pc() {
 
 #[test]
 fn pixels_without_source_are_not_used_on_a_board() {
-    let board = Board::MEASURED[1];
+    let board = Board::MPS2_AN500;
     let Some(machine) = machine(board) else { return };
     let (left, right) = boxes(160, 120);
     let rig = raw_rig_with(left.dims, board.largest, View::Alpha(1.0));
@@ -350,7 +348,7 @@ fn pixels_without_source_are_not_used_on_a_board() {
 
 #[test]
 fn a_live_board_answers_on_its_port() {
-    let board = Board::MEASURED[1];
+    let board = Board::MPS2_AN500;
     let Some(elf) = image(&board, "live") else { return };
     let Some(mut qemu) = or_skip(qemu::command(&board, &elf, &[], Path::new("."))) else { return };
     let child = qemu
@@ -455,7 +453,7 @@ impl Drop for Running {
 /// handler is gone, because nothing calls it.
 #[test]
 fn programs_without_logs_hold_no_panic_handler() {
-    for board in Board::MEASURED {
+    for board in measured() {
         // The last one does panic, on purpose: what is searched for is there to be found.
         for (program, panics) in
             [("live", false), ("replay", false), ("bench", false), ("faults", true)]

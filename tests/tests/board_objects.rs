@@ -2,11 +2,10 @@
 //! alone.
 
 use linestereo::{Area, Dims, Params};
-use linestereo_firmware::boards::{mps2_an386, mps2_an500};
 use linestereo_sim::board;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::scene::{Kind, Rendering};
-use linestereo_tests::board::machine;
+use linestereo_tests::board::{machine, measured};
 use linestereo_tests::drawn::rendered;
 use linestereo_wire::{ObjectRecord, RegionBox, Regions, RigUpdate};
 
@@ -43,10 +42,8 @@ fn expected(
 
 #[test]
 fn a_board_says_of_objects_what_the_pc_says() {
-    for (board, dims) in [
-        (mps2_an500::BOARD, mps2_an500::BOARD.largest),
-        (mps2_an386::BOARD, mps2_an386::BOARD.largest),
-    ] {
+    for board in measured() {
+        let dims = board.largest;
         let Some(machine) = machine(board) else { return };
         let boxes = boxes(dims);
         let regions = |only| Regions { boxes: boxes.iter().copied().collect(), only };

@@ -80,7 +80,7 @@ fn one_claim_per_cell_of_scenes_that_the_models_have_not_seen() {
     }
     // Support points alone are worse.
     let support = left_out(&scenes, Params { parts: Parts::Support, ..least });
-    let at = |summary: &Summary, percent: u32| {
+    let at = |summary: &Summary, percent: usize| {
         *summary.cells.iter().find(|row| row.percent == percent).unwrap()
     };
     assert!(at(&support, 80).bad1 > at(&summary, 80).bad1, "{:?}", at(&support, 80));

@@ -8,7 +8,7 @@ use linestereo::unstable::FITTED_PIXEL;
 use linestereo::{Area, Capacity, Dims, Gray, Matched, Matcher, Options, Params, Region, Rig};
 use linestereo_frames::GrayImage;
 use linestereo_frames::{Perturbation, Scene};
-use linestereo_lab::evaluate::{PixelScore, QueriedPixel, pixel_report, query_pixels};
+use linestereo_lab::evaluate::{PixelScore, QueriedPixel, query_pixels};
 use linestereo_lab::fitting::{fit_pixels, pixel_source_text};
 use linestereo_sim::engine::Engine;
 use linestereo_tests::drawn::{Random, painted};
@@ -384,10 +384,9 @@ fn captured_frames_that_the_model_has_not_seen() {
                 .filter(|(i, _)| *i != held)
                 .map(|(_, asked)| asked.as_slice())
                 .collect();
-            PixelScore::new(&scenes[held].name, &pixels[held], &fit_pixels(&others))
+            PixelScore::new(&pixels[held], &fit_pixels(&others))
         })
         .collect();
-    println!("{}", pixel_report(&scores, Params::DEFAULT.min_confidence));
     let (answered, [_, bad2]) =
         PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();
     assert!(
@@ -418,8 +417,7 @@ fn faults_of_captured_frames_cost_answers_and_not_truth() {
         ("right image 1 px low", Perturbation { row_offset: 1.0, ..Perturbation::default() }),
     ];
     for (name, fault) in faults {
-        let score =
-            |scene: &Scene| PixelScore::new(&scene.name, &asked(scene, &fault), &FITTED_PIXEL);
+        let score = |scene: &Scene| PixelScore::new(&asked(scene, &fault), &FITTED_PIXEL);
         let scores: Vec<PixelScore> = scenes.iter().map(score).collect();
         let (answered, [bad1, bad2]) =
             PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();

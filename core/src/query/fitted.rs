@@ -1,4 +1,4 @@
-//! Written by `linestereo-lab eval-pixels` from 2000 pixels each of 14 scenes (aloe, art, baby1,
+//! Written by `linestereo-lab fit-confidence` from 2000 pixels each of 14 scenes (aloe, art, baby1,
 //! books, bowling2, cloth1, dolls, lampshade1, monopoly, motorcycle, rocks1, teddy, tsukuba,
 //! wood1): do not edit.
 

@@ -3,7 +3,7 @@
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use linestereo_lab::bench;
-use linestereo_lab::commands::{compare, eval_pixels, faults, fit_confidence, thin};
+use linestereo_lab::commands::{compare, faults, fit_confidence, thin};
 use linestereo_sim::commands::program;
 use std::process::ExitCode;
 
@@ -23,7 +23,6 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Bench(bench::Args),
-    EvalPixels(eval_pixels::Args),
     Compare(Box<compare::Args>),
     Faults(faults::Args),
     FitConfidence(fit_confidence::Args),
@@ -36,7 +35,6 @@ fn main() -> ExitCode {
         cli.verbosity.set();
         match &cli.command {
             Command::Bench(args) => bench::run(args),
-            Command::EvalPixels(args) => eval_pixels::run(args),
             Command::Compare(args) => compare::run(args),
             Command::Faults(args) => faults::run(args),
             Command::FitConfidence(args) => fit_confidence::run(args),

@@ -78,9 +78,13 @@ fn what_is_wrong_is_one_line() {
 }
 
 #[test]
-fn pixels_are_asked_for_and_scored() {
+fn scenes_are_scored_by_models_of_the_others() {
     let folder = scenes();
-    assert!(succeed(folder.path(), &["eval-pixels", ".", "--queries", "50"]).contains("visible"));
+    let text = succeed(folder.path(), &["fit-confidence", ".", "--undamaged"]);
+    assert!(
+        text.contains("one answer per cell") && text.contains("Single pixels that are visible"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -106,6 +110,6 @@ fn an_array_is_unpacked_as_far_as_its_header_says() {
             archive.write_all(&[0x3f; 1 << 20]).unwrap();
         }
         archive.finish().unwrap();
-        refused(&bounded(folder.path(), &["eval-pixels", "."]), says);
+        refused(&bounded(folder.path(), &["faults", "."]), says);
     }
 }

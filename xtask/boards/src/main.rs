@@ -96,7 +96,7 @@ enum Command {
     },
     /// Build what tests, measure and footprint run or read, two calls of cargo for each board.
     ///
-    /// They build it by themselves where it is missing. Without --board: the two measured boards
+    /// They build it by themselves where it is missing. Without --board: an emulated board
     /// and one of each family of chips; all with LINESTEREO_LONG=1.
     Images(Boards),
     /// Have clippy read the firmware as boards build it; warnings are errors.

@@ -6,6 +6,8 @@
 
 use super::figures::{Better, Figure, Group, Method, Values, percent};
 use super::grid::Grid;
+use linestereo::results::Point;
+use linestereo_frames::Truth;
 use std::collections::BTreeMap;
 
 /// Side of a cell, px.
@@ -37,7 +39,7 @@ struct CellBest {
 }
 
 /// Answers of one method in the cells of all scenes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Cells {
     best: Vec<CellBest>,
     /// Cells of all scenes, with and without a hypothesis.
@@ -52,6 +54,33 @@ impl Cells {
             confidence: best.confidence,
             error: (best.disparity - truth.at(best.x, best.y)).abs(),
         }));
+    }
+
+    /// The points of one frame.
+    pub(crate) fn of_points(points: &[Point], truth: &Truth) -> Self {
+        let (width, height) = (usize::from(truth.dims().width), usize::from(truth.dims().height));
+        let truth = Grid::new(width, vec![(); width * height])
+            .map(|x, y| truth.disparity(x as i32, y as i32).map_or(f64::NAN, f64::from));
+        let hypothesis = |point: &Point| Hypothesis {
+            x: point.x.into(),
+            y: point.y.into(),
+            disparity: point.disparity.to_num(),
+            confidence: point.confidence.to_num(),
+        };
+        let mut cells = Self::default();
+        cells.add(&points.iter().map(hypothesis).collect::<Vec<_>>(), &truth);
+        cells
+    }
+
+    /// Adds the cells of other frames.
+    pub(crate) fn join(&mut self, other: &Self) {
+        self.best.extend_from_slice(&other.best);
+        self.count += other.count;
+    }
+
+    /// Share of all cells in percent, and of the surest so many the error rates in percent.
+    pub(crate) fn curve(&self) -> impl Iterator<Item = (usize, Option<[f64; 2]>)> {
+        SHARES.into_iter().zip(self.error_rates())
     }
 
     /// Cells with a hypothesis, in percent.
@@ -70,7 +99,9 @@ impl Cells {
             let errors: Vec<f64> =
                 judged.iter().map(|best| best.error).filter(|error| error.is_finite()).collect();
             let beyond = |limit: f64| errors.iter().filter(|&&error| error > limit).count();
-            Some([1.0, 2.0].map(|limit| 100.0 * (beyond(limit) as f64 / errors.len() as f64)))
+            let rates =
+                [1.0, 2.0].map(|limit| 100.0 * (beyond(limit) as f64 / errors.len() as f64));
+            Some(rates).filter(|_| !errors.is_empty())
         };
         SHARES.iter().map(|&share| rates(share)).collect()
     }

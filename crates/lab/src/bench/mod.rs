@@ -11,6 +11,7 @@
 mod against;
 mod cells;
 mod classes;
+pub(crate) use cells::Cells;
 pub(crate) use classes::GLOSSY;
 mod data_set;
 mod figures;

@@ -2,13 +2,15 @@
 
 use super::batch::collect;
 use crate::bench::GLOSSY;
-use crate::evaluate::{FrameScore, Summary, cell_table, report, scene_table};
+use crate::evaluate::{
+    FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, query_pixels,
+};
 use crate::fitting::{
-    EvidenceLog, SceneSamples, add_ground_samples, fit, scene_samples, source_text,
-    support_source_text,
+    EvidenceLog, SceneSamples, add_ground_samples, fit, fit_pixels, pixel_source_text,
+    scene_samples, source_text, support_source_text,
 };
 use anyhow::{Context, Result, bail};
-use linestereo::Params;
+use linestereo::{Params, units::Confidence};
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_frames::{Perturbation, Scene, load_values};
@@ -31,6 +33,9 @@ const WIDEST_DAMAGED: u16 = 450;
 /// Files of constants below core/src.
 const SEGMENTS: &str = "confidence/fitted.rs";
 const SUPPORT: &str = "support/fitted.rs";
+const PIXELS: &str = "query/fitted.rs";
+/// Visible pixels of each scene whose depth is queried, and the seed of their choice.
+const QUERIES: (usize, u64) = (2000, 1);
 
 /// Fit the confidence models on frames with truth, and score them on scenes that they have not
 /// seen.
@@ -38,7 +43,8 @@ const SUPPORT: &str = "support/fitted.rs";
 /// Every scene is scored by models fitted on the other scenes ("leave one out"): the tables say
 /// what to expect of new scenes. Models see every pair as it is and damaged: with noise, blurred,
 /// darker on the right, with its rows off. The constants written are fitted on all scenes, and
-/// depend on the frames alone.
+/// depend on the frames alone. The model of single pixels is fitted on the first folders' pairs as
+/// they are.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -70,8 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scenes = load(&args.folders)?;
     let also = if args.also.is_empty() { Vec::new() } else { load(&args.also)? };
     let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };
-    let halves =
-        halves_of(&args.folders)?.into_iter().chain(halves_of(&args.also)?).collect::<Vec<_>>();
+    let halves = halves_of(&[&args.folders[..], &args.also].concat())?;
     let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
     let name = |scene: &&Scene| scene.name.clone();
     let samples = for_each_pair(&all, None, name, |scene| {
@@ -87,10 +92,43 @@ pub fn run(args: &Args) -> Result<()> {
         |scene| sample(scene, &Perturbation::DAMAGES[0].1, &args.method),
     )?;
     let samples: Vec<SceneSamples> = samples.into_iter().flatten().chain(of_halves).collect();
+    let queried = for_each_pair(
+        &scenes,
+        None,
+        |scene| scene.name.clone(),
+        |scene| query(scene, &args.method),
+    )?;
     if !args.no_scores {
         leave_one_out(&scenes, damages, &samples, &args.method)?;
+        leave_pixels_out(&queried, args.method.params(64, None)?.min_confidence)?;
     }
-    write_constants(args, &all, damages.len(), &samples)
+    write_constants(args, &all, damages.len(), &samples, &queried)
+}
+
+/// Random pixels of a scene, with what is found there.
+fn query(scene: &Scene, method: &MethodArgs) -> Result<Vec<QueriedPixel>> {
+    let truth = scene.truth.as_ref().context("a scene without truth")?;
+    let params = method.params(scene.max_disparity, scene.rig)?;
+    let mut engine = engine_with(&params, scene.left.dims)?.answering_unfit();
+    engine.run(scene.left.view()?, scene.right.view()?)?;
+    Ok(query_pixels(&mut engine, truth, QUERIES))
+}
+
+/// Scores the pixels of every scene by a model that was fitted without it.
+fn leave_pixels_out(queried: &[Vec<QueriedPixel>], least: Confidence) -> Result<()> {
+    let score = |(held, pixels): (usize, &Vec<QueriedPixel>)| {
+        let others = queried.iter().enumerate().filter(|(i, _)| *i != held);
+        let others: Vec<&[QueriedPixel]> = others.map(|(_, pixels)| pixels.as_slice()).collect();
+        PixelScore::new(pixels, &fit_pixels(&others))
+    };
+    let scores: Vec<PixelScore> = queried.iter().enumerate().map(score).collect();
+    let Some((answered, [bad1, bad2])) = PixelScore::pool(&scores).answered(least) else {
+        return Ok(());
+    };
+    print(&format!(
+        "Single pixels that are visible: {answered:.1} % answered with p >= {least:.2}, \
+         bad1/bad2 {bad1:.2}/{bad2:.2}\n"
+    ))
 }
 
 fn write_constants(
@@ -98,6 +136,7 @@ fn write_constants(
     scenes: &[&Scene],
     damages: usize,
     samples: &[SceneSamples],
+    queried: &[Vec<QueriedPixel>],
 ) -> Result<()> {
     let Some(folder) = args.check.as_ref().or(args.out.as_ref()) else { return Ok(()) };
     let fitted = fit(&samples.iter().collect::<Vec<_>>());
@@ -108,9 +147,15 @@ fn write_constants(
         scenes.len(),
         folders.collect::<Vec<_>>().join(", ")
     );
+    let names: Vec<&str> =
+        scenes.iter().take(queried.len()).map(|scene| scene.name.as_str()).collect();
+    let of_pixels =
+        format!("{} pixels each of {} scenes ({})", QUERIES.0, names.len(), names.join(", "));
+    let pixels = fit_pixels(&queried.iter().map(Vec::as_slice).collect::<Vec<_>>());
     let texts = [
         (folder.join(SEGMENTS), source_text(&fitted.segments, &origin)),
         (folder.join(SUPPORT), support_source_text(&fitted.support, &origin)),
+        (folder.join(PIXELS), pixel_source_text(&pixels, &of_pixels)),
     ];
     if args.check.is_some() {
         for (path, text) in &texts {
@@ -218,16 +263,14 @@ fn leave_one_out(
             .collect::<Result<Vec<_>>>()
     })?;
     let of_damage = |i: usize| scores.iter().map(move |scene| &scene[i]);
-    let clean: Vec<FrameScore> = of_damage(0).cloned().collect();
     let pooled: Vec<Summary> = (0..damages.len()).map(|i| Summary::pool(of_damage(i))).collect();
     let excess = pooled.iter().zip(damages).map(|(summary, (name, _))| {
         let excess = summary.overconfidence.map_or("-".to_owned(), |excess| format!("{excess:.1}"));
         format!("{name:16} {excess:>8}\n")
     });
     print(&format!(
-        "Leave one scene out: each scene by models fitted on the others\n\n{}\n{}\nUnder damages\n\n{}\n{}{}\n",
-        scene_table(&clean),
-        report(&pooled[0]),
+        "Leave one scene out: each scene by models fitted on the others\n\n{}\n{}\n{}{}\n",
+        calibration_table(&pooled[0]),
         cell_table(damages.iter().map(|&(name, _)| name).zip(&pooled)),
         "largest excess of stated over observed probability, bins of 1000 answers and more, percent\n",
         excess.collect::<String>(),

@@ -3,7 +3,6 @@
 
 mod batch;
 pub mod compare;
-pub mod eval_pixels;
 pub mod faults;
 pub mod fit_confidence;
 pub mod thin;

@@ -1,11 +1,13 @@
 //! The score of one frame.
 
-use super::cells::{CELL, CellAnswers};
+use crate::bench::Cells;
 use linestereo::results::Match;
 use linestereo_frames::Truth;
 use linestereo_frames::statistics::median;
 use linestereo_sim::engine::FrameResult;
 
+/// Side of a coverage cell, px; those that the right and lower border cut off do not count.
+const CELL: usize = 16;
 /// A segment with `|dx|` above this many times `|dy|` is near-horizontal: its neighbours across the
 /// edge are above and below.
 const STEEP_LIMIT: f64 = 4.0;
@@ -52,7 +54,7 @@ pub struct FrameScore {
     pub scored_points: Vec<PointScore>,
     pub(super) cells: Vec<CellScore>,
     /// The most probable answer of each cell.
-    pub cell_answers: CellAnswers,
+    pub(super) cell_answers: Cells,
     /// Time of the pair in milliseconds, if it was measured.
     pub milliseconds: Option<f64>,
 }
@@ -88,7 +90,7 @@ impl FrameScore {
             scored_segments,
             scored_points,
             milliseconds: None,
-            cell_answers: CellAnswers::new(truth, &result.points),
+            cell_answers: Cells::of_points(&result.points, truth),
             cells: cells(truth, result),
         }
     }

@@ -12,16 +12,14 @@
 //!   owns it.
 //! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered
 //!   when it holds an answer.
-//! - **one answer per cell**: see `cells`.
+//! - **one answer per cell**: as [`crate::bench`] defines it.
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per
 //!   frame and in nothing else.
 //!
 //! - Objects: `objects` says what is wrong and covered there.
 //!
-//! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together,
-//! [`scene_table`] and [`report`] print.
+//! [`FrameScore::new`] scores one frame, [`Summary::pool`] any number of them together.
 
-mod cells;
 mod frame;
 mod objects;
 mod owner;
@@ -29,10 +27,11 @@ mod pixels;
 mod summary;
 mod table;
 
-pub use cells::{CellAnswer, CellAnswers, CellRow, SHARES};
 pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 pub use owner::OwnedMiddle;
-pub use pixels::{PixelScore, QueriedPixel, pixel_report, query_pixels};
-pub use summary::{Answers, BinRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow};
-pub use table::{cell_table, report, scene_table};
+pub use pixels::{PixelScore, QueriedPixel, query_pixels};
+pub use summary::{
+    Answers, BinRow, CellRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow,
+};
+pub use table::{calibration_table, cell_table};

@@ -1,7 +1,7 @@
 //! Scores of any number of frames, pooled.
 
-use super::cells::{self, CellRow};
 use super::frame::{FrameScore, PointScore};
+use crate::bench::Cells;
 use linestereo_frames::statistics::median;
 use serde::Serialize;
 
@@ -52,6 +52,18 @@ pub struct YieldRow {
     /// Percentages that are wrong.
     #[serde(flatten)]
     pub errors: ErrorRates,
+}
+
+/// One answer per cell: errors of the surest of all cells.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CellRow {
+    /// Percent of all cells.
+    pub percent: usize,
+    /// Percent of those with truth that are more than 1 px off; `None` where fewer cells have an
+    /// answer.
+    pub bad1: Option<f64>,
+    /// More than 2 px off.
+    pub bad2: Option<f64>,
 }
 
 /// Stated against observed: how often answers of a range of probability were within 1 px.
@@ -133,7 +145,7 @@ impl Summary {
             all: answers(&scores, &points, 0.0),
             sure: answers(&scores, &points, SURE),
             curve: YIELDS.iter().map(|&wanted| yield_row(&points, frames, wanted)).collect(),
-            cells: cells::curve(scores.iter().map(|score| &score.cell_answers)),
+            cells: cell_rows(&scores),
             overconfidence: overconfidence(&calibration),
             calibration,
             rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
@@ -156,6 +168,17 @@ fn error_rates(points: &[PointScore]) -> ErrorRates {
         all_gt_bad1: percent(points, |point| point.error > 1.0),
         all_gt_bad2: percent(points, |point| point.error > 2.0),
     }
+}
+
+fn cell_rows(scores: &[&FrameScore]) -> Vec<CellRow> {
+    let mut cells = Cells::default();
+    scores.iter().for_each(|score| cells.join(&score.cell_answers));
+    let row = |(percent, rates): (usize, Option<[f64; 2]>)| CellRow {
+        percent,
+        bad1: rates.map(|[bad1, _]| bad1),
+        bad2: rates.map(|[_, bad2]| bad2),
+    };
+    cells.curve().map(row).collect()
 }
 
 /// `points` are the most confident first.

@@ -25,7 +25,7 @@ pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> Model<PIXEL_EVIDENCE> {
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
 pub fn pixel_source_text(model: &Model<PIXEL_EVIDENCE>, origin: &str) -> String {
-    let mut text = written_by("eval-pixels", origin);
+    let mut text = written_by("fit-confidence", origin);
     text.push_str(
         "use super::PIXEL_EVIDENCE;\n\
          use crate::confidence::Model;\n\n\
