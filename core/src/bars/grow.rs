@@ -43,8 +43,7 @@ const LEAST_EDGE_Q3: i32 = 20;
 const LESS_Q16: u16 = 1311;
 
 /// Adds the parts that bars in front go on by, as far as there is room. Parts of level ones make
-/// 1.9 instead of 1.8 % of the answers on `qvga` wrong, and 3.9 instead of 3.7 % of those on
-/// `middlebury2005_half`.
+/// more answers wrong (`docs/experiments.md`).
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn grow(
     bars: &mut List<'_, Bar>,
