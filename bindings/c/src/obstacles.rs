@@ -4,7 +4,8 @@ use crate::engine::Engine;
 use crate::status::Status;
 use crate::types::{ObstacleConfig, Obstacles, Sector, SectorState};
 use linestereo::obstacles::{
-    self, DropOff, ObstacleError, ObstacleParams, ObstaclePlan, Sector as CoreSector,
+    self, DropOff, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan,
+    Sector as CoreSector,
 };
 
 /// The content of [`Obstacles`].
@@ -109,14 +110,14 @@ impl Directions {
 
 impl From<ObstacleError> for Status {
     fn from(error: ObstacleError) -> Self {
-        let ObstacleError::OutOfRange { name, .. } = error else { return Self::NoRig };
-        match name {
-            "yaw (degrees)" => Self::Yaw,
-            "sectors" => Self::Sectors,
-            "range (m)" => Self::SectorRange,
-            "lowest height (m)" | "highest height (m)" => Self::Heights,
-            "depth of a drop-off (m)" => Self::DropDepth,
-            "error probability" => Self::ErrorProbability,
+        let ObstacleError::OutOfRange { param, .. } = error else { return Self::NoRig };
+        match param {
+            ObstacleParam::Yaw => Self::Yaw,
+            ObstacleParam::Sectors => Self::Sectors,
+            ObstacleParam::Range => Self::SectorRange,
+            ObstacleParam::LowestHeight | ObstacleParam::HighestHeight => Self::Heights,
+            ObstacleParam::DropDepth => Self::DropDepth,
+            ObstacleParam::ErrorProbability => Self::ErrorProbability,
             _ => Self::PrincipalPoint,
         }
     }

@@ -78,7 +78,7 @@ use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use hypotheses::{Hypotheses, Ray, STRONG_Q16, agree_q6, drop_agree_q6};
 use plan::{Ground, PARTS};
-pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParams, ObstaclePlan};
+pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan};
 
 /// Least probability of a support point for sectors. Chosen on the rooms of `robot_world`, where
 /// 0.3, 0.5, 0.7 and 0.9 show 35, 36, 32 and 22 % of the obstacles, with 0.5 % ghosts or fewer

@@ -85,16 +85,16 @@ impl ObstacleParams {
     )]
     pub fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan, ObstacleError> {
         let rig = params.rig.ok_or(ObstacleError::NoRig)?.centred(dims);
-        check("yaw (degrees)", self.yaw_deg, -180.0, 180.0)?;
-        check("sectors", self.sectors.into(), 4.0, MAX_SECTORS.into())?;
-        check("range (m)", self.range_m, 0.1, 600.0)?;
+        check(ObstacleParam::Yaw, self.yaw_deg, -180.0, 180.0)?;
+        check(ObstacleParam::Sectors, self.sectors.into(), 4.0, MAX_SECTORS.into())?;
+        check(ObstacleParam::Range, self.range_m, 0.1, 600.0)?;
         let [low, high] = self.heights_m;
-        check("lowest height (m)", low, -1000.0, 1000.0)?;
-        check("highest height (m)", high, low, 1000.0)?;
+        check(ObstacleParam::LowestHeight, low, -1000.0, 1000.0)?;
+        check(ObstacleParam::HighestHeight, high, low, 1000.0)?;
         if let Some(drop_m) = self.drop_m {
-            check("depth of a drop-off (m)", drop_m, 0.0, 100.0)?;
+            check(ObstacleParam::DropDepth, drop_m, 0.0, 100.0)?;
         }
-        check("error probability", self.error_probability, 0.000_02, 0.5)?;
+        check(ObstacleParam::ErrorProbability, self.error_probability, 0.000_02, 0.5)?;
         let view = View::new(self, &rig, dims)?;
 
         let focal_baseline = rig.focal_baseline_q16() as f32;
@@ -169,8 +169,8 @@ impl View {
     fn new(params: &ObstacleParams, rig: &Rig, dims: Dims) -> Result<Self, ObstacleError> {
         let [column, row] =
             rig.principal_point_q16().unwrap_or_default().map(|v| v as f32 / 65536.0);
-        check("principal column (px)", column, 0.0, dims.width.into())?;
-        check("principal row (px)", row, 0.0, dims.height.into())?;
+        check(ObstacleParam::PrincipalColumn, column, 0.0, dims.width.into())?;
+        check(ObstacleParam::PrincipalRow, row, 0.0, dims.height.into())?;
         let (yaw, sectors) = (params.yaw_deg / 180.0 * PI, params.sectors);
         Ok(Self {
             focal: rig.focal_q16() as f32 / 65536.0,
@@ -213,11 +213,11 @@ impl View {
     }
 }
 
-fn check(name: &'static str, value: f32, low: f32, high: f32) -> Result<(), ObstacleError> {
+fn check(param: ObstacleParam, value: f32, low: f32, high: f32) -> Result<(), ObstacleError> {
     if (low..=high).contains(&value) {
         Ok(())
     } else {
-        Err(ObstacleError::OutOfRange { name, value, low, high })
+        Err(ObstacleError::OutOfRange { param, value, low, high })
     }
 }
 
@@ -329,18 +329,62 @@ impl ObstaclePlan {
     }
 }
 
+/// A number that sectors depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ObstacleParam {
+    /// [`ObstacleParams::yaw_deg`].
+    Yaw,
+    /// [`ObstacleParams::sectors`].
+    Sectors,
+    /// [`ObstacleParams::range_m`].
+    Range,
+    /// The first of [`ObstacleParams::heights_m`].
+    LowestHeight,
+    /// The second of [`ObstacleParams::heights_m`].
+    HighestHeight,
+    /// [`ObstacleParams::drop_m`].
+    DropDepth,
+    /// [`ObstacleParams::error_probability`].
+    ErrorProbability,
+    /// The rig's principal point, column.
+    PrincipalColumn,
+    /// The rig's principal point, row.
+    PrincipalRow,
+}
+
+impl ObstacleParam {
+    /// Its name, with its unit.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Yaw => "yaw (degrees)",
+            Self::Sectors => "sectors",
+            Self::Range => "range (m)",
+            Self::LowestHeight => "lowest height (m)",
+            Self::HighestHeight => "highest height (m)",
+            Self::DropDepth => "depth of a drop-off (m)",
+            Self::ErrorProbability => "error probability",
+            Self::PrincipalColumn => "principal column (px)",
+            Self::PrincipalRow => "principal row (px)",
+        }
+    }
+}
+
 /// Reason why parameters of sectors are refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ObstacleError {
     /// Distances need a rig, and there is none.
     #[error("distances need a rig (focal length and baseline)")]
     NoRig,
     /// A number outside its range.
-    #[error("{name} is {value} but must be {low} to {high}")]
+    #[error("{} is {value} but must be {low} to {high}", .param.name())]
     OutOfRange {
-        /// Name of the parameter, with its unit.
-        name: &'static str,
+        /// The parameter.
+        param: ObstacleParam,
         /// Its value.
         value: f32,
         /// Least allowed value.

@@ -6,7 +6,7 @@ use crate::output::OutputPath;
 use crate::results::directions::Directions;
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum;
-use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan};
+use linestereo::obstacles::{ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan};
 use linestereo::{Dims, Params};
 use linestereo_mavlink::Policy;
 
@@ -114,19 +114,20 @@ impl SectorPlanArgs {
             ObstacleError::NoRig => {
                 anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig")
             }
-            ObstacleError::OutOfRange { name, .. } => {
-                anyhow!("{error}; change {}", option_behind(name))
+            ObstacleError::OutOfRange { param, .. } => {
+                anyhow!("{error}; change {}", option_behind(param))
             }
+            _ => anyhow!("{error}"),
         })
     }
 }
 
-fn option_behind(name: &str) -> &'static str {
-    match name.split(' ').next() {
-        Some("range") => "--sector-range",
-        Some("depth") => "--drop-depth",
-        Some("yaw") => "--camera-yaw",
-        Some("lowest" | "highest") => "--sector-heights",
+fn option_behind(param: ObstacleParam) -> &'static str {
+    match param {
+        ObstacleParam::Range => "--sector-range",
+        ObstacleParam::DropDepth => "--drop-depth",
+        ObstacleParam::Yaw => "--camera-yaw",
+        ObstacleParam::LowestHeight | ObstacleParam::HighestHeight => "--sector-heights",
         _ => "the rig",
     }
 }
