@@ -4,7 +4,8 @@
 //! ```text
 //! evaluate   scores of results against ground truth
 //! faults     damaged pairs, and what is answered of them
-//! rivals     OpenCV on the same frames
+//! opencv     OpenCV's dense methods on a pair
+//! rivals     the core beside OpenCV on the same frames
 //! thin       poles pasted into pairs, and what is said of them
 //! fitting    the confidence models, fitted on scores
 //! bench      every data set of a folder, beside OpenCV, and against the last run
@@ -18,5 +19,6 @@ pub mod commands;
 pub mod evaluate;
 pub mod faults;
 pub mod fitting;
+pub mod opencv;
 pub mod rivals;
 pub mod thin;

@@ -21,7 +21,7 @@ pub(crate) fn run(top: &Path) -> Result<()> {
     );
     let steps: [&str; 8] = [
         "cargo xtask images",
-        "cargo test --workspace --profile bench --no-fail-fast -- --include-ignored",
+        "cargo test --workspace --no-fail-fast -- --include-ignored",
         "cargo xtask measure",
         "cargo xtask footprint",
         "cargo xtask lint",

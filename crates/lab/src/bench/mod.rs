@@ -25,7 +25,7 @@ mod scoring;
 mod sectors;
 mod seen;
 
-use crate::rivals::OpenCv;
+use crate::opencv::OpenCv;
 use anyhow::{Context, Result, bail};
 use core::num::NonZero;
 use core::sync::atomic::{AtomicUsize, Ordering};

@@ -6,7 +6,7 @@
 use super::cells::Hypothesis;
 use super::grid::Grid;
 use super::product::Pair;
-use crate::rivals::OpenCv;
+use crate::opencv::OpenCv;
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, BufReader, Read, Write};

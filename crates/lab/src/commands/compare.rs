@@ -1,8 +1,9 @@
 //! `linestereo-lab compare`: the core and OpenCV's dense methods on the same frames.
 
 use super::batch::{BatchArgs, collect};
+use crate::opencv::OpenCv;
 use crate::rivals::{
-    MethodScore, MethodSummary, OpenCv, cell_comparison, compare_scene, comparison_table,
+    MethodScore, MethodSummary, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
 };
 use anyhow::{Context, Result, bail};

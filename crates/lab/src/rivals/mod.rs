@@ -6,18 +6,15 @@
 //! OpenCV says nothing about confidence. The depth of an object by a dense method is the median of
 //! at least `LEAST_DISPARITIES` disparities inside it.
 
-mod map;
-mod opencv;
 mod table;
 
-pub use map::DisparityMap;
-pub use opencv::{OPENCV_METHODS, OpenCv, OpenCvError, OpenCvMap, PYTHON_VARIABLE};
 pub use table::{cell_comparison, comparison_table, object_comparison};
 
 use crate::evaluate::{
     FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases,
     score_objects,
 };
+use crate::opencv::{DisparityMap, OpenCv, OpenCvError, OpenCvMap};
 use anyhow::Result;
 use core::time::Duration;
 use linestereo::units::{Confidence, Disparity};

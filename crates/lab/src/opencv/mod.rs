@@ -1,7 +1,10 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is
 //! not ours.
 
-use super::DisparityMap;
+mod map;
+
+pub use map::DisparityMap;
+
 use core::fmt;
 use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
