@@ -86,8 +86,8 @@ fn the_readme_shows_firmware_that_builds() {
     );
 }
 
-/// A dependent of the core gets its DSP kernels, on thumbv7em always, on thumbv8m.main by a feature;
-/// and those of Helium by another one.
+/// A dependent of the core gets its DSP kernels, on thumbv7em always, on thumbv8m.main by a
+/// feature, and those of Helium by another one.
 #[test]
 fn firmware_elsewhere_gets_the_kernels() {
     let cases: [(&str, &[&str], bool, bool); 4] = [
