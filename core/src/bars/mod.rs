@@ -360,7 +360,8 @@ impl Bar {
 }
 
 /// Rates every matched bar by its evidence and by the support points around it. Those with at
-/// least this probability stay, in front of the points and level with them. Calls `watch` with the index, the bar, and its evidence by support points.
+/// least this probability stay, in front of the points and level with them. Calls `watch` with the
+/// index, the bar, and its evidence by support points.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn rate(
     bars: &mut List<'_, Bar>,
