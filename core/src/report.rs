@@ -186,6 +186,7 @@ impl<'r> Report<'r> {
             bars: if is_fit { bars } else { &[] },
             y: 0,
             columns: 0..0,
+            row_q6: 0,
             candidates,
             order: if is_fit { order.into_slice() } else { &[] },
             side: 0,
@@ -207,10 +208,12 @@ pub(crate) struct Points<'a> {
     support: Support<'a>,
     /// A bit for each pixel that is listed.
     marks: &'a mut [u32],
-    /// Bars that are not listed yet; row of the first of them, and the columns left there.
+    /// Bars that are not listed yet; row of the first of them, the columns left there, and their
+    /// disparity, 1/64 px.
     bars: &'a [Bar],
     y: u16,
     columns: Range<u16>,
+    row_q6: i32,
     candidates: &'a [Candidate],
     /// Candidates that are not listed yet; side and distance of the first of them, the pixels left
     /// there, and their probability.
@@ -235,12 +238,12 @@ impl Points<'_> {
                 if y > last {
                     (self.bars, self.y) = (rest, 0);
                 } else {
-                    (self.columns, self.y) = (bar.columns(y), y + 1);
+                    (self.columns, self.y) = (bar.listed_columns(y), y + 1);
+                    self.row_q6 = bar.disparity_at_q6(y.into());
                 }
                 continue;
             };
-            let y = self.y - 1;
-            let d_q6 = bar.disparity_at_q6(y.into());
+            let (y, d_q6) = (self.y - 1, self.row_q6);
             // Support points there have the bar's disparity, and are listed as such.
             let at = self.support.at(x, y);
             let is_support = at.is_some_and(|point| point.probability_q16 >= self.least);

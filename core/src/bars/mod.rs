@@ -3,7 +3,8 @@
 //! In: all segments of the left image that run down the rows, both images, support points.
 //! Out: [`Bar`]s, each with one line of disparity and its probability: in front of the support
 //! points around them, or level with them, as a stripe is, or a pole whose disparity the windows of
-//! these points took. The pixels of both have the bar's disparity; the former are told as bars.
+//! these points took. The former are told as bars, and their pixels are points; of the latter the
+//! middle of each row is.
 //!
 //! ```text
 //! edges:       beside a segment, along its rows, an edge 2 to 14 px off: width and two signs
@@ -200,6 +201,17 @@ impl Bar {
         let end = ((x + width - inner) >> 5).max(start) + 1;
         let column = |at: i32| u16::try_from(at).unwrap_or(0);
         column(start)..column(end)
+    }
+
+    /// Columns of a row that are listed as points: its pixels; the middle one of a bar level with
+    /// what is around it, which others list.
+    pub(crate) fn listed_columns(&self, y: u16) -> core::ops::Range<u16> {
+        let columns = self.columns(y);
+        if self.is_in_front() || columns.is_empty() {
+            return columns;
+        }
+        let middle = u16::midpoint(columns.start, columns.end);
+        middle..middle + 1
     }
 
     /// Disparity at a row, on its line, 1/64 px.
