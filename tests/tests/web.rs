@@ -374,11 +374,13 @@ fn said(images: &[GrayImage; 2], area: Area) -> String {
     // A browser rounds halves up, such as 22.125; Rust to the even digit.
     let disparity = found.disparity.to_num::<f64>() + 1e-9;
     let metres = found.metres.unwrap();
-    let [depth, sigma, nearest] =
-        [metres.depth, metres.sigma, metres.nearest].map(|z| z.to_num::<f64>());
+    let [depth, sigma, nearest] = [metres.depth, metres.sigma, metres.nearest].map(|z| {
+        let z = z.to_num::<f64>();
+        format!("{z:.*} m", if z < 10.0 { 3 } else { 1 })
+    });
     let (px, sure) = (found.sigma.to_num::<f64>(), 100.0 * found.confidence.to_num::<f64>());
     format!(
-        "{depth:.3} m ± {sigma:.3} m, nearest {nearest:.3} m; {disparity:.2} ± {px:.2} px, within 1 px with {sure:.1} %"
+        "{depth} ± {sigma}, nearest {nearest}; {disparity:.2} ± {px:.2} px, within 1 px with {sure:.1} %"
     )
 }
 
