@@ -498,8 +498,8 @@ typedef struct {
   uint16_t keep_ms;
 } LinestereoObstacleConfig;
 
-// What is known of each direction, kept between pairs. For the functions alone; it stays where
-// `linestereo_obstacles_init` found it. No memory has to be freed.
+// Obstacles and drop-offs by direction, kept between pairs. For the functions alone; it stays
+// where `linestereo_obstacles_init` found it. No memory has to be freed.
 typedef struct {
   // Not for callers.
   uint64_t words[112];
@@ -507,7 +507,7 @@ typedef struct {
 
 // The nearest obstacle and the nearest drop-off of a direction.
 typedef struct {
-  // What is known of obstacles.
+  // Unknown, free, or an obstacle at `distance_cm`.
   LinestereoSectorState state;
   // Distance of the obstacle along the ground, cm; 1 or more, below the range; 0 without one.
   uint16_t distance_cm;

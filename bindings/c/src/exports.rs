@@ -92,7 +92,8 @@ fn status(result: Result<(), Status>) -> Status {
     result.err().unwrap_or(Status::Ok)
 }
 
-/// What was initialised at a pointer, by the address that it holds `offset` bytes behind its start.
+/// The pointer, if an object was initialised there: such an object holds its own address `offset`
+/// bytes behind its start.
 ///
 /// # Safety
 /// Where that address is the pointer's, there is a `T`.

@@ -224,8 +224,8 @@ pub struct ObstacleConfig {
     pub keep_ms: u16,
 }
 
-/// What is known of each direction, kept between pairs. For the functions alone; it stays where
-/// `linestereo_obstacles_init` found it. No memory has to be freed.
+/// Obstacles and drop-offs by direction, kept between pairs. For the functions alone; it stays
+/// where `linestereo_obstacles_init` found it. No memory has to be freed.
 #[repr(C)]
 #[derive(Debug)]
 pub struct Obstacles {
@@ -252,7 +252,7 @@ pub enum SectorState {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Sector {
-    /// What is known of obstacles.
+    /// Unknown, free, or an obstacle at `distance_cm`.
     pub state: SectorState,
     /// Distance of the obstacle along the ground, cm; 1 or more, below the range; 0 without one.
     pub distance_cm: u16,

@@ -25,7 +25,7 @@ pub struct Sectors {
     pub list: Vec<SectorRecord, SECTORS_PER_PACKET>,
 }
 
-/// What is known of one direction.
+/// Nearest obstacle and nearest drop-off of one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SectorRecord {
@@ -68,7 +68,7 @@ impl SectorRecord {
         is_known.then_some(Self { index, nearest, drop_off })
     }
 
-    /// What is known of obstacles.
+    /// State of the direction: an obstacle (cm), free, or unknown.
     #[must_use]
     pub fn sector(&self) -> Sector {
         let Some(nearest) = self.nearest else { return Sector::Unknown };
@@ -79,7 +79,7 @@ impl SectorRecord {
         }
     }
 
-    /// What is known of drop-offs.
+    /// The nearest drop-off (cm), if one is known.
     #[must_use]
     pub fn drop_off(&self) -> Option<DropOff> {
         let (distance_cm, confidence, age_ms) = self.drop_off?.parts();

@@ -86,7 +86,7 @@ pub fn sectors_json(sectors: &Sectors) -> serde_json::Result<String> {
     }))
 }
 
-/// What a board knows of each direction.
+/// The directions of a record, with distances in m, as `run --json` lists them.
 pub fn directions(sectors: &Sectors) -> Vec<Direction> {
     let direction = |record: &SectorRecord| {
         Direction::new(record.index, sectors.turn, record.sector(), record.drop_off())

@@ -22,7 +22,7 @@ use super::HALVES;
 const ROWS: usize = 2 * CODE_ROWS + 4;
 /// Pairs of rows four apart.
 const PAIRS: usize = ROWS - 4;
-/// How much sums are stored above their values.
+/// Offset of stored sums, 128 in each half word: none is negative.
 const BIAS: u32 = 0x0080_0080;
 /// A bit that half words from 0 on have when it is added.
 const SIGN: u32 = 0x4000_4000;
