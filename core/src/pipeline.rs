@@ -204,16 +204,18 @@ impl<'a> Run<'_, 'a> {
         let mut full = FullSearches::new(self.regions.areas(), *dims, params.cell);
         // Both lists by their first rows, as the band goes down.
         let mut unmatched = m.bars.iter_mut().enumerate().peekable();
-        let mut match_bars =
-            |to: i32, band: &mut Band<'_>, work: &mut Workspace, observer: &mut dyn Observer| {
-                while let Some((index, bar)) = unmatched.next_if(|(_, bar)| bar.edge().top() <= to)
+        let mut match_bars = |to: i32,
+                              band: &mut Band<'_>,
+                              work: &mut Workspace,
+                              observer: &mut dyn Observer| {
+            while let Some((index, bar)) = unmatched.next_if(|(_, bar)| bar.edge().top() <= to) {
+                band.advance_for(&bar.edge(), |planes| observer.row(planes));
+                if let Some(evidence) = bars::match_bar(bar, &context, band, work, bars::LEAST_BAR)
                 {
-                    band.advance_for(&bar.edge(), |planes| observer.row(planes));
-                    if let Some(evidence) = bars::match_bar(bar, &context, band, work) {
-                        observer.bar_evidence(index, &evidence);
-                    }
+                    observer.bar_evidence(index, &evidence);
                 }
-            };
+            }
+        };
         for segment in m.left.iter() {
             match_bars(segment.top(), &mut band, m.work, observer);
             band.advance_for(segment, |planes| observer.row(planes));

@@ -13,6 +13,11 @@ pub(crate) type Pole = (i32, i32, i32);
 
 /// A wall with a random grain, and poles before it.
 pub(crate) fn pair(poles: &[Pole], seed: u64) -> [GrayImage; 2] {
+    pair_of(poles, seed, |_| 50)
+}
+
+/// The same, the poles of this grey level at each row.
+fn pair_of(poles: &[Pole], seed: u64, grey_at: impl Fn(i32) -> i32) -> [GrayImage; 2] {
     let grain = |x: i32, y: i32| {
         let smooth = |x: i32, y: i32| {
             (Random(seed ^ ((x / 2) as u64 * 7919) ^ ((y / 2) as u64 * 104_729)).bits() >> 59)
@@ -29,8 +34,8 @@ pub(crate) fn pair(poles: &[Pole], seed: u64) -> [GrayImage; 2] {
             let of = |&&(start, width, d): &&Pole| {
                 (start..start + width).contains(&(x + eye * d)) && (30..210).contains(&y)
             };
-            let grey =
-                if poles.iter().any(|pole| of(&pole)) { 50 } else { 90 + grain(x + eye * WALL, y) };
+            let is_pole = poles.iter().any(|pole| of(&pole));
+            let grey = if is_pole { grey_at(y) } else { 90 + grain(x + eye * WALL, y) };
             (grey + noise(x, y, eye as u64)) as u8
         })
     })
@@ -69,11 +74,30 @@ fn poles_have_their_own_disparity() {
                 "{x}, {y}: {found:?}"
             );
         }
-        let span = Span { start: start as u16, end: (start + width) as u16 };
-        let runs: Vec<Run> = (30..210).map(|y| Run { label: 1, y, span }).collect();
-        let object = engine.object(&Region::masked(1, &runs, DIMS).unwrap()).unwrap();
-        let found = object.disparity.to_num::<f64>();
-        assert!((found - f64::from(d)).abs() <= 1.0, "{width} px: {object:?}");
+        let found = by_mask(&mut engine, start, width);
+        assert!((found - f64::from(d)).abs() <= 1.0, "{width} px: {found}");
+    }
+}
+
+/// Disparity of a pole by its mask, px.
+fn by_mask(engine: &mut Engine, start: i32, width: i32) -> f64 {
+    let span = Span { start: start as u16, end: (start + width) as u16 };
+    let runs: Vec<Run> = (30..210).map(|y| Run { label: 1, y, span }).collect();
+    engine.object(&Region::masked(1, &runs, DIMS).unwrap()).unwrap().disparity.to_num()
+}
+
+#[test]
+fn a_mask_answers_where_no_bar_is_found() {
+    let faint = |_| 110;
+    let bright = |_| 120;
+    let dashed = |y: i32| if y % 8 < 3 { 50 } else { 136 };
+    let poles: [(u64, i32, &dyn Fn(i32) -> i32); 4] =
+        [(7, 4, &faint), (9, 10, &bright), (7, 4, &dashed), (8, 6, &dashed)];
+    for (seed, width, grey_at) in poles {
+        let (mut engine, result) = run(&pair_of(&[(150, width, 24)], seed, grey_at));
+        assert!(result.bars.is_empty(), "{:?}", result.bars);
+        let found = by_mask(&mut engine, 150, width);
+        assert!((found - 24.0).abs() <= 1.0, "{width} px: {found}");
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) const BORDER: i32 = 5;
 const COLUMNS: usize = (2 * REACH as usize + 5).next_multiple_of(4);
 
 /// Gradients beside an edge, and their sums of each column.
-struct Profile {
+pub(super) struct Profile {
     gradients: [[u8; COLUMNS]; MOST_ROWS as usize],
     sums: [i16; COLUMNS],
     rows: i32,
@@ -129,7 +129,6 @@ pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut Kept<'_
             let x_q5 = line.x_q5(first << 5) + at_q5.min(0);
             let (own, second) = (profile.sign, peak.same * profile.sign);
             let [left, right] = if side < 0 { [second, own] } else { [own, second] };
-            let bit = |sign: i32, bit: u8| if sign > 0 { bit } else { 0 };
             let bar = Bar {
                 x_q5: u16::try_from(x_q5).unwrap_or(0),
                 rows: [first, last].map(|row| u16::try_from(row).unwrap_or(0)),
@@ -140,7 +139,7 @@ pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut Kept<'_
                 probability_q16: 0,
                 strengths_q3: [profile.own(), peak.sum].map(|sum| profile.mean_q3(sum)),
                 coherence_q8: profile.coherence_q8(&peak),
-                flags: bit(left, LEFT_RISING) | bit(right, RIGHT_RISING),
+                flags: sign_flags([left, right]),
             };
             let (from, to) = bar.reach();
             if from >= BORDER
@@ -152,6 +151,12 @@ pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut Kept<'_
     }
 }
 
+/// Bits of a bar's flags for the signs of its edges.
+fn sign_flags([left, right]: [i32; 2]) -> u8 {
+    let bit = |sign: i32, bit: u8| if sign > 0 { bit } else { 0 };
+    bit(left, LEFT_RISING) | bit(right, RIGHT_RISING)
+}
+
 /// Sign of a segment's gradient along a row. Right of a line that falls to the right lies what is
 /// above it.
 fn sign_of(segment: &Segment, slope_q12: i32) -> i32 {
@@ -160,6 +165,44 @@ fn sign_of(segment: &Segment, slope_q12: i32) -> i32 {
 }
 
 impl Profile {
+    /// The profile beside the line of a segment, as far as a bar may be wide.
+    pub(super) fn beside(image: Gray<'_>, segment: &Segment) -> Option<Self> {
+        let line = SteepLine::new(segment);
+        let rows = SampledRows::new(line.rows(), MOST_ROWS);
+        (line.slope_q12().abs() <= STEEPEST_Q12)
+            .then(|| Self::of(image, (&line, rows, REACH), 1))
+            .flatten()
+    }
+
+    /// The bar between the strongest edges at most `off` px from the line and from `width` px to the
+    /// right of it.
+    pub(super) fn bar_between(&self, segment: &Segment, width: i32, off: i32) -> Option<Bar> {
+        let line = SteepLine::new(segment);
+        let (first, last) = line.rows();
+        let strongest = |from: i32, to: i32| {
+            let at =
+                (from..=to.min(self.reach)).max_by_key(|&at| (self.sum(at, 1).abs(), -at.abs()))?;
+            let same = if self.sum(at, 1) < 0 { -1 } else { 1 };
+            Some(Peak { at, sum: self.sum(at, same), same })
+        };
+        let left = strongest(-off, off.min(width / 2))?;
+        let right = strongest((width - off).max(left.at + 2), width + off)?;
+        let [from, to] = [left, right].map(|peak| self.vertex_q5(&peak));
+        let coherence = self.coherence_q8(&left).min(self.coherence_q8(&right));
+        Some(Bar {
+            x_q5: u16::try_from(line.x_q5(first << 5) + from).ok()?,
+            rows: [first, last].map(|row| u16::try_from(row).unwrap_or(0)),
+            slope_q12: crate::units::narrow(line.slope_q12()),
+            width_q5: u16::try_from(to - from).ok()?,
+            disparity_q6: [0; 2],
+            scores_q8: [i16::MIN; 2],
+            probability_q16: 0,
+            strengths_q3: [left.sum, right.sum].map(|sum| self.mean_q3(sum)),
+            coherence_q8: coherence,
+            flags: sign_flags([left.same, right.same]),
+        })
+    }
+
     fn of(
         image: Gray<'_>,
         (line, rows, reach): (&SteepLine, SampledRows, i32),

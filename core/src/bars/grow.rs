@@ -5,9 +5,9 @@
 //! ```text
 //! from each end, two rows a step, at most 48 rows:
 //!     both edges within 1 px, with their sign and 0.3 of the weaker one's gradient
-//!     cost at the disparity or 1 px beside it at most half of the row's own gradients
+//!     cost at the disparity or 1 px beside it at most 0.6 of the row's own gradients
 //!     the line follows the edges, the disparity its lowest cost, both by a fifth of the distance
-//!     three misses in a row end it
+//!     four misses in a row end it
 //! ```
 //!
 //! # Bounds
@@ -30,7 +30,7 @@ const MOST_ROWS: i32 = 48;
 /// Fewest rows of a part.
 const LEAST_ROWS: i32 = 8;
 /// Misses in a row that end it.
-const MISSES: u32 = 3;
+const MISSES: u32 = 4;
 /// Columns beyond both edges that are read.
 const BESIDE: i32 = 3;
 /// Columns of the widest bar, and those beside it.
@@ -167,7 +167,7 @@ impl Walk<'_> {
             .into_iter()
             .filter_map(|turn| Some((cost(turn)?, turn)))
             .min_by_key(|c| c.0)?;
-        (2 * cost <= energy).then_some(turn)
+        (5 * cost <= 3 * energy).then_some(turn)
     }
 }
 

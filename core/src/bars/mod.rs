@@ -36,6 +36,7 @@ pub(crate) mod evidence;
 mod fitted;
 mod grow;
 mod keep;
+mod mask;
 mod place;
 mod points;
 mod region;
@@ -43,6 +44,7 @@ mod repetition;
 
 pub use fitted::{FITTED_BAR, FITTED_LEVEL_BAR};
 pub(crate) use grow::grow;
+pub(crate) use mask::{MaskMatcher, MaskRow};
 pub(crate) use points::take_points;
 pub(crate) use region::depth_of;
 
@@ -246,6 +248,11 @@ impl Bar {
         (first + last) >> 1
     }
 
+    /// Disparity at its middle row, 1/64 px.
+    fn middle_q6(&self) -> i32 {
+        self.disparity_at_q6(self.middle_row())
+    }
+
     /// Number of rows.
     fn height(&self) -> i32 {
         let [first, last] = self.first_and_last();
@@ -261,6 +268,11 @@ impl Bar {
     /// Signs of the left and of the right edge.
     fn signs(&self) -> [i32; 2] {
         [LEFT_RISING, RIGHT_RISING].map(|bit| if self.flags & bit != 0 { 1 } else { -1 })
+    }
+
+    /// True when it could be compared: it has a disparity, credible or not.
+    fn is_compared(&self) -> bool {
+        self.disparity_q6 != [0; 2]
     }
 
     fn is(&self, flag: u8) -> bool {
@@ -338,6 +350,7 @@ pub(crate) fn match_bar(
     context: &MatchContext<'_>,
     band: &Band<'_>,
     work: &mut Workspace,
+    least: Confidence,
 ) -> Option<BarEvidence> {
     let found = cost::search(bar, context, band, &mut work.curves)?;
     let mut evidence = BarEvidence::new();
@@ -345,7 +358,7 @@ pub(crate) fn match_bar(
     evidence::of_cost(bar, &found, &mut evidence);
     evidence::of_edges(bar, band, &mut evidence);
     let models = [&FITTED_BAR, &FITTED_LEVEL_BAR];
-    if !evidence::is_promising(&evidence, models, LEAST_BAR) {
+    if !evidence::is_promising(&evidence, models, least) {
         return None;
     }
     repetition::look_for(bar, &found, context, band, (&mut work.curves, &mut evidence))?;
@@ -382,20 +395,29 @@ pub(crate) fn rate(
     mut watch: impl FnMut(usize, &Bar, [i16; 4]),
 ) {
     for (index, bar) in bars.iter_mut().enumerate().filter(|(_, bar)| bar.is(MATCHED)) {
-        let around = place::around(bar, support);
-        let model = if around.is_in_front { &FITTED_BAR } else { &FITTED_LEVEL_BAR };
-        bar.scores_q8 = bar.scores_q8.map(|score| {
-            narrow(i32::from(score) + evidence::score_nearby_q8(model, around.evidence_q8))
-        });
-        bar.flags |= if around.is_in_front { FRONT } else { 0 };
-        let [front, level] = bar.scores_q8;
-        if !around.is_behind {
-            let score = if around.is_in_front { front } else { level };
-            bar.probability_q16 = model.probability_q16(score.into());
-            watch(index, bar, around.evidence_q8);
+        if let Some(nearby_q8) = rate_bar(bar, support) {
+            watch(index, bar, nearby_q8);
         }
     }
     bars.retain(|bar| bar.is(MATCHED) && bar.probability_q16 >= least.to_bits());
+}
+
+/// Rates a matched bar by the support points around it. Returns their evidence; none where the bar
+/// lies behind them, and is not rated.
+fn rate_bar(bar: &mut Bar, support: Support<'_>) -> Option<[i16; 4]> {
+    let around = place::around(bar, support);
+    let model = if around.is_in_front { &FITTED_BAR } else { &FITTED_LEVEL_BAR };
+    bar.scores_q8 = bar.scores_q8.map(|score| {
+        narrow(i32::from(score) + evidence::score_nearby_q8(model, around.evidence_q8))
+    });
+    bar.flags |= if around.is_in_front { FRONT } else { 0 };
+    let [front, level] = bar.scores_q8;
+    if around.is_behind {
+        return None;
+    }
+    let score = if around.is_in_front { front } else { level };
+    bar.probability_q16 = model.probability_q16(score.into());
+    Some(around.evidence_q8)
 }
 
 /// Sorts bars so that those in front are the first.

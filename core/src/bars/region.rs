@@ -13,13 +13,13 @@ use super::Bar;
 use crate::area::Area;
 
 /// Widest mask, px a row on average, that bars answer for.
-const WIDEST: u32 = 16;
+pub(super) const WIDEST: u32 = 16;
 /// Fewest pixels of a mask on bars.
 const LEAST_PIXELS: u32 = 6;
 /// Share of a mask's pixels that has to lie on bars of one disparity: an eighth.
 const LEAST_SHARE: u32 = 8;
 /// Largest difference of disparities of bars that are one thing, 1/64 px.
-const ONE_THING_Q6: i32 = 128;
+pub(super) const ONE_THING_Q6: i32 = 128;
 
 /// The bar of a mask in this area of so many pixels, and its disparity at a row, 1/64 px: that with
 /// most of its pixels inside, where bars of its disparity have enough of all pixels, and others

@@ -35,7 +35,7 @@ pub(crate) mod region_support;
 mod rows;
 mod surface;
 
-use crate::bars::{self, Bar};
+use crate::bars::{self, Bar, MaskMatcher};
 use crate::confidence::Models;
 use crate::image::Dims;
 use crate::list::List;
@@ -163,6 +163,8 @@ pub(crate) struct ObjectQuery<'a> {
     pub(crate) order: List<'a, Ranked>,
     pub(crate) marks: &'a mut [u32],
     pub(crate) bars: &'a [Bar],
+    /// For thin masks without a bar.
+    pub(crate) masks: Option<MaskMatcher<'a>>,
 }
 
 impl ObjectQuery<'_> {
@@ -173,9 +175,11 @@ impl ObjectQuery<'_> {
         if !cover.is_box() {
             let [_, row] = cover.centre;
             let contains = |x: i32, y: i32| cover.contains(x, y);
-            if let Some((bar, d_q6)) =
-                bars::depth_of(self.bars, (region.area(), cover.pixels), row, contains)
-            {
+            let thin = (region.area(), cover.pixels);
+            let pieces = |masks: MaskMatcher<'_>| masks.depth_of(thin, row, |y| region.row(y));
+            let bar = bars::depth_of(self.bars, thin, row, contains)
+                .or_else(|| self.masks.take().and_then(pieces));
+            if let Some((bar, d_q6)) = bar {
                 return Ok(of_bar(&bar, d_q6, self.rig.as_ref()));
             }
         }
@@ -342,6 +346,7 @@ mod tests {
             order,
             marks,
             bars: &[],
+            masks: None,
         }
         .depth_of(region)
     }

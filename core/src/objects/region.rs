@@ -8,6 +8,7 @@
 //! is ever needed.
 
 use crate::area::Area;
+use crate::bars::MaskRow;
 use crate::image::{Dims, Span};
 
 /// Adjacent pixels of one row with the same label.
@@ -120,6 +121,20 @@ impl<'a> Region<'a> {
     #[must_use]
     pub fn shape(&self) -> Shape<'a> {
         self.shape
+    }
+
+    /// A mask's pixels of a row; none without, and none of a box.
+    pub(crate) fn row(&self, y: u16) -> Option<MaskRow> {
+        let Shape::Mask(runs) = self.shape else { return None };
+        let first = runs.partition_point(|run| run.y < y);
+        let row = runs.get(first..)?.iter().take_while(|run| run.y == y);
+        let own = row
+            .filter(|run| run.label == self.label)
+            .map(|run| MaskRow { columns: run.span, pixels: run.span.end - run.span.start });
+        own.reduce(|a, b| MaskRow {
+            columns: Span { start: a.columns.start, end: b.columns.end },
+            pixels: a.pixels + b.pixels,
+        })
     }
 
     /// True when the pixel belongs to the region.
