@@ -10,7 +10,7 @@ use linestereo_calibration::rig_file::quaternion;
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens};
 use linestereo_tests::drawn::Random;
-use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
 
 const VGA: Dims = Dims { width: 640, height: 480 };
 
@@ -318,9 +318,18 @@ pub(crate) struct Photographer {
 const RAYS: usize = 3;
 
 impl Photographer {
-    /// With the left and with the right camera.
-    pub(crate) fn both(rig: &Calibration) -> [Self; 2] {
-        CameraSide::BOTH.map(|eye| Self::new(rig, eye))
+    /// With the left and with the right camera; tests share them, since their rays take as long as
+    /// many photos.
+    fn both(rig: &Calibration) -> Arc<[Self; 2]> {
+        type Known = Vec<(Calibration, Arc<[Photographer; 2]>)>;
+        static KNOWN: Mutex<Known> = Mutex::new(Vec::new());
+        let mut known = KNOWN.lock().unwrap();
+        if let Some((_, both)) = known.iter().find(|(of, _)| of == rig) {
+            return Arc::clone(both);
+        }
+        let both = Arc::new(CameraSide::BOTH.map(|eye| Self::new(rig, eye)));
+        known.push((*rig, Arc::clone(&both)));
+        both
     }
 
     pub(crate) fn new(rig: &Calibration, eye: CameraSide) -> Self {
@@ -383,20 +392,22 @@ impl Photographer {
     }
 }
 
-/// Greys of a board with markers, by metres from its first corner; buckets of 2 cm hold what is
-/// black there.
+/// Greys of a board with markers, by metres from its first corner; buckets of 2 cm, in rows of
+/// `across`, hold what is black there.
 fn painted(board: &Board) -> impl Fn([f64; 2]) -> f64 {
     const BUCKET: f64 = 0.02;
-    let bucket = |at: f64| (at / BUCKET).floor() as i32;
-    let mut buckets: HashMap<[i32; 2], Vec<[f64; 4]>> = HashMap::new();
-    for black in board.black() {
-        let [x, y, width, height] = black;
-        let cells = (bucket(y)..=bucket(y + height))
-            .flat_map(|j| (bucket(x)..=bucket(x + width)).map(move |i| [i, j]));
-        cells.for_each(|cell| buckets.entry(cell).or_default().push(black));
-    }
     let [left, top, width, height] = board.extent();
     let rim = 0.01;
+    let bucket = move |at: f64, first: f64| ((at - first + rim) / BUCKET) as usize;
+    let across = bucket(left + width + rim, left) + 1;
+    let mut buckets = vec![Vec::new(); across * (bucket(top + height + rim, top) + 1)];
+    for black in board.black() {
+        let [x, y, width, height] = black;
+        for row in bucket(y, top)..=bucket(y + height, top) {
+            let cells = row * across + bucket(x, left)..=row * across + bucket(x + width, left);
+            buckets[cells].iter_mut().for_each(|cell: &mut Vec<[f64; 4]>| cell.push(black));
+        }
+    }
     move |[x, y]| {
         let inside =
             |at: f64, first: f64, length: f64| (first - rim..first + length + rim).contains(&at);
@@ -404,11 +415,8 @@ fn painted(board: &Board) -> impl Fn([f64; 2]) -> f64 {
             return 180.0;
         }
         let covers = |[l, t, w, h]: &[f64; 4]| (*l..l + w).contains(&x) && (*t..t + h).contains(&y);
-        if buckets.get(&[bucket(x), bucket(y)]).is_some_and(|black| black.iter().any(covers)) {
-            40.0
-        } else {
-            210.0
-        }
+        let black = &buckets[bucket(y, top) * across + bucket(x, left)];
+        if black.iter().any(covers) { 40.0 } else { 210.0 }
     }
 }
 
@@ -451,17 +459,7 @@ pub(crate) fn photos_of(
     seed: u64,
     share: f64,
 ) -> Vec<(Planes, [GrayImage; 2])> {
-    photos_by(&Photographer::both(rig), rig, board, (count, seed), share)
-}
-
-/// The same by photographers of this rig: their rays take as long as some photos.
-pub(crate) fn photos_by(
-    photographers: &[Photographer; 2],
-    rig: &Calibration,
-    board: &Board,
-    (count, seed): (usize, u64),
-    share: f64,
-) -> Vec<(Planes, [GrayImage; 2])> {
+    let photographers = Photographer::both(rig);
     let random = &mut Random(seed);
     let mut photos = Vec::new();
     let points = board.points();

@@ -1,7 +1,7 @@
 //! ChArUco boards and AprilGrids: boards that OpenCV drew, drawn photos of parts of boards, and
 //! what is said of wrong ones.
 
-use crate::calibration::{Photographer, Planes, drawn_rig, found, photos_by, scores};
+use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
 use crate::support::{refused_with, succeed};
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
@@ -111,9 +111,8 @@ fn parts_of_boards_calibrate_within_three_stated_deviations() {
         Board::april_grid([6, 6], 0.035, 0.3).unwrap(),
     ];
     let rig = drawn_rig(2);
-    let photographers = Photographer::both(&rig);
     for (seed, board) in [0, 2].into_iter().zip(boards) {
-        let drawn = photos_by(&photographers, &rig, &board, (PHOTOS, 20 + seed), 0.4);
+        let drawn = photos_of(&rig, &board, PHOTOS, 20 + seed, 0.4);
         let random = &mut Random(seed);
         let photos: Vec<[GrayImage; 2]> = drawn
             .iter()

@@ -1,6 +1,7 @@
 //! The library for C: its header, its refusals, and its examples against the PC's program, on a PC
 //! and on an emulated Cortex-M7.
 
+use super::no_panic::{build, packages, packages_for};
 use core::fmt::Write as _;
 use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::PixelRejection;
@@ -37,7 +38,7 @@ fn folder() -> PathBuf {
 }
 
 fn library() -> PathBuf {
-    super::no_panic::build("../bindings/c/Cargo.toml", "linestereo_c")
+    build("../bindings/c/Cargo.toml", "linestereo_c")
 }
 
 /// Says so where a tool is missing; the test ends there.
@@ -230,7 +231,7 @@ fn assert_equal(name: &str, found: &[u8], expected: &str) {
 
 #[test]
 fn the_header_is_what_cbindgen_makes_of_the_source() {
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
+    let target = packages().join("cargo");
     let mut cargo = Command::new(env!("CARGO"));
     cargo
         .args(["run", "--quiet", "--locked", "-p", "linestereo-c-header", "--target-dir"])
@@ -304,7 +305,7 @@ const M7: &str = "thumbv7em-none-eabihf";
 
 /// Builds a package of the library's workspace for a Cortex-M7: its static library.
 fn for_m7(toolchain: &Toolchain, package: &str) -> PathBuf {
-    let built_in = Path::new(env!("CARGO_TARGET_TMPDIR")).join("c-library");
+    let built_in = packages_for(toolchain);
     let mut cargo = toolchain.cargo();
     cargo
         .args(["build", "--release", "--locked", "--target", M7, "-p", package, "--target-dir"])
@@ -399,7 +400,7 @@ fn a_fresh_cmake_project_links_it() {
         let mut build = Command::new("cmake");
         build.current_dir(into.path()).args(["--build", folder]);
         // Libraries that cargo has built are there again.
-        let shared = Path::new(env!("CARGO_TARGET_TMPDIR")).join("no-panic");
+        let shared = packages().join("cargo");
         if settings.is_empty() {
             std::fs::create_dir_all(into.path().join(folder).join("linestereo")).unwrap();
             let link = into.path().join(folder).join("linestereo/cargo");

@@ -2,6 +2,7 @@
 //! byte for byte.
 
 use super::c_library::{QVGA, RIG, expected, has, pairs};
+use super::no_panic::packages;
 use core::mem::MaybeUninit;
 use image::{DynamicImage, ImageBuffer};
 use linestereo::{Area, Capacity, Matcher, MemorySlice, Params, Region, Rig};
@@ -26,7 +27,7 @@ fn page() -> Option<&'static WebPage> {
     static PAGE: OnceLock<Option<WebPage>> = OnceLock::new();
     let build = || {
         let top = Path::new(TESTS).parent().unwrap();
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web");
+        let folder = packages();
         std::fs::create_dir_all(&folder).unwrap();
         or_skip(web::build(top, &folder))
     };
@@ -86,44 +87,17 @@ fn assert_equal(name: &str, found: &Value, expected: &str) {
     assert!(found == expected, "{name}: {} and {} bytes; {differs:?}", found.len(), expected.len());
 }
 
-/// Median time of the core, ms.
-fn native_milliseconds([left, right]: &[GrayImage; 2], runs: usize) -> f64 {
-    let mut matcher = Matcher::new(Params::default(), left.dims).unwrap();
-    let capacity = Capacity { dims: left.dims, segments: 4096, cell: Params::DEFAULT.cell };
-    let mut words = vec![MaybeUninit::uninit(); capacity.words()];
-    let memory = MemorySlice::new(&mut words, capacity.segments);
-    let [left, right] = [left.view().unwrap(), right.view().unwrap()];
-    let mut times: Vec<f64> = (0..runs)
-        .map(|_| {
-            let started = std::time::Instant::now();
-            matcher.run(memory, left, right).unwrap();
-            1e3 * started.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    times[runs / 2]
-}
-
 #[test]
 fn the_modules_in_node_give_the_bytes_of_the_program() {
     let Some(page) = page() else { return };
-    let (pairs, folder, runs) = (pairs(), tempfile::tempdir().unwrap(), 60);
-    let tasks = files(folder.path(), &pairs)
-        .into_iter()
-        .map(|files| json!({"files": files, "width": 0, "out": folder.path().join("out"), "rig": rig(), "runs": runs}));
+    let (pairs, folder) = (pairs(), tempfile::tempdir().unwrap());
+    let tasks = files(folder.path(), &pairs).into_iter().map(
+        |files| json!({"files": files, "width": 0, "out": folder.path().join("out"), "rig": rig()}),
+    );
     let found = in_node(page, tasks.collect());
-    let mut ratios = Vec::new();
     for ((name, images), found) in pairs.iter().zip(&found) {
         assert_equal(name, found, &expected(images));
-        ratios.push(found["milliseconds"].as_f64().unwrap() / native_milliseconds(images, runs));
     }
-    ratios.sort_by(f64::total_cmp);
-    // Times of a test's machine prove nothing to others: the figure is for who looks at it.
-    println!(
-        "{} pairs, time over native: median {:.2}, {ratios:.2?}",
-        pairs.len(),
-        ratios[ratios.len() / 2]
-    );
 }
 
 #[test]
@@ -131,7 +105,7 @@ fn kernels_of_webassembly_equal_the_portable_ones() {
     if !has("node") {
         return;
     }
-    let built = Path::new(env!("CARGO_TARGET_TMPDIR")).join("web/cargo");
+    let built = packages().join("cargo");
     let arguments = ["build", "--config", &web::vectors()];
     let top = Path::new(TESTS).parent().unwrap();
     let module =

@@ -133,8 +133,16 @@ impl<'a> Images<'a> {
 
 /// Builds a program of the firmware for a board and returns the path of its ELF file.
 pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) -> Result<PathBuf> {
-    let mut built = Images::of_firmware(&[program], logs).build(toolchain, board)?;
+    let programs = [program];
+    let images = Images { features: features(board), ..Images::of_firmware(&programs, logs) };
+    let mut built = images.build(toolchain, board)?;
     built.pop().with_context(|| format!("{program} was not built"))
+}
+
+/// Features with which a board is flashed, as its page says.
+#[must_use]
+pub fn features(board: &Board) -> &'static [&'static str] {
+    if *board == Board::STM32H743 { &["still-scene"] } else { &[] }
 }
 
 /// The programs of a board that tests, `cargo xtask measure` and `cargo xtask footprint` use.
@@ -146,7 +154,7 @@ pub fn images(board: &Board) -> Vec<Images<'static>> {
     let of = |programs, logs, features| Images { features, ..Images::of_firmware(programs, logs) };
     let live = of(&["live"], Logs::None, &[]);
     if *board == Board::STM32H743 {
-        return vec![live, of(&["live", "selftest"], Logs::None, &["still-scene"])];
+        return vec![of(&["live", "selftest"], Logs::None, features(board))];
     }
     if *board == Board::PORTENTA_H7 {
         return vec![live, of(&["live"], Logs::None, &["ahead"])];

@@ -5,6 +5,11 @@
 //! the handler.
 #![no_std]
 
+/// The README's firmware: boards' compilers read it here.
+#[allow(unused_attributes, reason = "elsewhere it is a crate of its own")]
+#[path = "../../../docs/firmware-example/src/lib.rs"]
+pub mod firmware;
+
 use core::panic::PanicInfo;
 use linestereo::health::{HealthFlags, HealthLimits, HealthMonitor, PairHealth};
 use linestereo::image::{Span, ViewError};

@@ -16,7 +16,7 @@ use linestereo::{health::HealthFlags, results::Match};
 use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
-use linestereo_tests::board::image_with;
+use linestereo_tests::board::image;
 use linestereo_wire::{
     FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate,
     RegionBox, Regions, Request, RigFault, RigUpdate, SETTINGS, Setting, SettingValue,
@@ -25,9 +25,9 @@ use linestereo_wire::{
 use serde_json::{Value, json};
 use std::sync::LazyLock;
 
-/// Runs an image for a still scene: without the feature such cameras' pairs are refused.
+/// Runs an image as it is flashed: for a still scene, or such cameras' pairs are refused.
 fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
-    let image = || image_with(&linestereo_boards::Board::STM32H743, program, &["still-scene"]);
+    let image = || image(&linestereo_boards::Board::STM32H743, program);
     let mut scenario = scenario.clone();
     scenario["board"] = json!("stm32h743");
     Run::of("stm32h7.py", image, &scenario)

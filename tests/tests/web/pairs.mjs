@@ -1,6 +1,6 @@
 // The modules in Node. On stdin JSON: { page, matcher, images, tasks: [{ files, both, width, out,
-// rig, runs }] }. Writes the grey images to out-left and out-right; with a rig prints a result for
-// each task, as text, and the median time of its runs in ms. A task that is refused prints why.
+// rig }] }. Writes the grey images to out-left and out-right; with a rig prints a result for each
+// task, as text. A task that is refused prints why.
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 import { middle, text } from "./text.mjs";
@@ -9,7 +9,7 @@ const { page, matcher, images, tasks } = JSON.parse(readFileSync(0, "utf8"));
 const { Images, Matcher, Refused, csv } = await import(pathToFileURL(`${page}/linestereo.js`));
 const [matching, reading] = await Promise.all([matcher, images].map(path => WebAssembly.compile(readFileSync(path))));
 const done = [];
-for (const { files, both = true, width, out, rig, runs } of tasks) {
+for (const { files, both = true, width, out, rig } of tasks) {
   try {
     const reader = await Images.make(reading);
     files.forEach(file => reader.addFile(readFileSync(file)));
@@ -21,8 +21,7 @@ for (const { files, both = true, width, out, rig, runs } of tasks) {
     }
     const made = await Matcher.make(matching, { width: pair.width, height: pair.height, max_disparity: 64, rig });
     const result = made.run(pair.left, pair.right), found = text(csv(result), result, made.box(middle(pair.width, pair.height)));
-    const times = Array.from({ length: runs }, () => made.run(pair.left, pair.right).milliseconds).sort((a, b) => a - b);
-    done.push({ text: found, milliseconds: times[Math.floor(times.length / 2)] });
+    done.push({ text: found });
   } catch (error) {
     if (!(error instanceof Refused)) throw error;
     done.push({ refused: error.message });
