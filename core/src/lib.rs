@@ -48,6 +48,7 @@
 //! [`Matcher::run`] takes a memory and two [`Gray`] images and gives a [`Matched`]. A matcher keeps
 //! the health of the rig and the row offset from pair to pair. [`Matcher::run_with`] takes
 //! [`Options`]: times of capture, areas that are matched, an observer of the stages.
+//! [`Matcher::run_on`] shares the work with a second core or a thread ([`Cores`]).
 //!
 //! # Memory
 //!
@@ -112,6 +113,7 @@
 mod area;
 mod bars;
 mod confidence;
+mod cores;
 mod curve;
 mod evidence;
 mod fnv;
@@ -138,12 +140,14 @@ mod report;
 mod result;
 mod rig;
 mod row_memory;
+mod segment_stage;
 mod side_pixels;
 mod sort;
 mod support;
 pub mod units;
 
 pub use area::Area;
+pub use cores::{Cores, OneCore};
 pub use fixed;
 pub use image::{Dims, Gray};
 pub use matched::Matched;

@@ -63,6 +63,34 @@ impl<'a, T> List<'a, T> {
     }
 }
 
+impl<T> List<'_, T> {
+    /// Empties the list, and lets `fill` fill two lists, in its first `at` slots and in the others.
+    /// Their elements are the list's then, in this order.
+    pub(crate) fn fill_in_two(
+        &mut self,
+        at: usize,
+        fill: impl FnOnce(&mut List<'_, T>, &mut List<'_, T>),
+    ) {
+        self.len = 0;
+        let Some((first, second)) = self.slots.split_at_mut_checked(at) else { return };
+        let starts = [first.as_ptr(), second.as_ptr()];
+        let (mut first, mut second) = (List::new(first), List::new(second));
+        fill(&mut first, &mut second);
+        // What it has put in their place holds no element of these slots.
+        let [count, more] = [(&first, starts[0]), (&second, starts[1])]
+            .map(|(list, start)| if list.slots.as_ptr() == start { list.len } else { 0 });
+        for index in 0..more {
+            // Where the first slots are full, the others are in their places.
+            if let Some((before, from)) = self.slots.split_at_mut_checked(at + index)
+                && let (Some(to), Some(from)) = (before.get_mut(count + index), from.first_mut())
+            {
+                core::mem::swap(to, from);
+            }
+        }
+        self.len = count + more;
+    }
+}
+
 impl<T: Copy> List<'_, T> {
     /// Leaves the elements that `keep` is true of, in their order.
     pub fn retain(&mut self, mut keep: impl FnMut(&T) -> bool) {
@@ -114,5 +142,23 @@ mod tests {
         assert_eq!(*list, [7]);
         list.clear();
         assert!(list.is_empty());
+    }
+
+    #[test]
+    fn two_lists_in_the_slots_of_one_become_one() {
+        let mut slots = [MaybeUninit::uninit(); 5];
+        let mut list = List::new(&mut slots);
+        list.fill_in_two(3, |first, second| {
+            assert_eq!([first.capacity(), second.capacity()], [3, 2]);
+            let pushed = [8, 9, 10].map(|value| second.push(value).is_ok());
+            assert_eq!(pushed, [true, true, false]);
+            let _ = first.push(7);
+        });
+        assert_eq!(*list, [7, 8, 9]);
+        list.fill_in_two(1, |first, second| {
+            let _ = (first.push(1), second.push(2));
+            *second = List::new(&mut []);
+        });
+        assert_eq!(*list, [1]);
     }
 }

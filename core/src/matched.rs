@@ -14,7 +14,7 @@ use crate::health::{Findings, HealthFlags, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::list::List;
 use crate::matching::MatchContext;
-use crate::memory::Buffers;
+use crate::memory::{Buffers, Scratch};
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Reason, Region};
 use crate::params::Parts;
 use crate::plan::Plan;
@@ -201,8 +201,9 @@ impl<'a> Matched<'a> {
         if !self.is_fit() {
             return Err(NoDepth { reason: Reason::UnhealthyPair, support: 0 });
         }
-        let Buffers { candidates, support, neighbours, order, marks, bars, rows, work, .. } =
+        let Buffers { candidates, support, neighbours, order, scratch, bars, .. } =
             &mut self.buffers;
+        let Scratch { marks, rows, work, .. } = scratch;
         let Plan { params, dims, models, .. } = &self.plan;
         let support = Support::new(params, *dims, support, self.summary.detail_q8)
             .with_plane(self.summary.plane);
@@ -272,7 +273,8 @@ impl<'a> Matched<'a> {
         if !is_answered {
             return Err(PixelRejection::UnhealthyPair);
         }
-        let Buffers { candidates, support, rows, work, .. } = &mut self.buffers;
+        let Buffers { candidates, support, scratch: Scratch { rows, work, .. }, .. } =
+            &mut self.buffers;
         let Plan { params, dims, pixel_model, .. } = &self.plan;
         evaluate(Query {
             params,
@@ -326,7 +328,9 @@ impl<'r> Report<'r> {
         buffers: &'r mut Buffers<'m>,
         detail_q8: i16,
     ) -> (Self, &'r mut List<'m, Match>) {
-        let Buffers { candidates, neighbours, order, support, marks, matches, bars, .. } = buffers;
+        let Buffers { candidates, neighbours, order, support, scratch, matches, bars, .. } =
+            buffers;
+        let Scratch { marks, .. } = scratch;
         let report = Self {
             params: &plan.params,
             models: plan.models,

@@ -15,9 +15,10 @@
 //! ```
 
 use crate::area::Area;
+use crate::cores::{Cores, lend};
 use crate::focus::{self, SearchRegions};
 use crate::ground::{GroundPlane, GroundSearch};
-use crate::health::{Findings, HealthLimits, HealthMonitor, PairHealth};
+use crate::health::{Findings, HealthLimits, HealthMonitor, Measured, PairHealth};
 use crate::image::{Dims, Gray};
 use crate::matched::{Matched, Summary};
 use crate::memory::{MemorySlice, RunError};
@@ -168,7 +169,6 @@ impl Matcher {
     ///
     /// # Errors
     /// As [`Matcher::run`].
-    #[inline(never)]
     pub fn run_with<'a>(
         &mut self,
         memory: &'a mut MemorySlice,
@@ -176,7 +176,38 @@ impl Matcher {
         right: Gray<'a>,
         options: Options<'_>,
     ) -> Result<Matched<'a>, RunError> {
+        self.run_by(None, memory, [left, right], options)
+    }
+
+    /// [`Matcher::run_with`] on two cores, with the same result bit for bit. They match segments
+    /// together where the memory was made for both ([`Capacity::two_cores`]). An observer sees
+    /// everything in order: with one the run is on this core alone.
+    ///
+    /// [`Capacity::two_cores`]: crate::Capacity::two_cores
+    ///
+    /// # Errors
+    /// As [`Matcher::run`].
+    pub fn run_on<'a>(
+        &mut self,
+        cores: &mut impl Cores, // compiled where it is called: without that no program has it
+        memory: &'a mut MemorySlice,
+        left: Gray<'a>,
+        right: Gray<'a>,
+        options: Options<'_>,
+    ) -> Result<Matched<'a>, RunError> {
+        self.run_by(Some(cores), memory, [left, right], options)
+    }
+
+    #[inline(never)]
+    fn run_by<'a>(
+        &mut self,
+        cores: Option<&mut dyn Cores>, // `None` in all calls of most programs
+        memory: &'a mut MemorySlice,
+        [left, right]: [Gray<'a>; 2],
+        options: Options<'_>,
+    ) -> Result<Matched<'a>, RunError> {
         let Options { areas, times_us, observer } = options;
+        let mut cores = cores.filter(|_| observer.is_none());
         let mut nobody = ();
         let observer = observer.unwrap_or(&mut nobody);
         let Plan { params, dims, .. } = self.plan;
@@ -184,7 +215,8 @@ impl Matcher {
             return Err(RunError::SizeMismatch { planned: dims, given: image.dims() });
         }
         let buffers = memory.cut(dims, params.cell)?;
-        let mut health = self.monitor.check_images(&self.limits, left, right, times_us);
+        let mut health =
+            self.monitor.check_images_on(lend(&mut cores), &self.limits, [left, right], times_us);
         observer.on_event(StageEvent::Health(&health));
         if health.is_refused() {
             return Ok(Matched {
@@ -214,14 +246,16 @@ impl Matcher {
             ground,
             parts,
         };
-        let mut matched = run.stages(buffers, observer);
+        let (mut matched, measured) = run.stages(cores, buffers, observer);
         self.ground = matched.summary.plane;
         self.unsearched = match ground {
             GroundSearch::Off => self.unsearched.saturating_sub(1),
             _ => SEARCH_PERIOD - 1,
         };
         let findings = Findings { has_segments, ..matched.findings() };
-        self.monitor.check_matches(&self.limits, [left, right], &findings, &mut health);
+        let images = [left, right];
+        let measured = measured.unwrap_or_else(|| Measured::new(images, &findings));
+        self.monitor.judge(&self.limits, (images, &findings), measured, &mut health);
         if has_segments && (areas.is_none() || are_points_alone) {
             self.learn_rows(matched.summary.row_offset_q5, &health);
         }

@@ -2,22 +2,22 @@
 
 use crate::area::Area;
 use crate::bars;
+use crate::cores::{Cores, join, lend};
 use crate::focus::SearchRegions;
 use crate::ground::{self, GroundSearch};
+use crate::health::{Measured, OfPoints, rows};
 use crate::image::Gray;
-use crate::lines::{self, LineParams, LineScratch};
+use crate::lines::{self, LineParams};
 use crate::matched::{Matched, Summary};
-use crate::matching::band::Band;
 use crate::matching::consistency;
-use crate::matching::{
-    self, FullSearches, MatchContext, Search, SegmentCurves, Workspace, row_offset, surroundings,
-};
-use crate::memory::Buffers;
+use crate::matching::{FullSearches, MatchContext, row_offset, surroundings};
+use crate::memory::{Buffers, Scratch, Second};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::report::Report;
 use crate::result::{Counts, Rejection};
+use crate::segment_stage::{Part, SegmentStage};
 use crate::support::{self, Grid, Support};
 
 /// Columns between two scans for the near-horizontal edges of the right image, not all of which are
@@ -44,28 +44,42 @@ impl<'a> Run<'_, 'a> {
     /// run over the whole frame, given its row offset. The confidence of matches and points also
     /// depends on neighbours, which are missing outside of the areas: near their borders it may
     /// differ. The observer is a trait object, so that this is compiled once, with this crate's
-    /// settings.
+    /// settings. On two cores the pair is measured for its health as well, beside the report.
     ///
     /// # Cost
     /// About in proportion to the areas, each grown by some 20 px, and in the right image by the
     /// disparity range as well.
-    pub(crate) fn stages(&self, mut m: Buffers<'a>, observer: &mut dyn Observer) -> Matched<'a> {
+    pub(crate) fn stages(
+        &self,
+        mut cores: Option<&mut dyn Cores>,
+        mut m: Buffers<'a>,
+        observer: &mut dyn Observer,
+    ) -> (Matched<'a>, Option<Measured>) {
         let mut summary = Summary::default();
         summary.row_offset_q5 = if self.parts == Parts::Support {
             self.given_rows()
         } else {
-            self.find_segments(&mut m, &mut summary.counts, observer)
+            self.find_segments(lend(&mut cores), &mut m, &mut summary.counts, observer)
         };
         let Plan { params, dims, support_models, .. } = self.plan;
         if params.ground {
             let searched = (summary.row_offset(), params.max_disparity);
-            summary.plane = ground::find(self.images, searched, self.ground, m.rows);
+            let others = m.second.as_mut().map(|second| &mut *second.scratch.rows);
+            summary.plane = ground::find(
+                lend(&mut cores),
+                others,
+                self.images,
+                searched,
+                self.ground,
+                m.scratch.rows,
+            );
         }
-        self.match_support(&mut summary, &mut m, observer);
+        self.match_support(lend(&mut cores), &mut summary, &mut m, observer);
         if self.parts != Parts::Support {
-            self.match_segments(&mut summary, &mut m, observer);
+            self.match_segments(lend(&mut cores), &mut summary, &mut m, observer);
         }
         support::rate(
+            lend(&mut cores),
             &mut m.support,
             Grid::new(params, *dims),
             (summary.detail_q8, summary.plane),
@@ -75,9 +89,24 @@ impl<'a> Run<'_, 'a> {
         self.place_bars(&summary, &mut m, observer);
 
         let (mut report, matches) = Report::new(self.plan, self.images, &mut m, summary.detail_q8);
-        report.run(matches, &mut summary.counts);
+        let measured = cores.map(|cores| {
+            let ([left, right], support, offset) =
+                (self.images, report.support, summary.row_offset());
+            let (mut of_points, mut by_edges) = (OfPoints::default(), None);
+            cores.join(
+                &mut || {
+                    report.run(matches, &mut summary.counts);
+                    by_edges = rows::measure(left, right, matches);
+                },
+                &mut || of_points = OfPoints::new([left, right], support, offset),
+            );
+            Measured { of_points, by_edges }
+        });
+        if measured.is_none() {
+            report.run(matches, &mut summary.counts);
+        }
         observer.on_event(StageEvent::Report(matches));
-        Matched { plan: *self.plan, images: self.images, buffers: m, summary }
+        (Matched { plan: *self.plan, images: self.images, buffers: m, summary }, measured)
     }
 
     /// Detects the segments of both images and keeps the prominent ones of the left. Returns the
@@ -85,6 +114,7 @@ impl<'a> Run<'_, 'a> {
     #[inline(never)] // its variables are on the stack only while it runs
     fn find_segments(
         &self,
+        mut cores: Option<&mut dyn Cores>,
         m: &mut Buffers<'_>,
         counts: &mut Counts,
         observer: &mut dyn Observer,
@@ -100,47 +130,72 @@ impl<'a> Run<'_, 'a> {
         // Of the right image only near-horizontal segments are needed, for the row offset.
         let right_lines =
             LineParams { row_scan: None, column_scan: Some(RIGHT_SCAN_STEP), ..lines };
-        let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
-        let found = lines::detect(
-            *left,
-            regions.left(params.cell).as_deref(),
-            &lines,
-            scratch,
-            &mut m.left,
-        );
+        let areas = regions.left(params.cell);
+        let areas = areas.as_deref();
+        let found = match (lend(&mut cores), &mut m.second) {
+            (Some(cores), Some(second)) => lines::detect_on(
+                cores,
+                (*left, areas),
+                &lines,
+                [m.scratch.lines(), second.scratch.lines()],
+                [&mut m.left, &mut m.right],
+            ),
+            _ => lines::detect(*left, areas, &lines, m.scratch.lines(), &mut m.left),
+        };
         (counts.segments_left_dropped, counts.edges_cut) = (found.segments, found.edges);
         counts.edge_units = found.units;
         observer.on_event(StageEvent::LinesLeft(&m.left));
-        if self.plan.has_bars && regions.areas().is_none() {
-            bars::find(*left, &m.left, &mut m.bars);
-        }
-        let scratch = LineScratch { marks: m.marks, chain: m.chain, strengths: m.strengths };
-        if self.row_offset_q5.is_none() {
-            let regions = regions.right(&m.left, params);
-            let found =
-                lines::detect(*right, regions.as_deref(), &right_lines, scratch, &mut m.right);
-            counts.segments_right_dropped = found.segments;
-            counts.edges_cut = counts.edges_cut.saturating_add(found.edges);
-            counts.edge_units += found.units;
-            lines::sort_by_top(&mut m.right);
+        let (has_bars, has_right) =
+            (self.plan.has_bars && regions.areas().is_none(), self.row_offset_q5.is_none());
+        let (has_two, given) = (cores.is_some(), self.given_rows());
+        let estimate = |left: &[_], right: &[_]| match given {
+            Some(_) => (given, 0),
+            None => {
+                let pixels = Area::of(*dims).pixels();
+                row_offset::estimate(left, right, self.plan.disparities(), pixels)
+            }
+        };
+        let mut estimated = None;
+        let Buffers { scratch, second, left: segments, right: others, bars, .. } = m;
+        let segments = &**segments;
+        others.clear();
+        let find_right = || {
+            if has_right {
+                let areas = regions.right(segments, params);
+                let scratch = scratch.lines();
+                let found = lines::detect(*right, areas.as_deref(), &right_lines, scratch, others);
+                counts.segments_right_dropped = found.segments;
+                counts.edges_cut = counts.edges_cut.saturating_add(found.edges);
+                counts.edge_units += found.units;
+                lines::sort_by_top(others);
+            }
+            if has_two {
+                estimated = Some(estimate(segments, others));
+            }
+        };
+        match (cores, second) {
+            (Some(cores), Some(second)) if has_bars => {
+                let bars = (bars, &mut second.bars);
+                bars::find_on(cores, *left, segments, bars, find_right);
+            }
+            (cores, _) => {
+                let find_bars = || {
+                    if has_bars {
+                        bars::find(*left, segments, bars);
+                    }
+                };
+                join(cores, find_bars, find_right);
+            }
         }
         observer.on_event(StageEvent::LinesRight(&m.right));
         counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
-        let row_offset_q5 = self.given_rows().or_else(|| {
-            let (offset_q5, cut) = row_offset::estimate(
-                &m.left,
-                &m.right,
-                self.plan.disparities(),
-                Area::of(*dims).pixels(),
-            );
-            counts.comparisons_cut = cut;
-            offset_q5
-        });
+        let (row_offset_q5, cut) = estimated.unwrap_or_else(|| estimate(&m.left, &m.right));
+        counts.comparisons_cut = cut;
         let lost = lines::keep_prominent(
             &mut m.left,
             (params.cell.into(), m.candidates.capacity()),
             dims.width.into(),
-            m.marks,
+            m.scratch.marks,
         );
         m.left.retain(|segment| regions.contains(segment));
         lines::sort_by_top(&mut m.left);
@@ -155,6 +210,7 @@ impl<'a> Run<'_, 'a> {
     #[inline(never)] // its variables are on the stack only while it runs
     fn match_support(
         &self,
+        mut cores: Option<&mut dyn Cores>,
         summary: &mut Summary,
         m: &mut Buffers<'_>,
         observer: &mut dyn Observer,
@@ -162,8 +218,9 @@ impl<'a> Run<'_, 'a> {
         let Plan { params, dims, support_models: models, .. } = *self.plan;
         let (images, plane) = (self.images, summary.plane);
         let grid = Grid::new(&params, dims);
-        let grid = if plane.is_some() { grid.with_plane(m.rows.len()) } else { grid };
-        let (half, noise) = (Grid::of_halves(&params, dims), support::Noise::of(images));
+        let grid = if plane.is_some() { grid.with_plane(m.scratch.rows.len()) } else { grid };
+        let (half, noise) =
+            (Grid::of_halves(&params, dims), support::Noise::of(lend(&mut cores), images));
         let (row_offset, wants_curves) = (summary.row_offset(), observer.wants_curves());
         let matching = support::Matching {
             images,
@@ -175,11 +232,16 @@ impl<'a> Run<'_, 'a> {
             models,
             wants_curves,
         };
-        (summary.detail_q8, summary.range) =
-            matching.run(self.regions.areas(), m.rows, &mut m.support, |index, seen| match seen {
+        (summary.detail_q8, summary.range) = matching.run(
+            self.regions.areas(),
+            cores,
+            m.scratch.rows,
+            &mut m.support,
+            |index, seen| match seen {
                 support::Seen::Curves(curves) => observer.support_curves(index, &curves),
                 support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
-            });
+            },
+        );
         observer.on_event(StageEvent::Support(&m.support));
     }
 
@@ -188,6 +250,7 @@ impl<'a> Run<'_, 'a> {
     #[inline(never)] // its variables are on the stack only while it runs
     fn match_segments(
         &self,
+        mut cores: Option<&mut dyn Cores>,
         summary: &mut Summary,
         m: &mut Buffers<'_>,
         observer: &mut dyn Observer,
@@ -198,59 +261,36 @@ impl<'a> Run<'_, 'a> {
         let support = Support::new(params, *dims, &m.support, summary.detail_q8).with_plane(plane);
         let context = MatchContext::new(params, models, *dims, support);
         let extents = self.regions.extents(&m.left, self.plan.disparities());
-        let Some(mut band) = Band::new(self.images, row_offset, extents.as_deref(), m.rows) else {
-            return;
-        };
         let mut full = FullSearches::new(self.regions.areas(), *dims, params.cell);
-        // Both lists by their first rows, as the band goes down.
-        let mut unmatched = m.bars.iter_mut().enumerate().peekable();
-        let mut match_bars = |to: i32,
-                              band: &mut Band<'_>,
-                              work: &mut Workspace,
-                              observer: &mut dyn Observer| {
-            while let Some((index, bar)) = unmatched.next_if(|(_, bar)| bar.edge().top() <= to) {
-                band.advance_for(&bar.edge(), |planes| observer.row(planes));
-                if let Some(evidence) = bars::match_bar(bar, &context, band, work, bars::LEAST_BAR)
-                {
-                    observer.bar_evidence(index, &evidence);
-                }
-            }
-        };
-        for segment in m.left.iter() {
-            match_bars(segment.top(), &mut band, m.work, observer);
-            band.advance_for(segment, |planes| observer.row(planes));
-            observer.on_event(StageEvent::Rows);
-            if observer.wants_curves() {
-                m.work.clear_curves();
-            }
-            let matched = matching::match_segment(segment, &context, &mut full, &band, m.work);
-            if observer.wants_curves() {
-                observer.segment_curves(&SegmentCurves::new(segment, m.work));
-            }
-            counts.searched_fully += u16::from(matched.search == Search::Full);
-            counts.comparisons_cut =
-                counts.comparisons_cut.saturating_add(u16::from(matched.search == Search::Cut));
-            match matched.outcome {
-                Ok(candidate) => {
-                    let _ = m.candidates.push(candidate); // `keep_prominent` kept no more than its capacity
-                    if let Some(candidate) = m.candidates.last() {
-                        observer.on_event(StageEvent::Segment(Ok((candidate, &m.work.evidence))));
-                    }
-                }
-                Err(reason) => {
-                    observer.on_event(StageEvent::Segment(Err(reason)));
-                    counts.reject(reason);
-                }
+        let stage =
+            SegmentStage { images: self.images, row_offset, context, extents: extents.as_deref() };
+        let Scratch { rows, work, .. } = &mut m.scratch;
+        let into = (&mut m.candidates, &mut *counts);
+        match (lend(&mut cores), &mut m.second) {
+            (Some(cores), Some(Second { scratch, searches, .. })) => stage.run_on(
+                cores,
+                (&m.left, &mut m.bars),
+                [(rows, work), (scratch.rows, scratch.work)],
+                (&mut full, searches),
+                into,
+            ),
+            _ => {
+                let part = Part { segments: &m.left, bars: &mut m.bars, rows, work };
+                let search = |segment: &_| full.allow(segment, stage.context.search(segment));
+                stage.run(part, search, into, observer);
             }
         }
-        match_bars(i32::MAX, &mut band, m.work, observer);
-        let cut = consistency::accumulate_support(&mut m.candidates, m.neighbours);
-        counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
-        surroundings::evaluate_sides(
-            &mut m.candidates,
-            (Grid::new(params, *dims), plane),
-            &mut m.support,
+        let grid = Grid::new(params, *dims);
+        let Buffers { candidates, neighbours, support, .. } = m;
+        let neighbours = consistency::neighbours(candidates, neighbours);
+        let mut cut = 0;
+        join(
+            cores,
+            || cut = consistency::accumulate_support(neighbours),
+            || surroundings::evaluate_sides(candidates, (grid, plane), support),
         );
+        consistency::take_support(candidates, neighbours);
+        counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
     }
 
     /// Rates the bars by the support points around them, and grows those that are told. Support

@@ -233,6 +233,15 @@ impl Counts {
         self.edge_units
     }
 
+    /// Adds the counts of other segments.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.searched_fully = self.searched_fully.saturating_add(other.searched_fully);
+        self.comparisons_cut = self.comparisons_cut.saturating_add(other.comparisons_cut);
+        for (count, more) in self.rejected.iter_mut().zip(other.rejected) {
+            *count = count.saturating_add(more);
+        }
+    }
+
     pub(crate) fn reject(&mut self, reason: Rejection) {
         self.reject_many(reason, 1);
     }

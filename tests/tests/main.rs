@@ -7,6 +7,7 @@ mod board_faults;
 mod board_objects;
 mod bounds;
 mod c_library;
+mod cores;
 mod determinism;
 mod drop_offs;
 mod edges;

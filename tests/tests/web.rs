@@ -323,7 +323,7 @@ fn memory_has_room_for_all_hypotheses_of_an_object() {
         Area { left: 3, top: 5, right: left.dims.width - 8, bottom: left.dims.height - 9 },
     );
     let region = Region::boxed(0, area, dims).unwrap();
-    let capacity = Capacity { dims, segments: 1024, cell: Params::DEFAULT.cell };
+    let capacity = Capacity { segments: 1024, ..Capacity::new(dims) };
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
     let (left, right) = (left.view().unwrap(), right.view().unwrap());
     let mut matcher = Matcher::new(Params::default(), dims).unwrap();

@@ -47,7 +47,7 @@ impl Config {
     }
 
     pub const fn capacity(&self) -> Capacity {
-        Capacity { dims: self.dims(), segments: self.segments, cell: self.cell }
+        Capacity { dims: self.dims(), segments: self.segments, cell: self.cell, two_cores: false }
     }
 
     fn rig(&self) -> Result<Option<Rig>, Status> {

@@ -14,7 +14,7 @@
 //! # Cost
 //! Eight rows of at most 45 gradients: 4000 instructions.
 
-use super::keep::Kept;
+use super::keep::Found;
 use super::{Bar, LEFT_RISING, RIGHT_RISING};
 use crate::image::Gray;
 use crate::kernel::FLAT;
@@ -24,6 +24,8 @@ use crate::matching::codes::gradients;
 use crate::matching::feature::SteepLine;
 use crate::units::quotient;
 
+/// Most bars beside a segment.
+pub(super) const MOST_BESIDE: usize = 4;
 /// Most rows of a profile.
 pub(super) const MOST_ROWS: i32 = 8;
 /// Fewest rows of a profile.
@@ -100,7 +102,7 @@ pub(super) fn least_strength(segments: &[Segment]) -> u32 {
 }
 
 /// Keeps every bar that this segment is an edge of, as far as it is one of the strongest.
-pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut Kept<'_, '_>) {
+pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut dyn Found) {
     let line = SteepLine::new(segment);
     let (first, last) = line.rows();
     let slope_q12 = line.slope_q12();
@@ -315,6 +317,7 @@ impl Profile {
 
 #[cfg(test)]
 mod tests {
+    use super::super::keep::Kept;
     use super::*;
     use crate::image::Dims;
     use crate::list::List;

@@ -16,6 +16,26 @@ const SHARED: i32 = 4;
 /// Largest distance between both edges of two bars that are one, 1/32 px.
 const SAME_Q5: i32 = 48;
 
+/// Where bars go that are found beside segments.
+pub(super) trait Found {
+    /// True where a bar of this strength may be kept.
+    fn may_keep(&self, strength: u32) -> bool;
+
+    /// Takes a bar.
+    fn insert(&mut self, bar: Bar);
+}
+
+/// All bars, in the order in which they are found.
+impl Found for List<'_, Bar> {
+    fn may_keep(&self, _: u32) -> bool {
+        true
+    }
+
+    fn insert(&mut self, bar: Bar) {
+        let _ = self.push(bar); // the caller leaves room
+    }
+}
+
 /// A list of bars while they are found.
 pub(super) struct Kept<'a, 'b> {
     bars: &'a mut List<'b, Bar>,
@@ -30,15 +50,17 @@ impl<'a, 'b> Kept<'a, 'b> {
         bars.clear();
         Self { bars, strengths: Vec::new(), least: 0 }
     }
+}
 
-    /// True where a bar of this strength may be kept.
-    pub(super) fn may_keep(&self, strength: u32) -> bool {
+impl Found for Kept<'_, '_> {
+    #[inline]
+    fn may_keep(&self, strength: u32) -> bool {
         strength > self.least
     }
 
     /// Keeps a bar, or the stronger one where it is another's double; in a full list it replaces
     /// the weakest.
-    pub(super) fn insert(&mut self, bar: Bar) {
+    fn insert(&mut self, bar: Bar) {
         let strength = bar.strength();
         if !self.may_keep(strength) {
             return;

@@ -49,6 +49,7 @@ pub(crate) use points::take_points;
 pub(crate) use region::depth_of;
 
 use crate::area::Area;
+use crate::cores::Cores;
 use crate::image::Gray;
 use crate::lines::Segment;
 use crate::list::List;
@@ -60,7 +61,7 @@ use crate::sort::sort_by_key;
 use crate::support::Support;
 use crate::units::{Confidence, Disparity, Position, narrow, quotient};
 use evidence::BarEvidence;
-use keep::Kept;
+use keep::{Found as _, Kept};
 
 /// Least probability of a bar that is told, whatever that of points is: it goes before these. 0.9.
 pub const LEAST_BAR: Confidence = Confidence::from_bits(0xe666);
@@ -341,6 +342,62 @@ pub(crate) fn find(image: Gray<'_>, segments: &[Segment], bars: &mut List<'_, Ba
     }
     keep::settle(bars);
 }
+
+/// As [`find`], while a second core does its `other` work; after that it finds the bars beside some
+/// of the last segments, in `spare`.
+pub(crate) fn find_on(
+    cores: &mut dyn Cores,
+    image: Gray<'_>,
+    segments: &[Segment],
+    (bars, spare): (&mut List<'_, Bar>, &mut List<'_, Bar>),
+    mut other: impl FnMut() + Send,
+) {
+    let least = edges::least_strength(segments);
+    let is_strong = |segment: &&Segment| edges::strength(segment) >= least;
+    let (strong, flat) = segments.iter().fold((0, 0), |(strong, flat), segment| {
+        (strong + i32::from(is_strong(&segment)), flat + i32::from(segment.near_horizontal))
+    });
+    // Its other work is in proportion to the edges along the columns.
+    let share = ((strong - SCANS - quotient(flat, FLAT_FOR_STRONG)) / 2).max(0) as usize;
+    let first = segments.iter().enumerate().rev().filter(|(_, segment)| is_strong(segment));
+    let at = first.take(share).last().map_or(segments.len(), |(index, _)| index);
+    let Some((here, there)) = segments.split_at_checked(at) else { return };
+    let mut kept = Kept::new(bars);
+    spare.clear();
+    let mut seen = 0;
+    cores.join(
+        &mut || {
+            for segment in here.iter().filter(is_strong) {
+                edges::keep_beside(image, segment, &mut kept);
+            }
+        },
+        &mut || {
+            other();
+            for segment in there {
+                if spare.capacity() - spare.len() < edges::MOST_BESIDE {
+                    break;
+                }
+                if is_strong(&segment) {
+                    edges::keep_beside(image, segment, spare);
+                }
+                seen += 1;
+            }
+        },
+    );
+    for &bar in spare.iter() {
+        kept.insert(bar);
+    }
+    for segment in there.iter().skip(seen).filter(is_strong) {
+        edges::keep_beside(image, segment, &mut kept);
+    }
+    keep::settle(bars);
+}
+
+/// Segments along the columns, whose edges cost as much in the right image as the bars beside a
+/// strong one.
+const FLAT_FOR_STRONG: i32 = 5;
+/// Strong segments for the scans of that image.
+const SCANS: i32 = 15;
 
 /// Matches a bar whose rows the band holds; it stays without disparity where it cannot be compared
 /// or repeats. Returns its evidence, that by support points left out.

@@ -14,7 +14,9 @@
 
 use super::GroundPlane;
 use super::strips::Strips;
+use crate::cores::{Cores, join, lend};
 use crate::curve::subpixel_q6;
+use core::ops::Range;
 
 /// Distance searched around the plane, px, and of strips that are used afterwards, 1/64 px.
 const ROUNDS: [(i32, i32); 4] = [(4, 224), (4, 160), (3, 96), (3, 77)];
@@ -28,10 +30,20 @@ const SLOPES_Q16: core::ops::RangeInclusive<i32> = 9175..=144_179;
 const SHRINK: i64 = 63_000;
 
 /// The plane near this one.
-pub(super) fn fit(strips: &Strips<'_>, mut plane: GroundPlane) -> Option<GroundPlane> {
+pub(super) fn fit(
+    mut cores: Option<&mut dyn Cores>,
+    strips: &Strips<'_>,
+    mut plane: GroundPlane,
+) -> Option<GroundPlane> {
     let mut strong = false;
     for (reach, tolerance_q6) in ROUNDS {
-        let sums = Sums::of(strips, plane, (reach, tolerance_q6));
+        let (mut sums, mut others) = (Sums::default(), Sums::default());
+        let (end, add) = (strips.rows, |sums: &mut Sums, rows: Range<usize>| {
+            sums.add_near(strips, plane, (reach, tolerance_q6), rows);
+        });
+        let middle = if cores.is_some() { end / 2 } else { end };
+        join(lend(&mut cores), || add(&mut sums, 0..middle), || add(&mut others, middle..end));
+        sums.merge(&others);
         if sums.count < FEWEST {
             return None;
         }
@@ -70,9 +82,16 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(strips: &Strips<'_>, plane: GroundPlane, (reach, tolerance_q6): (i32, i32)) -> Self {
-        let mut sums = Self::default();
-        for (row, y) in (0..).zip(strips.ys()) {
+    /// Adds the strips of these rows.
+    fn add_near(
+        &mut self,
+        strips: &Strips<'_>,
+        plane: GroundPlane,
+        (reach, tolerance_q6): (i32, i32),
+        rows: Range<usize>,
+    ) {
+        let sums = self;
+        for (row, y) in rows.clone().zip(strips.ys().skip(rows.start)) {
             for index in 0..strips.strips {
                 let x = Strips::middle(index);
                 let expected_q6 = plane.at_q6(x, y);
@@ -104,7 +123,22 @@ impl Sums {
                 }
             }
         }
-        sums
+    }
+
+    /// Adds those of other rows.
+    fn merge(&mut self, other: &Self) {
+        self.seen += other.seen;
+        self.lowest += other.lowest;
+        self.count += other.count;
+        self.weight += other.weight;
+        self.x += other.x;
+        self.y += other.y;
+        self.d += other.d;
+        self.xx += other.xx;
+        self.xy += other.xy;
+        self.yy += other.yy;
+        self.xd += other.xd;
+        self.yd += other.yd;
     }
 
     fn add(&mut self, sample: &Sample) {

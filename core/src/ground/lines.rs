@@ -13,8 +13,10 @@
 
 use super::GroundPlane;
 use super::strips::{STEP, Strips, Summary, WIDTH};
+use crate::cores::{Cores, join, lend};
 use crate::curve::MAX_DISPARITIES;
 use crate::units::quotient;
+use core::ops::Range;
 
 /// Slopes at which bands begin, Q16: 0.08, 0.15, 0.25, 0.4, 0.65, 1; the last ends at 2.
 const BANDS_Q16: [i32; 7] = [5243, 9830, 16_384, 26_214, 42_598, 65_536, 131_072];
@@ -52,11 +54,22 @@ type Scored = (i32, Line);
 
 /// The best line; `None` without strips or memory.
 #[inline(never)] // its variables are on the stack only while it runs
-pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
+pub(super) fn best(
+    mut cores: Option<&mut dyn Cores>,
+    strips: &Strips<'_>,
+    memory: &mut [u8],
+) -> Option<Line> {
     let (most, rows) = (strips.most, strips.rows.div_ceil(SKIP));
     let (gains, memory) = memory.split_at_mut_checked(rows * strips.strips * most)?;
     let image = memory.get_mut(..rows * most)?;
-    sum_gains(strips, gains, image);
+    let above = rows / 2;
+    let (upper, lower) = gains.split_at_mut_checked(above * strips.strips * most)?;
+    let (sums_above, sums_below) = image.split_at_mut_checked(above * most)?;
+    join(
+        lend(&mut cores),
+        || sum_gains(strips, 0, upper, sums_above),
+        || sum_gains(strips, above, lower, sums_below),
+    );
     let scored = |line: Line| (score(strips, gains, line), line);
     let of_band = |(_, at_bottom, horizon): Candidate| {
         let around =
@@ -72,8 +85,14 @@ pub(super) fn best(strips: &Strips<'_>, memory: &mut [u8]) -> Option<Line> {
         });
         first_best(core::iter::once(level).chain(rolled))
     };
-    first_best(search(strips, image).into_iter().flatten().filter_map(of_band))
-        .map(|(_, line)| line)
+    let bands = search(lend(&mut cores), strips, image);
+    let (steep, steeper) = bands.split_at_checked(BANDS / 2)?;
+    let [mut first, mut second] = [None; 2];
+    let of_bands = |bands: &[Option<Candidate>]| {
+        first_best(bands.iter().flatten().copied().filter_map(of_band))
+    };
+    join(cores, || first = of_bands(steep), || second = of_bands(steeper));
+    first_best([first, second].into_iter().flatten()).map(|(_, line)| line)
 }
 
 /// The first of those with the largest score.
@@ -115,13 +134,13 @@ fn widen(gains: &mut [u8]) -> u8 {
 
 /// Fills `all` with half of the strips' gains within 1 px, and the image with the sums over each
 /// row of the gains within 2 px, in steps of 16; both less their means, signed; of every second row
-/// of strips.
-fn sum_gains(strips: &Strips<'_>, all: &mut [u8], image: &mut [u8]) {
+/// of strips, from row `first` of these on.
+fn sum_gains(strips: &Strips<'_>, first: usize, all: &mut [u8], image: &mut [u8]) {
     all.fill(0);
     let most = strips.most.max(1);
     let of_rows =
         all.chunks_exact_mut((strips.strips * most).max(1)).zip(image.chunks_exact_mut(most));
-    for (row, (of_row, sums)) in of_rows.enumerate() {
+    for (row, (of_row, sums)) in (first..).zip(of_rows) {
         let mut total = [0_i16; MAX_DISPARITIES];
         for (index, own) in of_row.chunks_exact_mut(most).enumerate() {
             let Some((summary, costs)) = strips.strip(row * SKIP, index) else { continue };
@@ -144,10 +163,37 @@ fn sum_gains(strips: &Strips<'_>, all: &mut [u8], image: &mut [u8]) {
 }
 
 /// The best line of each band of slopes.
-fn search(strips: &Strips<'_>, image: &[u8]) -> [Option<Candidate>; BANDS] {
+fn search(
+    cores: Option<&mut dyn Cores>,
+    strips: &Strips<'_>,
+    image: &[u8],
+) -> [Option<Candidate>; BANDS] {
+    let end = strips.most + BEYOND;
+    let middle = 8 + end / 2 / PITCH * PITCH;
+    let (mut best, mut others) = ([None; BANDS], [None; BANDS]);
+    join(
+        cores,
+        || best = search_below(strips, image, 8..middle),
+        || others = search_below(strips, image, middle..end),
+    );
+    for (best, other) in best.iter_mut().zip(others) {
+        let score = |line: Option<Candidate>| line.map(|(score, ..)| score);
+        if score(other) > score(*best) {
+            *best = other;
+        }
+    }
+    best
+}
+
+/// The same of lines with these disparities at the lowest row.
+fn search_below(
+    strips: &Strips<'_>,
+    image: &[u8],
+    at_bottom: Range<usize>,
+) -> [Option<Candidate>; BANDS] {
     let mut best: [Option<Candidate>; BANDS] = [None; BANDS];
     let height = i32::from(strips.dims.height);
-    for at_bottom in (8..(strips.most + BEYOND) as i32).step_by(PITCH) {
+    for at_bottom in (at_bottom.start as i32..at_bottom.end as i32).step_by(PITCH) {
         for horizon in (-quotient(3 * height, 4)..quotient(7 * height, 10)).step_by(PITCH) {
             let Some(down_q16) = slope_q16(strips, at_bottom, horizon) else { continue };
             let Some(band) = BANDS_Q16.iter().rposition(|&from_q16| from_q16 <= down_q16) else {

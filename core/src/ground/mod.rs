@@ -26,6 +26,7 @@ mod lines;
 mod pose;
 mod strips;
 
+use crate::cores::{Cores, lend};
 use crate::image::Gray;
 pub use pose::{CameraPose, PoseError};
 use strips::Strips;
@@ -107,9 +108,12 @@ pub(crate) enum GroundSearch {
 }
 
 /// Looks for the ground in a pair, whose right rows are `row_offset` rows lower, at disparities
-/// below `most`. `None` where none is seen, or `memory` is too small.
+/// below `most`. `None` where none is seen, or `memory` is too small. A second core has memory of
+/// its own.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn find(
+    mut cores: Option<&mut dyn Cores>,
+    others: Option<&mut [u8]>,
     images: [Gray<'_>; 2],
     (row_offset, most): (i32, u16),
     search: GroundSearch,
@@ -126,18 +130,18 @@ pub(crate) fn find(
     let near = near.filter(|plane| plane.is_bounded());
     let given = near.filter(|_| matches!(search, GroundSearch::Given(_)));
     let near = near.map(|plane| if half { plane.halved() } else { plane });
-    let seen = Strips::measure(images, row_offset, (half, most.into()), memory).and_then(
-        |(strips, memory)| {
-            let near = near.and_then(|plane| fit::fit(&strips, plane));
-            match given {
-                Some(_) => near,
-                None => near.or_else(|| {
-                    lines::best(&strips, memory)
-                        .and_then(|line| fit::fit(&strips, line.plane(&strips)))
-                }),
-            }
-        },
-    );
+    let range = (half, most.into());
+    let measured = Strips::measure(images, row_offset, range, memory, lend(&mut cores), others);
+    let seen = measured.and_then(|(strips, memory)| {
+        let near = near.and_then(|plane| fit::fit(lend(&mut cores), &strips, plane));
+        match given {
+            Some(_) => near,
+            None => near.or_else(|| {
+                lines::best(lend(&mut cores), &strips, memory)
+                    .and_then(|line| fit::fit(cores, &strips, line.plane(&strips)))
+            }),
+        }
+    });
     seen.map(|plane| if half { plane.doubled() } else { plane }).or(given)
 }
 
@@ -174,7 +178,7 @@ mod tests {
     fn found(images: &[[u8; PIXELS]; 2], before: Option<GroundPlane>) -> Option<GroundPlane> {
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
         let search = before.map_or(GroundSearch::Everywhere, GroundSearch::Near);
-        find(images, (0, 64), search, &mut [0; 16_384])
+        find(None, None, images, (0, 64), search, &mut [0; 16_384])
     }
 
     #[test]
@@ -198,14 +202,15 @@ mod tests {
         assert_eq!(found(&floor(8), None), None);
         let images = floor(102);
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
-        assert_eq!(find(images, (0, 64), GroundSearch::Everywhere, &mut [0; 64]), None);
+        assert_eq!(find(None, None, images, (0, 64), GroundSearch::Everywhere, &mut [0; 64]), None);
     }
 
     #[test]
     fn the_camera_s_pose_is_taken_where_nothing_is_seen_if_it_fits_the_numbers() {
         let flat = [[90; PIXELS]; 2];
         let images = flat.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
-        let given = |plane| find(images, (0, 64), GroundSearch::Given(plane), &mut [0; 16_384]);
+        let given =
+            |plane| find(None, None, images, (0, 64), GroundSearch::Given(plane), &mut [0; 16_384]);
         let plane = GroundPlane { down_q16: 20_000, across_q16: -300, origin_q16: -1_500_000 };
         assert_eq!(given(plane), Some(plane));
         for unbounded in [
@@ -219,7 +224,7 @@ mod tests {
         let images = floor(102);
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
         let far = GroundPlane { origin_q16: plane.origin_q16 + (40 << 16), ..plane };
-        let found = find(images, (0, 64), GroundSearch::Given(far), &mut [0; 16_384]);
+        let found = find(None, None, images, (0, 64), GroundSearch::Given(far), &mut [0; 16_384]);
         assert_eq!(found, Some(far));
     }
 

@@ -11,6 +11,7 @@
 //! # Bounds
 //! A cost is at most 64 * 126 / 32 = 252.
 
+use crate::cores::Cores;
 use crate::curve::MAX_DISPARITIES;
 use crate::image::{Dims, Gray, MAX_WIDTH, halve_rows};
 use crate::kernel::{LANES, STRIP, Strip, limited_steps, sad_curve};
@@ -55,13 +56,15 @@ pub(super) struct Strips<'m> {
 impl<'m> Strips<'m> {
     /// Compares the strips of a pair, or of the pair at half of its size, at disparities below
     /// `most`, or at as many as `memory` holds with the search of lines. Returns them with the
-    /// memory that is left.
+    /// memory that is left. A second core has memory of its own.
     #[inline(never)] // its variables are on the stack only while it runs
     pub(super) fn measure(
         images: [Gray<'_>; 2],
         row_offset: i32,
         (half, most): (bool, usize),
         memory: &'m mut [u8],
+        cores: Option<&mut dyn Cores>,
+        others: Option<&mut [u8]>,
     ) -> Option<(Self, &'m mut [u8])> {
         let [left, right] = images;
         let full = left.dims();
@@ -74,31 +77,38 @@ impl<'m> Strips<'m> {
         if strips > MOST_STRIPS || strips == 0 {
             return None;
         }
-        let (left_steps, memory) = memory.split_at_mut_checked(width)?;
-        let (right_steps, memory) = memory.split_at_mut_checked(width)?;
-        let (levels, memory) = memory.split_at_mut_checked(width)?;
-        let of_row = memory.len().checked_div(rows)?.checked_sub(HEAD * strips)?;
-        let most = most.min(of_row.checked_div(2 * strips + 1)?).min(MAX_DISPARITIES);
+        let (of_row, memory) = memory.split_at_mut_checked(3 * width)?;
+        let second = cores.zip(others.and_then(|memory| memory.get_mut(..3 * width)));
+        let share = memory.len().checked_div(rows)?.checked_sub(HEAD * strips)?;
+        let most = most.min(share.checked_div(2 * strips + 1)?).min(MAX_DISPARITIES);
         let (costs, rest) = memory.split_at_mut_checked(rows * strips * (HEAD + most))?;
         costs.fill(0);
-        for (y, costs) in
-            (first..).step_by(STEP as usize).zip(costs.chunks_exact_mut(strips * (HEAD + most)))
-        {
-            if !steps(left, (y, 0), half.then_some(&mut *levels), left_steps)
-                || !steps(right, (y, row_offset), half.then_some(&mut *levels), right_steps)
-            {
-                continue;
-            }
-            for (start, strip) in (0..).step_by(WIDTH).zip(costs.chunks_exact_mut(HEAD + most)) {
-                let Some(([lowest, mean], costs)) = strip.split_first_chunk_mut::<HEAD>() else {
-                    break;
-                };
-                if let Some(costs) = costs.get_mut(..most.min(start)) {
-                    compare(left_steps, right_steps, start, costs);
-                    let summary = summarize(costs);
-                    (*lowest, *mean) = (summary.lowest, summary.mean);
+        let measure = |first: i32, costs: &mut [u8], of_row: &mut [u8]| {
+            let mut parts = of_row.chunks_exact_mut(width.max(1));
+            let (Some(left_steps), Some(right_steps), Some(levels)) =
+                (parts.next(), parts.next(), parts.next())
+            else {
+                return;
+            };
+            let ys = (first..).step_by(STEP as usize);
+            for (y, costs) in ys.zip(costs.chunks_exact_mut((strips * (HEAD + most)).max(1))) {
+                if steps(left, (y, 0), half.then_some(&mut *levels), left_steps)
+                    && steps(right, (y, row_offset), half.then_some(&mut *levels), right_steps)
+                {
+                    measure_row([left_steps, right_steps], most, costs);
                 }
             }
+        };
+        let above = rows / 2;
+        if let Some((cores, others)) = second
+            && let Some((upper, lower)) = costs.split_at_mut_checked(above * strips * (HEAD + most))
+        {
+            let next = first + above as i32 * STEP;
+            cores.join(&mut || measure(first, upper, of_row), &mut || {
+                measure(next, lower, others);
+            });
+        } else {
+            measure(first, costs, of_row);
         }
         Some((Self { dims, most, rows, strips, costs }, rest))
     }
@@ -128,6 +138,18 @@ impl<'m> Strips<'m> {
             .split_first_chunk::<HEAD>()?;
         let costs = costs.get(..self.most.min(strip * WIDTH))?;
         (mean > 0).then_some((Summary { lowest, mean }, costs))
+    }
+}
+
+/// Compares the strips of a row, by the steps of both images.
+fn measure_row([left, right]: [&[u8]; 2], most: usize, costs: &mut [u8]) {
+    for (start, strip) in (0..).step_by(WIDTH).zip(costs.chunks_exact_mut(HEAD + most)) {
+        let Some(([lowest, mean], costs)) = strip.split_first_chunk_mut::<HEAD>() else { break };
+        if let Some(costs) = costs.get_mut(..most.min(start)) {
+            compare(left, right, start, costs);
+            let summary = summarize(costs);
+            (*lowest, *mean) = (summary.lowest, summary.mean);
+        }
     }
 }
 

@@ -40,7 +40,7 @@ pub struct CameraHealth {
 }
 
 /// Result of one image's check.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CameraCheck {
     pub(super) health: CameraHealth,
     /// True when the brightest and the darkest sample differ by no more than the limit.

@@ -43,11 +43,12 @@ mod camera;
 mod evenness;
 mod flags;
 mod limits;
-mod rows;
+pub(crate) mod rows;
 mod still;
 mod tear;
 
-use crate::image::Gray;
+use crate::cores::{Cores, join};
+use crate::image::{Dims, Gray};
 use crate::result::{Counts, Match, Rejection};
 pub use crate::support::RangeCheck;
 use crate::support::Support;
@@ -127,6 +128,42 @@ impl PairHealth {
     }
 }
 
+/// Measurements of a matched pair by its support points.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct OfPoints {
+    evenness: Option<Evenness>,
+    still: Option<Still>,
+    tear: Option<Tear>,
+}
+
+impl OfPoints {
+    pub(crate) fn new(images: [Gray<'_>; 2], support: Support<'_>, row_offset: i32) -> Self {
+        Self {
+            evenness: evenness::measure(images, support, row_offset),
+            still: still::measure(images, support),
+            tear: tear::find(images, support),
+        }
+    }
+}
+
+/// Measurements of a matched pair.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Measured {
+    pub(crate) of_points: OfPoints,
+    /// Difference of rows by the edges of matches.
+    pub(crate) by_edges: Option<Rows>,
+}
+
+impl Measured {
+    pub(crate) fn new(images: [Gray<'_>; 2], found: &Findings<'_>) -> Self {
+        let [left, right] = images;
+        Self {
+            of_points: OfPoints::new(images, found.support, found.row_offset),
+            by_edges: rows::measure(left, right, found.matches),
+        }
+    }
+}
+
 /// State of health over consecutive pairs.
 ///
 /// ```
@@ -180,7 +217,22 @@ impl HealthMonitor {
         right: Gray<'_>,
         times_us: Option<[u64; 2]>,
     ) -> PairHealth {
-        let checks = [left, right].map(|image| camera::check(image, limits.dead_range));
+        self.check_images_on(None, limits, [left, right], times_us)
+    }
+
+    /// As [`HealthMonitor::check_images`], on two cores.
+    #[inline] // into the one above, where there is one core
+    pub(crate) fn check_images_on(
+        &mut self,
+        cores: Option<&mut dyn Cores>,
+        limits: &HealthLimits,
+        images: [Gray<'_>; 2],
+        times_us: Option<[u64; 2]>,
+    ) -> PairHealth {
+        let mut checks = [camera::CameraCheck::default(); 2];
+        let [of_left, of_right] = &mut checks;
+        let [left, right] = images.map(|image| move || camera::check(image, limits.dead_range));
+        join(cores, || *of_left = left(), || *of_right = right());
         let [left, right] = &checks;
         let mut now = self.fault(limits, left, right, 0) | self.fault(limits, right, left, 1);
         let mut tested = CAMERA_FLAGS;
@@ -211,8 +263,24 @@ impl HealthMonitor {
         found: &Findings<'_>,
         health: &mut PairHealth,
     ) {
-        let by_points = evenness::measure(images, found.support, found.row_offset);
-        let (mut now, mut tested) = self.check_rows(limits, images, found, by_points, health);
+        let measured = Measured::new(images, found);
+        self.judge(limits, (images, found), measured, health);
+    }
+
+    /// Checks what was measured of the pair, and adds to its health.
+    #[inline] // into the one above, where there is one core
+    pub(crate) fn judge(
+        &mut self,
+        limits: &HealthLimits,
+        ([left, _], found): ([Gray<'_>; 2], &Findings<'_>),
+        measured: Measured,
+        health: &mut PairHealth,
+    ) {
+        let Measured { of_points: OfPoints { evenness: by_points, still, tear }, by_edges } =
+            measured;
+        (health.still, health.tear) = (still, tear);
+        let by_both = (by_points, by_edges);
+        let (mut now, mut tested) = self.check_rows(limits, left.dims(), found, by_both, health);
         if found.has_segments {
             tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY;
             let rows_are_known =
@@ -231,7 +299,6 @@ impl HealthMonitor {
             tested |= HealthFlags::RANGE_SMALL;
             now |= HealthFlags::RANGE_SMALL.when(is_small(&found.range, limits));
         }
-        health.still = still::measure(images, found.support);
         tested |= HealthFlags::NO_PARALLAX | HealthFlags::SAME_PIXEL | HealthFlags::TORN;
         if let Some(still) = health.still {
             now |= HealthFlags::NO_PARALLAX.when(still.still_permille > limits.still_permille);
@@ -241,7 +308,6 @@ impl HealthMonitor {
                 >> if still.still_permille > SOME_STILL_PERMILLE { 2 } else { 0 };
             now |= HealthFlags::SAME_PIXEL.when(still.pattern_permille > most);
         }
-        health.tear = tear::find(images, found.support);
         now |= HealthFlags::TORN.when(health.tear.is_some());
         health.now |= now;
         health.flags = self.hold(limits, now, tested);
@@ -252,19 +318,18 @@ impl HealthMonitor {
     fn check_rows(
         &mut self,
         limits: &HealthLimits,
-        [left, right]: [Gray<'_>; 2],
+        Dims { width, .. }: Dims,
         found: &Findings<'_>,
-        by_points: Option<Evenness>,
+        (by_points, by_edges): (Option<Evenness>, Option<Rows>),
         health: &mut PairHealth,
     ) -> (HealthFlags, HealthFlags) {
         let (mut now, mut tested) = (HealthFlags::GOOD, HealthFlags::GOOD);
-        let width = left.dims().width;
         let most_q8 = at_width(limits.row_region_q8.into(), width);
         let spread_q8 = by_points.map(|even| i32::from(even.spread_q8));
         let mut is_uneven = spread_q8.map(|spread| spread > most_q8);
         // Edges are few and each of them may be wrong: points have to be in doubt as well.
         let are_even = spread_q8.is_some_and(|spread| spread <= most_q8 / 2);
-        if let Some(rows) = rows::measure(left, right, found.matches)
+        if let Some(rows) = by_edges
             && let Some(by_edges) = are_uneven(&rows, limits, width)
         {
             // Nor do points decide by little against edges that are even.

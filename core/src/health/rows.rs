@@ -98,7 +98,7 @@ pub struct Rows {
 }
 
 /// Measures the difference of rows; `None` without a match that allows it.
-pub(super) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Option<Rows> {
+pub(crate) fn measure(left: Gray<'_>, right: Gray<'_>, matches: &[Match]) -> Option<Rows> {
     let mut offsets: Vec<i16, MOST> = Vec::new();
     for edge in matches.iter().filter_map(Edge::of).take(MOST_MEASURED) {
         if let Some(offset) = edge.offset_q8(left, right)

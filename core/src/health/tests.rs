@@ -112,9 +112,9 @@ fn rows_are_reported_rounded_and_flagged_where_they_were_measured_alone() {
         monitor.pairs = pairs;
         let flags = monitor.check_rows(
             &HealthLimits::DEFAULT,
-            images,
+            images[0].dims(),
             &findings(&[], &Counts::default()),
-            None,
+            (None, None),
             &mut health,
         );
         assert_eq!(flags, (HealthFlags::GOOD, HealthFlags::GOOD), "no match measures them");
@@ -133,12 +133,12 @@ fn even_rows_are_smoothed_and_uneven_ones_flagged() {
     let of = |moved, from| {
         let (mut monitor, mut health) = (HealthMonitor::new(), PairHealth::default());
         let ([left, right], edges) = rows::tests::falling(moved, from);
-        let images = [rows::tests::view(&left), rows::tests::view(&right)];
+        let [left, right] = [rows::tests::view(&left), rows::tests::view(&right)];
         let (now, _) = monitor.check_rows(
             &limits,
-            images,
+            left.dims(),
             &findings(&edges, &Counts::default()),
-            None,
+            (None, rows::measure(left, right, &edges)),
             &mut health,
         );
         (now, health.row_offset_q8)
@@ -160,13 +160,13 @@ fn rows_drift_beyond_a_difference_from_their_long_mean() {
         let mut monitor = HealthMonitor::new();
         (0..SETTLED).for_each(|_| monitor.smooth(&limits, before_q8));
         let ([left, right], edges) = rows::tests::falling(0, 0);
-        let images = [rows::tests::view(&left), rows::tests::view(&right)];
+        let [left, right] = [rows::tests::view(&left), rows::tests::view(&right)];
         let mut health = PairHealth::default();
         let (now, _) = monitor.check_rows(
             &limits,
-            images,
+            left.dims(),
             &findings(&edges, &Counts::default()),
-            None,
+            (None, rows::measure(left, right, &edges)),
             &mut health,
         );
         (now.contains(HealthFlags::ROWS_DRIFT), health.row_drift_q8)

@@ -39,6 +39,10 @@ const FIXED: i32 = 700;
 /// beyond it, and followed to their start before.
 const REACH: i32 = 19;
 
+/// More than is lost by rounding where a budget is made smaller, times 4: up to a unit of Q10 in each
+/// of 2^15 stretches.
+const ROUNDING_Q10: i32 = 1 << 18;
+
 /// Units per pixel, Q10.
 struct Rate {
     start_q10: i32,
@@ -54,6 +58,7 @@ const ALONG: Rate = Rate { start_q10: 70, searched_q10: 200 };
 const ALONG_SPARSE: Rate = Rate { start_q10: 40, searched_q10: 104 };
 
 /// Work of the edges of one direction.
+#[derive(Default)]
 pub(crate) struct Taken {
     /// Units taken.
     pub(crate) units: u32,
@@ -61,6 +66,9 @@ pub(crate) struct Taken {
     pub(crate) beyond_share: u32,
     /// Edges that were not allowed.
     pub(crate) cut: u16,
+    /// Units that may be taken from the budget before the next edge is cut, evenly over the image;
+    /// as far as known.
+    pub(crate) to_spare: u32,
 }
 
 /// Budget of the edges of one direction.
@@ -72,6 +80,8 @@ pub(super) struct Budget {
     stretch_q10: i32,
     taken: u32,
     cut: u16,
+    /// The least that was left when an edge started, of three quarters of the budget, times 4, Q10.
+    least_q10: i32,
 }
 
 impl Budget {
@@ -104,7 +114,14 @@ impl Budget {
             if areas.is_some() { (sum(0), sum(REACH)) } else { (grown(whole, 0), grown(whole, 0)) };
         let left_q10 = (FIXED << 10) + reached * start_q10 + (reached - searched) * searched_q10;
         let total_q10 = left_q10 + searched * searched_q10;
-        Self { total_q10, left_q10, stretch_q10: stretch * searched_q10, taken: 0, cut: 0 }
+        Self {
+            total_q10,
+            left_q10,
+            stretch_q10: stretch * searched_q10,
+            taken: 0,
+            cut: 0,
+            least_q10: i32::MAX,
+        }
     }
 
     /// The budget without so many units, evenly over the image.
@@ -120,7 +137,13 @@ impl Budget {
     /// Units taken and edges cut so far.
     pub(super) fn taken(&self) -> Taken {
         let share = (self.total_q10 >> 10).unsigned_abs() * 2 / 3;
-        Taken { units: self.taken, beyond_share: self.taken.saturating_sub(share), cut: self.cut }
+        let quarter = if self.least_q10 > ROUNDING_Q10 { self.total_q10 >> 12 } else { 0 };
+        Taken {
+            units: self.taken,
+            beyond_share: self.taken.saturating_sub(share),
+            cut: self.cut,
+            to_spare: quarter.unsigned_abs(),
+        }
     }
 
     /// Adds what a stretch that is searched brings, pixels between its scan and the next one
@@ -133,6 +156,8 @@ impl Budget {
     /// True when another edge may start; else it is counted as cut.
     pub(super) fn allows_edge(&mut self) -> bool {
         let allowed = self.left_q10 > 0;
+        // Of three quarters 3 (left + taken) - 4 taken is left.
+        self.least_q10 = self.least_q10.min(3 * self.left_q10 - ((self.taken as i32) << 10));
         self.cut = self.cut.saturating_add(u16::from(!allowed));
         allowed
     }

@@ -34,12 +34,14 @@ mod edges;
 mod fit;
 
 use crate::area::Area;
+use crate::cores::Cores;
 use crate::image::{Dims, Gray, MAX_HEIGHT, MAX_WIDTH};
 use crate::list::List;
 use crate::result::ImagePosition;
 use crate::sort::{make_heap, sift_down, sort_by_key};
 use crate::units::Position;
 use crate::units::quotient;
+use budget::Taken;
 use core::cmp::Reverse;
 pub(crate) use edges::SCAN_STEP;
 use edges::{Direction, Edges, STEP};
@@ -158,6 +160,16 @@ pub struct Detection {
     pub units: u32,
 }
 
+impl Detection {
+    fn new(list: &KeepLongest<'_, '_>, [down, along]: [Taken; 2]) -> Self {
+        Self {
+            segments: list.dropped,
+            edges: down.cut.saturating_add(along.cut),
+            units: down.units + along.units,
+        }
+    }
+}
+
 /// Lists the segments of `image` in the order in which they are drawn; returns what was left out.
 ///
 /// With `areas`, only edges with an anchor in one of them are drawn, in full length.
@@ -165,34 +177,78 @@ pub fn detect(
     image: Gray<'_>,
     areas: Option<&[Area]>,
     params: &LineParams,
-    scratch: LineScratch<'_>,
+    mut scratch: LineScratch<'_>,
     out: &mut List<'_, Segment>,
 ) -> Detection {
-    out.clear();
-    let mut list = KeepLongest { out, dropped: 0 };
-    let mut runs = |chain: Chain<'_>, direction: Direction| {
-        fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
-            // Steeper ones are drawn by the other direction, with more positions.
-            let largest_q12 =
-                if direction == Direction::Down { DOWN_SLOPE_Q12 } else { ALONG_SLOPE_Q12 };
-            if run.slope_q12.abs() <= STEP * largest_q12 {
-                cut(&run, chain, direction, &mut list);
-            }
-        });
-    };
-    let marks = scratch.marks;
-    let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
-    let (mut edges, mut units, mut beyond) = (0_u16, 0, 0);
-    for (direction, scan) in
-        [(Direction::Down, params.row_scan), (Direction::Along, params.column_scan)]
-    {
-        let Some(scan) = scan else { continue };
-        let taken = Edges::new(image, areas, (params, scan, beyond), direction, marks)
-            .for_each_chain(&mut room, |chain| runs(chain, direction));
-        (edges, units, beyond) =
-            (edges.saturating_add(taken.cut), units + taken.units, taken.beyond_share);
+    let mut list = KeepLongest::new(out);
+    let detector = Detector { image, areas, params };
+    let down = detector.draw(Direction::Down, 0, &mut scratch, &mut list);
+    let along = detector.draw(Direction::Along, down.beyond_share, &mut scratch, &mut list);
+    Detection::new(&list, [down, along])
+}
+
+/// As [`detect`], on two cores: the edges of one direction each, those along the columns in
+/// `spare`. Where edges down the rows leave too little to these, or a list does not hold all of
+/// them, they are drawn again.
+pub(crate) fn detect_on(
+    cores: &mut dyn Cores,
+    (image, areas): (Gray<'_>, Option<&[Area]>),
+    params: &LineParams,
+    [mut here, mut there]: [LineScratch<'_>; 2],
+    [out, spare]: [&mut List<'_, Segment>; 2],
+) -> Detection {
+    let (mut list, mut others) = (KeepLongest::new(out), KeepLongest::new(spare));
+    let detector = Detector { image, areas, params };
+    let (mut down, mut along) = (Taken::default(), Taken::default());
+    cores.join(&mut || down = detector.draw(Direction::Down, 0, &mut here, &mut list), &mut || {
+        along = detector.draw(Direction::Along, 0, &mut there, &mut others)
+    });
+    if down.beyond_share > along.to_spare || others.dropped > 0 {
+        along = detector.draw(Direction::Along, down.beyond_share, &mut here, &mut list);
+    } else {
+        others.out.iter().for_each(|&segment| list.push(segment));
     }
-    Detection { segments: list.dropped, edges, units }
+    Detection::new(&list, [down, along])
+}
+
+/// An image, and what is looked for in it.
+#[derive(Clone, Copy)]
+struct Detector<'d> {
+    image: Gray<'d>,
+    areas: Option<&'d [Area]>,
+    params: &'d LineParams,
+}
+
+impl Detector<'_> {
+    /// Lists the segments of one direction; `beyond` is what those of the other one took of their
+    /// budget.
+    #[inline(never)] // called for both directions
+    fn draw(
+        &self,
+        direction: Direction,
+        beyond: u32,
+        scratch: &mut LineScratch<'_>,
+        list: &mut KeepLongest<'_, '_>,
+    ) -> Taken {
+        let Self { image, areas, params } = *self;
+        let (scan, largest_q12) = match direction {
+            Direction::Down => (params.row_scan, DOWN_SLOPE_Q12),
+            Direction::Along => (params.column_scan, ALONG_SLOPE_Q12),
+        };
+        let Some(scan) = scan else { return Taken::default() };
+        let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
+        Edges::new(image, areas, (params, scan, beyond), direction, scratch.marks).for_each_chain(
+            &mut room,
+            |chain| {
+                fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
+                    // Steeper ones are drawn by the other direction, with more positions.
+                    if run.slope_q12.abs() <= STEP * largest_q12 {
+                        cut(&run, chain, direction, list);
+                    }
+                });
+            },
+        )
+    }
 }
 
 /// Sorts segments by their first row, and from left to right within it.
@@ -319,7 +375,12 @@ struct KeepLongest<'a, 'b> {
     dropped: u16,
 }
 
-impl KeepLongest<'_, '_> {
+impl<'a, 'b> KeepLongest<'a, 'b> {
+    fn new(out: &'a mut List<'b, Segment>) -> Self {
+        out.clear();
+        Self { out, dropped: 0 }
+    }
+
     fn push(&mut self, segment: Segment) {
         let Err(segment) = self.out.push(segment) else { return };
         let shortest_first = |s: &Segment| Reverse(s.extent_q5());

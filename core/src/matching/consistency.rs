@@ -156,17 +156,20 @@ impl SideHypothesis {
     }
 }
 
-/// Fills `neighbours`, one per candidate (candidates in the order of their tops), and sets every
-/// side's agreement with other segments. Returns the number of candidates with [`MOST_NEIGHBOURS`]
-/// or more.
-pub(crate) fn accumulate_support(
-    candidates: &mut [Candidate],
-    neighbours: &mut [Neighbour],
-) -> u16 {
-    for (candidate, neighbour) in candidates.iter().zip(neighbours.iter_mut()) {
+/// One neighbour per candidate, in memory for them.
+pub(crate) fn neighbours<'n>(
+    candidates: &[Candidate],
+    memory: &'n mut [Neighbour],
+) -> &'n mut [Neighbour] {
+    for (candidate, neighbour) in candidates.iter().zip(memory.iter_mut()) {
         *neighbour = Neighbour::new(candidate);
     }
-    let neighbours = neighbours.get_mut(..candidates.len()).unwrap_or(&mut []);
+    memory.get_mut(..candidates.len()).unwrap_or(&mut [])
+}
+
+/// Sums the support of each hypothesis by its neighbours (in the order of their tops). Returns the
+/// number of candidates with [`MOST_NEIGHBOURS`] or more.
+pub(crate) fn accumulate_support(neighbours: &mut [Neighbour]) -> u16 {
     let mut cut = 0_u16;
     for i in 0..neighbours.len() {
         let Some((first, after)) = neighbours.get_mut(i..).and_then(<[_]>::split_first_mut) else {
@@ -186,7 +189,12 @@ pub(crate) fn accumulate_support(
             }
         }
     }
-    for (candidate, neighbour) in candidates.iter_mut().zip(neighbours.iter_mut()) {
+    cut
+}
+
+/// Sets every side's agreement with other segments.
+pub(crate) fn take_support(candidates: &mut [Candidate], neighbours: &mut [Neighbour]) {
+    for (candidate, neighbour) in candidates.iter_mut().zip(neighbours) {
         for (side, hypothesis) in candidate.sides.iter_mut().zip(&mut neighbour.hypotheses) {
             if let Some(side) = side {
                 let [.., segments] = &mut side.nearby_q8;
@@ -195,7 +203,6 @@ pub(crate) fn accumulate_support(
             hypothesis.support = 0;
         }
     }
-    cut
 }
 
 /// Rows between the tops of two segments beyond which their hypotheses cannot contradict each

@@ -262,20 +262,21 @@ impl<'a> MatchContext<'a> {
         }
     }
 
-    /// The context with the search range of one segment: the disparities of the support points
-    /// around it and [`AROUND`] on both sides. `None` where the points give no range.
-    fn directed(&self, segment: &Segment) -> Option<Self> {
-        let (low, high) = self.support.range_around(segment.area())?;
+    /// Where a segment is searched: the disparities of the support points around it and [`AROUND`]
+    /// on both sides, or everywhere where the points give no range.
+    pub(crate) fn search(&self, segment: &Segment) -> Search {
+        let Some((low, high)) = self.support.range_around(segment.area()) else {
+            return Search::Full;
+        };
         let (low, high) = (low - AROUND, high + 1 + AROUND);
         // Whole blocks of disparities cost no more than partial ones.
         let more = LANES as i32 - 1 - ((high - low - 1) & (LANES as i32 - 1));
         let (low, high) = (low - more / 2, high + more - more / 2);
         let (first, end) = (low.max(self.min_disparity), high.min(self.max_disparity));
-        (end - first >= MIN_RANGE).then_some(Self {
-            min_disparity: first,
-            max_disparity: end,
-            ..*self
-        })
+        if end - first < MIN_RANGE {
+            return Search::Full;
+        }
+        Search::Directed(first as i16, end as i16)
     }
 
     /// First disparity and the one after the last, px.
@@ -318,11 +319,11 @@ impl<'a> MatchContext<'a> {
     }
 }
 
-/// Disparities at which a segment was searched.
-#[derive(Clone, Copy, PartialEq, Eq)]
+/// Disparities at which a segment is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Search {
-    /// Around those of the support points nearby.
-    Directed,
+    /// Around those of the support points nearby: the first one, and that after the last, px.
+    Directed(i16, i16),
     /// The whole range: support points gave no narrower one.
     Full,
     /// None: the searches of the whole range are used up.
@@ -357,6 +358,11 @@ impl<'a> FullSearches<'a> {
         Self { areas, dims, square: i32::from(cell) * i32::from(cell), taken: 0 }
     }
 
+    /// The search of a segment, without one of the whole range where none is left.
+    pub(crate) fn allow(&mut self, segment: &Segment, search: Search) -> Search {
+        if search == Search::Full && !self.take(segment) { Search::Cut } else { search }
+    }
+
     /// Takes one for a segment, if there is one left at its rows.
     fn take(&mut self, segment: &Segment) -> bool {
         let bottom = segment.area().bottom;
@@ -371,33 +377,28 @@ impl<'a> FullSearches<'a> {
     }
 }
 
-/// A candidate or the test that the segment failed.
-pub(crate) struct Matched {
-    pub(crate) outcome: Result<Candidate, Rejection>,
-    pub(crate) search: Search,
-}
-
 /// Matches one segment in a band that holds its rows, or returns the test that it fails.
 pub(crate) fn match_segment(
     segment: &Segment,
     context: &MatchContext<'_>,
-    full: &mut FullSearches<'_>,
+    search: Search,
     band: &Band<'_>,
     work: &mut Workspace,
-) -> Matched {
-    let directed = context.directed(segment);
-    if directed.is_none() && !full.take(segment) {
-        return Matched { outcome: Err(Rejection::LessProminent), search: Search::Cut };
-    }
-    let search = if directed.is_some() { Search::Directed } else { Search::Full };
-    let context = directed.as_ref().unwrap_or(context);
+) -> Result<Candidate, Rejection> {
+    let directed;
+    let context = match search {
+        Search::Directed(first, end) => {
+            let (min_disparity, max_disparity) = (first.into(), end.into());
+            directed = MatchContext { min_disparity, max_disparity, ..*context };
+            &directed
+        }
+        Search::Full => context,
+        Search::Cut => return Err(Rejection::LessProminent),
+    };
     let candidate = if segment.near_horizontal {
         near_horizontal::match_near_horizontal(segment, context, band, work)
     } else {
         near_vertical::match_near_vertical(segment, context, band, work)
-    };
-    let valid = |candidate: Candidate| {
-        if candidate.ends_where_valid(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
-    };
-    Matched { outcome: candidate.and_then(valid), search }
+    }?;
+    if candidate.ends_where_valid(band) { Ok(candidate) } else { Err(Rejection::NearBorder) }
 }

@@ -3,13 +3,13 @@
 //! The head of a memory says what was cut from its words last. It is cleared with a memory, and
 //! only written here: what it says are values is values.
 
-use super::{Buffers, OBJECT_POINTS, RunError};
+use super::{Buffers, OBJECT_POINTS, RunError, SECOND_BARS, Scratch, Second};
 use crate::bars::{Bar, MOST_BARS};
 use crate::image::Dims;
 use crate::lines::{self, Segment, mark_words};
 use crate::list::List;
 use crate::matching::consistency::Neighbour;
-use crate::matching::{Candidate, Workspace};
+use crate::matching::{Candidate, Search, Workspace};
 use crate::report::Ranked;
 use crate::result::Match;
 use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
@@ -41,17 +41,26 @@ pub(super) struct Layout {
     pub(super) dims: Dims,
     pub(super) segments: u16,
     pub(super) candidates: u16,
+    pub(super) two_cores: bool,
 }
 
 impl Layout {
     /// Words of all that [`MemorySlice::cut_as`] takes, and of the head.
     pub(super) const fn words(&self) -> usize {
-        let Self { dims, segments, candidates } = *self;
+        let Self { dims, segments, candidates, two_cores } = *self;
         let (segments, candidates) = (segments as usize, candidates as usize);
-        HEAD + words_of::<u32>(mark_words(dims))
+        let scratch = words_of::<u32>(mark_words(dims))
             + words_of::<u16>(lines::MAX_POSITIONS)
             + words_of::<u8>(lines::MAX_POSITIONS)
             + words_of::<u8>(row_bytes(dims.width) * BAND_ROWS * PLANES)
+            + words_of::<Workspace>(1);
+        let second = if two_cores {
+            scratch + words_of::<Search>(candidates) + words_of::<Bar>(SECOND_BARS)
+        } else {
+            0
+        };
+        HEAD + scratch
+            + second
             + 2 * words_of::<Segment>(segments)
             + words_of::<Candidate>(candidates)
             + words_of::<Neighbour>(candidates + OBJECT_POINTS)
@@ -59,7 +68,6 @@ impl Layout {
             + words_of::<SupportPoint>(most_support_points(dims))
             + words_of::<Match>(candidates)
             + words_of::<Bar>(MOST_BARS)
-            + words_of::<Workspace>(1)
     }
 }
 
@@ -131,17 +139,24 @@ impl MemorySlice {
             words.fill(MaybeUninit::new(0));
             head.layout = *layout;
         }
-        let Layout { dims, segments, candidates: most } = *layout;
+        let Layout { dims, segments, candidates: most, two_cores } = *layout;
         let (segments, most) = (segments.into(), most.into());
         let mut rest = Rest(words);
         // SAFETY: `Layout::words` counts the same values and lists. The words are 0, or were cut
         // into the same before.
         unsafe {
             Some(Buffers {
-                marks: rest.values(mark_words(dims)),
-                chain: rest.values(lines::MAX_POSITIONS),
-                strengths: rest.values(lines::MAX_POSITIONS),
-                rows: rest.values(row_bytes(dims.width) * BAND_ROWS * PLANES),
+                scratch: rest.scratch(dims)?,
+                second: if two_cores {
+                    let scratch = rest.scratch(dims)?;
+                    Some(Second {
+                        scratch,
+                        searches: rest.list(most),
+                        bars: rest.list(SECOND_BARS),
+                    })
+                } else {
+                    None
+                },
                 left: rest.list(segments),
                 right: rest.list(segments),
                 candidates: rest.list(most),
@@ -150,7 +165,6 @@ impl MemorySlice {
                 support: rest.list(most_support_points(dims)),
                 matches: rest.list(most),
                 bars: rest.list(MOST_BARS),
-                work: rest.values(1).first_mut()?,
             })
         }
     }
@@ -204,6 +218,23 @@ impl<'a> Rest<'a> {
         unsafe { self.slots(count).assume_init_mut() }
     }
 
+    /// The next buffers of a core.
+    ///
+    /// # Safety
+    /// As of [`Rest::values`].
+    unsafe fn scratch(&mut self, dims: Dims) -> Option<Scratch<'a>> {
+        // SAFETY: as the caller says.
+        unsafe {
+            Some(Scratch {
+                marks: self.values(mark_words(dims)),
+                chain: self.values(lines::MAX_POSITIONS),
+                strengths: self.values(lines::MAX_POSITIONS),
+                rows: self.values(row_bytes(dims.width) * BAND_ROWS * PLANES),
+                work: self.values(1).first_mut()?,
+            })
+        }
+    }
+
     /// The next list.
     ///
     /// # Safety
@@ -223,9 +254,18 @@ mod tests {
 
     const DIMS: Dims = Dims { width: 64, height: 48 };
 
+    /// Segments that two cores match in all words but so many.
+    fn buffers_of_two(words: &mut [Word], capacity: Capacity, fewer: usize) -> Option<usize> {
+        let words = &mut words[..capacity.words() - fewer];
+        let buffers = MemorySlice::new(words, capacity.segments);
+        let buffers = buffers.cut(capacity.dims, capacity.cell).unwrap();
+        assert_eq!(buffers.second.is_some(), capacity.two_cores);
+        buffers.second.map(|second| second.searches.capacity())
+    }
+
     #[test]
     fn a_memory_is_cut_into_what_its_capacity_says() {
-        let capacity = Capacity { dims: DIMS, segments: 70, cell: 9 };
+        let capacity = Capacity { dims: DIMS, segments: 70, cell: 9, two_cores: false };
         let mut words = vec![MaybeUninit::uninit(); capacity.words()];
         let memory = MemorySlice::new(&mut words, 70);
         let buffers = memory.cut(DIMS, 9).unwrap();
@@ -240,6 +280,10 @@ mod tests {
             let error = MemorySlice::new(&mut words[..given], 70).cut(DIMS, cell).err();
             assert_eq!(error, Some(RunError::MemoryTooSmall { needed, given }));
         }
+        assert!(buffers_of_two(&mut words, capacity, 1).is_none());
+        let both = Capacity { two_cores: true, ..capacity };
+        let mut words = vec![MaybeUninit::uninit(); both.words()];
+        assert_eq!(buffers_of_two(&mut words, both, 0), Some(8 * 6));
         assert!(MemorySlice::new(&mut words[..HEAD - 1], 70).cut(DIMS, 20).is_err());
         assert!(MemorySlice::new(&mut [], 70).cut(DIMS, 20).is_err());
         let buffers = MemorySlice::new(&mut words[..needed], 70);

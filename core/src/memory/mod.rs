@@ -16,10 +16,10 @@ mod carve;
 
 use crate::bars::Bar;
 use crate::image::{Dims, MAX_HEIGHT, MAX_WIDTH};
-use crate::lines::{self, Segment};
+use crate::lines::{self, LineScratch, Segment};
 use crate::list::List;
 use crate::matching::consistency::Neighbour;
-use crate::matching::{Candidate, Workspace};
+use crate::matching::{Candidate, Search, Workspace};
 use crate::params::Params;
 use crate::report::Ranked;
 use crate::result::Match;
@@ -70,13 +70,21 @@ pub struct Capacity {
     /// The smallest [`Params::cell`], px; below 8 counts as 8. With a smaller one the squares grow
     /// until their segments fit.
     pub cell: u16,
+    /// With memory for a second core, so that [`Matcher::run_on`](crate::Matcher::run_on) matches
+    /// segments on both: at QVGA 48 KB more.
+    pub two_cores: bool,
 }
 
 impl Capacity {
     /// Room for images of this size, 640 segments in each, and the default [`Params::cell`].
     #[must_use]
     pub const fn new(dims: Dims) -> Self {
-        Self { dims, segments: DEFAULT_SEGMENTS as u16, cell: Params::DEFAULT.cell }
+        Self {
+            dims,
+            segments: DEFAULT_SEGMENTS as u16,
+            cell: Params::DEFAULT.cell,
+            two_cores: false,
+        }
     }
 
     /// Number of words of a memory with this capacity, the same on every machine.
@@ -114,7 +122,7 @@ impl Capacity {
         // images do not have.
         let squares = dims.width.div_ceil(cell) as u32 * dims.height.div_ceil(cell) as u32;
         let candidates = if squares > most as u32 { most } else { squares as u16 };
-        Layout { dims, segments, candidates }
+        Layout { dims, segments, candidates, two_cores: self.two_cores }
     }
 }
 
@@ -122,7 +130,8 @@ impl Layout {
     /// The layout of a run; the number of words needed if there are fewer.
     fn of_run(dims: Dims, cell: u16, limits: Limits, words: usize) -> Result<Self, usize> {
         let layout = |cell| {
-            let layout = Capacity { dims, segments: limits.segments, cell }.layout();
+            let segments = limits.segments;
+            let layout = Capacity { dims, segments, cell, two_cores: false }.layout();
             Self { candidates: layout.candidates.min(limits.candidates), ..layout }
         };
         let (mut found, least) = (layout(cell), layout(cell.max(Params::DEFAULT.cell)));
@@ -135,7 +144,8 @@ impl Layout {
             found.candidates =
                 found.candidates.saturating_sub(dropped as u16).max(least.candidates);
         }
-        Ok(found)
+        let both = Self { two_cores: true, ..found };
+        Ok(if both.words() <= words { both } else { found })
     }
 }
 
@@ -218,10 +228,8 @@ impl<const WORDS: usize, const SEGMENTS: usize, const CANDIDATES: usize> DerefMu
 /// The buffers of a run; all lists are empty before it.
 #[derive(Debug)]
 pub(crate) struct Buffers<'a> {
-    pub(crate) marks: &'a mut [u32],
-    pub(crate) chain: &'a mut [u16],
-    pub(crate) strengths: &'a mut [u8],
-    pub(crate) rows: &'a mut [u8],
+    pub(crate) scratch: Scratch<'a>,
+    pub(crate) second: Option<Second<'a>>,
     pub(crate) left: List<'a, Segment>,
     pub(crate) right: List<'a, Segment>,
     pub(crate) candidates: List<'a, Candidate>,
@@ -230,5 +238,34 @@ pub(crate) struct Buffers<'a> {
     pub(crate) support: List<'a, SupportPoint>,
     pub(crate) matches: List<'a, Match>,
     pub(crate) bars: List<'a, Bar>,
+}
+
+/// Buffers of a second core, and those that only two need.
+#[derive(Debug)]
+pub(crate) struct Second<'a> {
+    pub(crate) scratch: Scratch<'a>,
+    /// Where each segment is searched.
+    pub(crate) searches: List<'a, Search>,
+    /// Bars that the second core has found.
+    pub(crate) bars: List<'a, Bar>,
+}
+
+/// Most bars that the second core finds.
+const SECOND_BARS: usize = 96;
+
+/// Buffers that each core has its own of.
+#[derive(Debug)]
+pub(crate) struct Scratch<'a> {
+    pub(crate) marks: &'a mut [u32],
+    pub(crate) chain: &'a mut [u16],
+    pub(crate) strengths: &'a mut [u8],
+    pub(crate) rows: &'a mut [u8],
     pub(crate) work: &'a mut Workspace,
+}
+
+impl Scratch<'_> {
+    /// Those for the lines of an image.
+    pub(crate) fn lines(&mut self) -> LineScratch<'_> {
+        LineScratch { marks: self.marks, chain: self.chain, strengths: self.strengths }
+    }
 }

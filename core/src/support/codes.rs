@@ -15,6 +15,7 @@
 //! # Cost
 //! Some 45 instructions a column of four codes (Armv7E-M), whatever the picture.
 
+use crate::cores::{Cores, join};
 use crate::image::{Gray, Span, halve_rows};
 use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, STRIP, code_columns, code_costs};
 
@@ -64,8 +65,24 @@ impl<'a> CodeRows<'a> {
     }
 
     /// Computes the codes of the rows around row `y`.
-    pub(super) fn code(&mut self, y: i32) {
+    pub(super) fn code(&mut self, y: i32, cores: Option<&mut dyn Cores>) {
         let (offsets, scale) = ([0, self.row_offset], i32::from(self.scale()));
+        let doublings = self.doublings;
+        let code =
+            |(image, offset): (Gray<'_>, i32), rows: [&[u8]; ROWS], columns: &mut [CodeColumn]| {
+                code_columns(rows, doublings, columns);
+                let coded = [-3, -1, 1, 3].map(|down| scale * (y + down) + offset);
+                flatten(image, coded, scale as usize, columns);
+            };
+        // The memory for rows of halves is that of one image.
+        if let Some(cores) = cores
+            && self.half.is_none()
+        {
+            let ([left, right], [a, b]) = (self.images, &mut self.columns);
+            let here = || code((left, 0), rows_around(left, y), a);
+            let there = || code((right, offsets[1]), rows_around(right, y + offsets[1]), b);
+            return join(Some(cores), here, there);
+        }
         for ((image, offset), columns) in
             self.images.into_iter().zip(offsets).zip(&mut self.columns)
         {
@@ -76,9 +93,7 @@ impl<'a> CodeRows<'a> {
                 }
                 None => rows_around(image, y + offset),
             };
-            code_columns(rows, self.doublings, columns);
-            let coded = [-3, -1, 1, 3].map(|down| scale * (y + down) + offset);
-            flatten(image, coded, scale as usize, columns);
+            code((image, offset), rows, columns);
         }
     }
 

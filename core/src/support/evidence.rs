@@ -146,6 +146,12 @@ impl Detail {
         self.windows += 1;
     }
 
+    /// Adds the sums over other windows.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.steps += other.steps;
+        self.windows += other.windows;
+    }
+
     /// [`SupportKind::Detail`], Q8.
     pub(super) fn mean_q8(&self) -> i16 {
         if self.windows == 0 {

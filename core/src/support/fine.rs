@@ -162,7 +162,7 @@ impl Fine<'_> {
                 below.fill(None);
                 continue;
             }
-            codes.code(y);
+            codes.code(y, None);
             let is_seen = labels.as_mut().is_some_and(|labels| labels.shift(y, &codes));
             let row = Row {
                 half_rows,

@@ -41,6 +41,7 @@ mod paths;
 mod place;
 mod plane;
 mod points;
+mod row;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
@@ -51,21 +52,20 @@ pub use points::Support;
 
 use crate::area::Area;
 use crate::confidence::Model;
+use crate::cores::{Cores, lend};
 use crate::ground::GroundPlane;
 use crate::image::{Gray, Span};
-use crate::kernel::{JUMP_PENALTY, code_costs, code_steps};
+use crate::kernel::JUMP_PENALTY;
 use crate::list::List;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use core::ops::Range;
-use evidence::{
-    Detail, Found, Labels, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, Unmatched, nearby,
-};
-use nearer::NearerSearch;
+use evidence::{Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, nearby};
 use paths::{MAX_COLUMNS, Paths, PointCosts};
 use place::Place;
 use plane::PlaneLabels;
+use row::{Row, RowPart, Sums};
 
 /// Distance from one support point to the next, across and down, px.
 pub const SUPPORT_PITCH: u16 = 8;
@@ -252,6 +252,7 @@ impl Matching<'_> {
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
+        mut cores: Option<&mut dyn Cores>,
         memory: &mut [u8],
         points: &mut List<'_, SupportPoint>,
         mut watch: impl FnMut(usize, Seen<'_>),
@@ -266,19 +267,19 @@ impl Matching<'_> {
         }
         let whole = [Area::of(self.images[0].dims())];
         let areas = areas.unwrap_or(&whole);
-        let (mut detail, mut nearer) =
-            (Detail::default(), NearerSearch::new(self.half.unwrap_or(self.grid)));
+        let mut sums = Sums::new(self.half.unwrap_or(self.grid));
         let Some(half) = self.half else {
             for &area in areas {
                 self.match_area(
                     self.grid.within(area),
+                    lend(&mut cores),
                     memory,
                     points,
-                    (&mut detail, &mut nearer),
+                    &mut sums,
                     &mut watch,
                 );
             }
-            return (detail.mean_q8(), nearer.check);
+            return (sums.detail.mean_q8(), sums.nearer.check);
         };
         let plane = self.plane.map(GroundPlane::halved);
         let grid = if plane.is_some() { half.with_plane(memory.len()) } else { half };
@@ -286,27 +287,30 @@ impl Matching<'_> {
         for &area in areas {
             halves.match_area(
                 half.within(area.halved()),
+                lend(&mut cores),
                 memory,
                 points,
-                (&mut detail, &mut nearer),
+                &mut sums,
                 &mut |_, _| (),
             );
         }
-        let detail_q8 = detail.mean_q8();
+        let detail_q8 = sums.detail.mean_q8();
         if let Some(points) = points.get_mut(..half.columns * half.rows) {
             add_nearby(points, half, (detail_q8, plane), self.models.of(plane.is_some()));
         }
         fine::Fine { matching: self, half }.run(areas, memory, points, watch);
-        (detail_q8, nearer.check.doubled())
+        (detail_q8, sums.nearer.check.doubled())
     }
 
-    /// Matches the points in these columns and rows of the grid.
+    /// Matches the points in these columns and rows of the grid, on two cores half of the columns
+    /// each.
     fn match_area(
         &self,
         area: Area,
+        mut cores: Option<&mut dyn Cores>, // no part of a tuple, which hides that it is `None`
         memory: &mut [u8],
         points: &mut [SupportPoint],
-        (detail, nearer): (&mut Detail, &mut NearerSearch),
+        sums: &mut Sums,
         watch: &mut dyn FnMut(usize, Seen<'_>), // compiled once, for both sizes
     ) {
         let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
@@ -325,13 +329,12 @@ impl Matching<'_> {
         };
         paths.restart();
         let columns = usize::from(area.left)..usize::from(area.right);
-        let last = self.grid.last();
         let mut ranges = [Span::default(); MAX_COLUMNS];
         let mut steps = [0; MAX_COLUMNS];
         let mut valid_before = None;
         for row in area.top..area.bottom {
             let y = Grid::y(row.into());
-            codes.code(y);
+            codes.code(y, lend(&mut cores));
             let valid = codes.valid(y);
             if valid_before.replace(valid) != Some(valid) {
                 for (range, column) in ranges.iter_mut().zip(0..self.grid.columns) {
@@ -341,74 +344,33 @@ impl Matching<'_> {
             if let Some(labels) = &mut labels {
                 labels.measure(y, self.grid, &codes, valid[1]);
             }
-            paths.forward(columns.clone(), |column, costs| {
-                let (costs, beside) =
-                    costs.split_at_mut_checked(self.grid.disparities).unwrap_or_default();
-                if let Some((none, beside)) = beside.split_first_mut()
-                    && let Some(labels) = &labels
-                {
-                    *none = u8::MAX;
-                    labels.fill(column, self.grid.x(column), beside);
-                }
-                let range = indices(ranges.get(column));
-                if range.len() < costs.len() {
-                    costs.fill(OUTSIDE);
-                }
-                let x = self.grid.window(column);
-                if let Some((window, columns)) = codes.windows(x, x - last + range.start as i32)
-                    && let Some(in_range) = costs.get_mut(range)
-                {
-                    code_costs(window, columns, in_range);
-                    if !in_range.is_empty() {
-                        let [_, right] = valid;
-                        nearer.add((row.into(), column), costs, &codes, right.start.into());
-                    }
-                    if let Some(steps) = steps.get_mut(column) {
-                        *steps = code_steps(window);
-                        detail.add(*steps);
-                    }
-                }
-            });
             let first = usize::from(row) * self.grid.columns;
-            paths.back(columns.clone(), |column, costs| {
-                let range = indices(ranges.get(column));
-                if !range.is_empty()
-                    && let Some(point) = points.get_mut(first + column)
-                    && let Some(&steps) = steps.get(column)
-                {
-                    if self.wants_curves {
-                        watch(
-                            first + column,
-                            Seen::Curves(SupportCurves::new(&costs, range.clone(), last)),
-                        );
-                    }
-                    let window = self.grid.window(column);
-                    let in_left =
-                        |away: usize, costs: &mut [u8]| codes.costs_in_left(window, away, costs);
-                    let beside =
-                        labels.as_ref().and_then(|labels| labels.label(column, self.grid, y));
-                    let labels = Labels {
-                        range: range.clone(),
-                        disparities: self.grid.disparities,
-                        last,
-                        beside,
-                    };
-                    *point = match Found::new(costs, &labels, steps, in_left) {
-                        Ok(found) => {
-                            watch(first + column, Seen::Evidence(&found.evidence));
-                            let place =
-                                codes.around_window(window).map_or(Place::MIDDLE, |around| {
-                                    Place::of(around, window - self.grid.x(column))
-                                });
-                            self.to_point(&found, place)
-                        }
-                        Err(Unmatched::Repeats) => {
-                            SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() }
-                        }
-                        Err(Unmatched::Unclear) => SupportPoint::none(),
-                    };
+            let Some(points) = points.get_mut(first..first + self.grid.columns) else { return };
+            let row = Row {
+                matching: self,
+                codes: &codes,
+                labels: labels.as_ref(),
+                ranges: &ranges,
+                right_start: valid[1].start.into(),
+                row: row.into(),
+            };
+            match lend(&mut cores) {
+                None => paths.pass(
+                    columns.clone(),
+                    &mut RowPart {
+                        row: &row,
+                        first: 0,
+                        points,
+                        steps: &mut steps,
+                        sums,
+                        watch: &mut *watch,
+                    },
+                ),
+                Some(cores) => {
+                    let points = (points, &mut steps[..]);
+                    row.pass_on(cores, &mut paths, columns.clone(), points, sums);
                 }
-            });
+            }
         }
     }
 
@@ -473,18 +435,34 @@ fn add_nearby(
 
 /// Sets the probability of every point by its own evidence and that by its neighbours.
 pub(crate) fn rate(
+    cores: Option<&mut dyn Cores>,
     points: &mut [SupportPoint],
     grid: Grid,
-    (detail_q8, plane): (i16, Option<GroundPlane>),
+    pair: (i16, Option<GroundPlane>),
     model: &Model<SUPPORT_EVIDENCE>,
 ) {
-    for index in 0..points.len() {
-        let nearby = nearby(points, grid, (detail_q8, plane), index);
-        if let Some(point) = points.get_mut(index)
-            && point.is_matched()
-        {
-            let score = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
-            point.probability_q16 = model.probability_q16(score);
+    let rate = |points: &mut [SupportPoint], indices: Range<usize>| {
+        for index in indices {
+            let nearby = nearby(points, grid, pair, index);
+            if let Some(point) = points.get_mut(index)
+                && point.is_matched()
+            {
+                let score = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
+                point.probability_q16 = model.probability_q16(score);
+            }
         }
+    };
+    let (row, border) = (grid.columns, grid.rows / 2 * grid.columns);
+    let all = points.len();
+    if let Some(cores) = cores
+        && border > 0
+        && let Some((above, below)) = points.split_at_mut_checked(border)
+    {
+        // The rows at the border have neighbours of both halves.
+        let (last, rest) = (border - row, below.len());
+        cores.join(&mut || rate(above, 0..last), &mut || rate(below, row..rest));
+        rate(points, last..border + row);
+    } else {
+        rate(points, 0..all);
     }
 }

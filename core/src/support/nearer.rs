@@ -54,6 +54,15 @@ impl RangeCheck {
         Self { disparity: 2 * self.disparity, largest: 2 * self.largest, ..self }
     }
 
+    /// Adds the counts of other windows.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.windows += other.windows;
+        self.beyond += other.beyond;
+        let smaller = self.largest.min(other.largest);
+        self.disparity = self.disparity.max(other.disparity).max(smaller);
+        self.largest = self.largest.max(other.largest);
+    }
+
     fn add_match(&mut self, disparity: u16) {
         self.beyond += 1;
         self.disparity = self.disparity.max(self.largest.min(disparity));
@@ -61,18 +70,27 @@ impl RangeCheck {
     }
 }
 
+/// The column, or the next one where a sample would begin before it and end behind it.
+pub(super) fn beside_sample(column: usize) -> usize {
+    column + usize::from(column % STEP == FIRST_COLUMN + 1)
+}
+
 /// Costs of the first point of a sample, and the counts so far.
 pub(super) struct NearerSearch {
     grid: Grid,
     first: [u8; MAX_DISPARITIES],
-    /// The sample of the current row whose first point is known.
-    sample: Option<usize>,
+    /// Row and sample whose first point is known.
+    sample: Option<(usize, usize)>,
     pub(super) check: RangeCheck,
 }
 
 impl NearerSearch {
     pub(super) fn new(grid: Grid) -> Self {
         Self { grid, first: [0; MAX_DISPARITIES], sample: None, check: RangeCheck::default() }
+    }
+
+    pub(super) const fn grid(&self) -> Grid {
+        self.grid
     }
 
     /// Continues with the costs of the next point of a row, at all disparities of the range.
@@ -86,7 +104,7 @@ impl NearerSearch {
         if row % STEP != FIRST_ROW {
             return;
         }
-        let (sample, place) = (column / STEP, column % STEP);
+        let (sample, place) = ((row, column / STEP), column % STEP);
         if place == FIRST_COLUMN {
             self.sample = Some(sample);
             let length = costs.len().min(MAX_DISPARITIES);
@@ -160,5 +178,21 @@ mod tests {
             *seen = check.disparity;
         }
         assert_eq!((seen, check.beyond), ([0, 70, 80, 80], 4));
+    }
+
+    #[test]
+    fn counts_of_two_halves_are_those_of_the_whole() {
+        let all = [70, 90, 80, 75];
+        let of = |disparities: &[u16]| {
+            let mut check = RangeCheck::default();
+            disparities.iter().for_each(|&disparity| check.add_match(disparity));
+            check
+        };
+        for middle in 0..=all.len() {
+            let (left, right) = all.split_at(middle);
+            let mut check = of(left);
+            check.merge(&of(right));
+            assert_eq!(check, of(&all), "{middle}");
+        }
     }
 }

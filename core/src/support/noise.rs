@@ -19,6 +19,7 @@
 //! Immerkaer 1996 (fast noise variance estimation: the mask), by a quantile of runs instead of the
 //! mean of all pixels.
 
+use crate::cores::{Cores, join};
 use crate::image::Gray;
 use crate::kernel::{RUN_PIXELS, STRIP, second_differences};
 use crate::units::quotient;
@@ -46,9 +47,11 @@ pub(crate) struct Noise {
 
 impl Noise {
     /// The noise of the noisier image.
-    pub(crate) fn of(images: [Gray<'_>; 2]) -> Self {
-        let [left, right] = images;
-        of_image(left, 1).max(of_image(left, 2)).max(of_image(right, 1)).max(of_image(right, 2))
+    pub(crate) fn of(cores: Option<&mut dyn Cores>, [left, right]: [Gray<'_>; 2]) -> Self {
+        let of = |image| of_image(image, 1).max(of_image(image, 2));
+        let (mut of_left, mut of_right) = (Self::default(), Self::default());
+        join(cores, || of_left = of(left), || of_right = of(right));
+        of_left.max(of_right)
     }
 
     /// How often codes are doubled, 1 ..= 4: each halves the difference that fills their scale.

@@ -12,6 +12,8 @@
 //! Three steps of a path and a sum for every point and disparity, whatever the costs are: 930
 //! instructions a point at 64 disparities (Armv7E-M).
 
+use crate::cores::Cores;
+use crate::curve::MAX_DISPARITIES;
 use crate::kernel::{path_step, sum_paths};
 use core::ops::Range;
 
@@ -54,6 +56,39 @@ pub(super) struct PointCosts<'p> {
     pub(super) lowest: u8,
 }
 
+/// A path along the row: its costs at the point that it has come to.
+struct Path<'p> {
+    costs: &'p mut [u8],
+    lowest: u8,
+}
+
+impl<'p> Path<'p> {
+    fn new(costs: &'p mut [u8]) -> Self {
+        costs.fill(0);
+        Self { costs, lowest: 0 }
+    }
+}
+
+/// Some points of the row, one beside the other.
+struct Part<'p> {
+    columns: Range<usize>,
+    costs: &'p mut [u8],
+    above: &'p mut [u8],
+    sums: &'p mut [u8],
+    above_lowest: &'p mut [u8],
+    labels: usize,
+    stride: usize,
+}
+
+/// The points of a row, or of a part of it.
+pub(super) trait Points {
+    /// Sets the costs of a point.
+    fn fill(&mut self, column: usize, costs: &mut [u8]);
+
+    /// Takes the sums of a point.
+    fn visit(&mut self, column: usize, costs: PointCosts<'_>);
+}
+
 impl<'m> Paths<'m> {
     pub(super) fn new(labels: usize, columns: usize, memory: &'m mut [u8]) -> Option<Self> {
         let stride = stride(labels);
@@ -77,71 +112,161 @@ impl<'m> Paths<'m> {
         }
     }
 
-    /// Continues the paths from above and from the left through these points of the next row;
-    /// `fill(column, costs)` sets the costs of each.
-    pub(super) fn forward(
-        &mut self,
-        columns: Range<usize>,
-        mut fill: impl FnMut(usize, &mut [u8]),
-    ) {
-        self.along.fill(0);
-        let mut lowest = 0;
-        let (stride, labels) = (self.stride.max(1), self.labels);
-        let within = columns.start * stride..columns.end * stride;
-        let (Some(costs), Some(above), Some(sums), Some(above_lowest)) = (
-            self.costs.get_mut(within.clone()),
-            self.above.get_mut(within.clone()),
-            self.sums.get_mut(within),
-            self.above_lowest.get_mut(columns.clone()),
-        ) else {
-            return;
-        };
-        let points = costs
-            .chunks_exact_mut(stride)
-            .zip(above.chunks_exact_mut(stride))
-            .zip(sums.chunks_exact_mut(stride));
-        for (((costs, above), sum), (above_lowest, column)) in
-            points.zip(above_lowest.iter_mut().zip(columns))
-        {
-            if let Some(costs) = costs.get_mut(..labels) {
-                fill(column, costs);
-            }
-            *above_lowest = path_step(costs, *above_lowest, above);
-            lowest = path_step(costs, lowest, self.along);
-            // As long as each other; cut to one length, so that the copy has no panic path.
-            let length = sum.len().min(self.along.len());
-            if let (Some(sum), Some(along)) = (sum.get_mut(..length), self.along.get(..length)) {
-                sum.copy_from_slice(along);
-            }
+    /// Continues the paths from above and from the left through these points of the next row, then
+    /// computes the path from the right, last point first.
+    pub(super) fn pass(&mut self, columns: Range<usize>, points: &mut impl Points) {
+        let end = columns.end;
+        if let Some(([mut all, _], along)) = self.parts(columns, end) {
+            all.begin(&mut Path::new(along), points);
+            all.close_back(&mut Path::new(along), points);
         }
     }
 
-    /// Computes the path from the right through these points, last first, and calls `visit(column,
-    /// costs)` for each.
-    pub(super) fn back(
+    /// As [`Paths::pass`], on two cores: the points before column `middle`, and the others.
+    ///
+    /// ```text
+    /// here     left: costs, from above, from the left      right: on from the left, sums
+    /// there    right: costs, from above, from the right    left: on from the right, sums
+    /// ```
+    #[inline(never)] // its memory is on the stack only while it runs
+    pub(super) fn pass_on<P: Points + Send>(
+        &mut self,
+        cores: &mut dyn Cores,
+        (columns, middle): (Range<usize>, usize),
+        [left_points, right_points]: &mut [P; 2],
+    ) {
+        let Some(([mut left, mut right], along)) = self.parts(columns, middle) else { return };
+        let mut spare = [0; stride(MAX_DISPARITIES + 1 + PLANE_LABELS)];
+        let Some(spare) = spare.get_mut(..along.len()) else { return };
+        let (mut from_left, mut from_right) = (Path::new(along), Path::new(spare));
+        cores.join(&mut || left.begin(&mut from_left, left_points), &mut || {
+            right.begin_back(&mut from_right, right_points);
+        });
+        cores.join(&mut || right.close(&mut from_left, right_points), &mut || {
+            left.close_back(&mut from_right, left_points);
+        });
+    }
+
+    /// The points before and from column `middle` on, and memory for a path.
+    fn parts(
         &mut self,
         columns: Range<usize>,
-        mut visit: impl FnMut(usize, PointCosts<'_>),
-    ) {
-        self.along.fill(0);
-        let mut lowest = 0;
-        let stride = self.stride.max(1);
+        middle: usize,
+    ) -> Option<([Part<'_>; 2], &mut [u8])> {
+        let (stride, labels) = (self.stride.max(1), self.labels);
         let within = columns.start * stride..columns.end * stride;
-        let (Some(costs), Some(above), Some(sums)) = (
-            self.costs.get_mut(within.clone()),
-            self.above.get(within.clone()),
-            self.sums.get_mut(within),
-        ) else {
-            return;
+        let (of_left, at) = (middle.checked_sub(columns.start)?, middle * stride - within.start);
+        let (costs, right_costs) = self.costs.get_mut(within.clone())?.split_at_mut_checked(at)?;
+        let (above, right_above) = self.above.get_mut(within.clone())?.split_at_mut_checked(at)?;
+        let (sums, right_sums) = self.sums.get_mut(within)?.split_at_mut_checked(at)?;
+        let (above_lowest, right_lowest) =
+            self.above_lowest.get_mut(columns.clone())?.split_at_mut_checked(of_left)?;
+        let left = Part {
+            columns: columns.start..middle,
+            costs,
+            above,
+            sums,
+            above_lowest,
+            labels,
+            stride,
         };
-        let points = costs
+        let right = Part {
+            columns: middle..columns.end,
+            costs: right_costs,
+            above: right_above,
+            sums: right_sums,
+            above_lowest: right_lowest,
+            labels,
+            stride,
+        };
+        Some(([left, right], self.along))
+    }
+}
+
+impl Part<'_> {
+    /// Continues the path from above and that from the left; of each point.
+    fn begin(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
+        let (stride, labels) = (self.stride, self.labels);
+        let row = self
+            .costs
             .chunks_exact_mut(stride)
-            .zip(above.chunks_exact(stride))
-            .zip(sums.chunks_exact_mut(stride));
-        for (((costs, above), sums), column) in points.zip(columns).rev() {
-            lowest = path_step(costs, lowest, self.along);
-            let lowest = sum_paths(above, self.along, sums);
-            visit(column, PointCosts { costs, sums, lowest });
+            .zip(self.above.chunks_exact_mut(stride))
+            .zip(self.sums.chunks_exact_mut(stride));
+        for (((costs, above), sums), (above_lowest, column)) in
+            row.zip(self.above_lowest.iter_mut().zip(self.columns.clone()))
+        {
+            if let Some(costs) = costs.get_mut(..labels) {
+                points.fill(column, costs);
+            }
+            *above_lowest = path_step(costs, *above_lowest, above);
+            path.begin(costs, sums);
+        }
+    }
+
+    /// Computes the path from the right, last point first, and calls `visit(column, costs)` for
+    /// each.
+    fn close_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
+        let stride = self.stride;
+        let row = self
+            .costs
+            .chunks_exact_mut(stride)
+            .zip(self.above.chunks_exact(stride))
+            .zip(self.sums.chunks_exact_mut(stride));
+        for (((costs, above), sums), column) in row.zip(self.columns.clone()).rev() {
+            let lowest = path.close(costs, above, sums);
+            points.visit(column, PointCosts { costs, sums, lowest });
+        }
+    }
+}
+
+impl Path<'_> {
+    /// Goes on to a point, whose sum it is the first of.
+    #[inline(always)]
+    fn begin(&mut self, costs: &[u8], sums: &mut [u8]) {
+        self.lowest = path_step(costs, self.lowest, self.costs);
+        // As long as each other; cut to one length, so that the copy has no panic path.
+        let length = sums.len().min(self.costs.len());
+        if let (Some(sums), Some(path)) = (sums.get_mut(..length), self.costs.get(..length)) {
+            sums.copy_from_slice(path);
+        }
+    }
+
+    /// Goes on to a point, whose sum it completes; returns the lowest sum.
+    #[inline(always)]
+    fn close(&mut self, costs: &[u8], above: &[u8], sums: &mut [u8]) -> u8 {
+        self.lowest = path_step(costs, self.lowest, self.costs);
+        sum_paths(above, self.costs, sums)
+    }
+}
+
+impl Part<'_> {
+    /// Continues the path from above, then computes that from the right, last point first.
+    fn begin_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
+        let (stride, labels) = (self.stride, self.labels);
+        let row = self.costs.chunks_exact_mut(stride).zip(self.above.chunks_exact_mut(stride));
+        for ((costs, above), (lowest, column)) in
+            row.zip(self.above_lowest.iter_mut().zip(self.columns.clone()))
+        {
+            if let Some(costs) = costs.get_mut(..labels) {
+                points.fill(column, costs);
+            }
+            *lowest = path_step(costs, *lowest, above);
+        }
+        let row = self.costs.chunks_exact(stride).zip(self.sums.chunks_exact_mut(stride));
+        row.rev().for_each(|(costs, sums)| path.begin(costs, sums));
+    }
+
+    /// Completes the path from the left, and calls `visit(column, costs)` for each point.
+    fn close(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
+        let stride = self.stride;
+        let row = self
+            .costs
+            .chunks_exact_mut(stride)
+            .zip(self.above.chunks_exact(stride))
+            .zip(self.sums.chunks_exact_mut(stride));
+        for (((costs, above), sums), column) in row.zip(self.columns.clone()) {
+            let lowest = path.close(costs, above, sums);
+            points.visit(column, PointCosts { costs, sums, lowest });
         }
     }
 }

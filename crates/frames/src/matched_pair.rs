@@ -60,7 +60,7 @@ impl PairBuffers {
 /// Memory for images of this size with any parameters, in these words.
 pub fn memory(words: &mut Vec<MaybeUninit<u64>>, dims: Dims) -> &mut MemorySlice {
     // The finest squares that there are.
-    let capacity = Capacity { dims, segments: SEGMENTS, cell: 8 };
+    let capacity = Capacity { dims, segments: SEGMENTS, cell: 8, two_cores: false };
     words.resize(capacity.words(), MaybeUninit::uninit());
     MemorySlice::new(words, SEGMENTS)
 }
