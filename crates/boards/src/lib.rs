@@ -27,6 +27,8 @@ pub struct Board {
     pub largest: Dims,
     /// Segments it lists per image.
     pub segments: usize,
+    /// It matches pairs on two cores.
+    pub two_cores: bool,
     /// Width of the widest raw image that it rectifies, px.
     pub raw_width: usize,
     /// Bytes of raw rows that it holds of each camera.
@@ -78,6 +80,7 @@ const fn qvga(
         device,
         largest: QVGA,
         segments: 640,
+        two_cores: false,
         raw_width,
         band,
         sizes: &[QVGA, SMALL],
@@ -99,6 +102,7 @@ const fn qqvga(
         device,
         largest: QQVGA,
         segments,
+        two_cores: false,
         raw_width,
         band,
         sizes: &[QQVGA, SMALL],

@@ -2,9 +2,10 @@
 //! what each of them holds and what runs it; `docs/porting.md` adds one.
 
 /// The memory of a board, for what its description says that it holds.
+#[macro_export]
 macro_rules! board_memory {
     ($board:expr) => {
-        crate::memory::BoardMemory<
+        $crate::memory::BoardMemory<
             { $board.pixels() },
             { $board.raw_width },
             linestereo::Memory<
@@ -12,7 +13,7 @@ macro_rules! board_memory {
                 { $board.segments },
                 { $crate::memory::capacity(&$board).candidates() },
             >,
-            crate::memory::CameraRows<
+            $crate::memory::CameraRows<
                 { $crate::boards::NODES },
                 { $board.largest.height as usize },
                 { $board.band },

@@ -11,14 +11,18 @@ pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use core::ops::DerefMut;
 use linestereo::image::{Span, ViewError};
-use linestereo::{Capacity, Dims, Gray, Matched, Matcher, MemorySlice, Options};
+use linestereo::{Capacity, Cores, Dims, Gray, Matched, Matcher, MemorySlice, Options};
 use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
 
 /// Capacity of the core's memory on a board.
 #[must_use]
 pub const fn capacity(board: &Board) -> Capacity {
-    Capacity { segments: board.segments as u16, ..Capacity::new(board.largest) }
+    Capacity {
+        segments: board.segments as u16,
+        two_cores: board.two_cores,
+        ..Capacity::new(board.largest)
+    }
 }
 
 /// All memory of one board that depends on the size of frames: `C` is the core's, `R` rectifies a
@@ -51,6 +55,14 @@ pub trait Memory {
     /// said how far the rows are apart.
     fn run(
         &mut self,
+        matcher: &mut Matcher,
+        options: Options<'_>,
+    ) -> Result<Matched<'_>, PairError>;
+
+    /// The same on two cores.
+    fn run_on(
+        &mut self,
+        cores: &mut dyn Cores,
         matcher: &mut Matcher,
         options: Options<'_>,
     ) -> Result<Matched<'_>, PairError>;
@@ -133,6 +145,23 @@ impl<
     };
 }
 
+impl<const PIXELS: usize, const RAW_ROW: usize, C, R> BoardMemory<PIXELS, RAW_ROW, C, R>
+where
+    C: DerefMut<Target = MemorySlice>,
+    R: Rectifier,
+{
+    /// The core's memory, and the pair that lies in the frames.
+    #[inline(always)] // called twice, by `run` and by `run_on`
+    fn pair(&mut self, dims: Dims) -> Result<(&mut MemorySlice, [Gray<'_>; 2]), PairError> {
+        if !self.fits(dims) {
+            return Err(PairError::Size(dims));
+        }
+        let valid = valid(&self.rectifiers, self.is_raw);
+        let views = views([&self.left, &self.right], valid, dims)?;
+        Ok((&mut self.core, views))
+    }
+}
+
 impl<const PIXELS: usize, const RAW_ROW: usize, C, R> Memory for BoardMemory<PIXELS, RAW_ROW, C, R>
 where
     C: DerefMut<Target = MemorySlice>,
@@ -159,14 +188,20 @@ where
         matcher: &mut Matcher,
         mut options: Options<'_>,
     ) -> Result<Matched<'_>, PairError> {
-        let dims = matcher.dims();
-        if !self.fits(dims) {
-            return Err(PairError::Size(dims));
-        }
-        let valid = valid(&self.rectifiers, self.is_raw);
-        let [left, right] = views([&self.left, &self.right], valid, dims)?;
+        let (memory, [left, right]) = self.pair(matcher.dims())?;
         options.areas = options.areas.filter(|_| matcher.knows_rows());
-        Ok(matcher.run_with(&mut self.core, left, right, options)?)
+        Ok(matcher.run_with(memory, left, right, options)?)
+    }
+
+    fn run_on(
+        &mut self,
+        mut cores: &mut dyn Cores,
+        matcher: &mut Matcher,
+        mut options: Options<'_>,
+    ) -> Result<Matched<'_>, PairError> {
+        let (memory, [left, right]) = self.pair(matcher.dims())?;
+        options.areas = options.areas.filter(|_| matcher.knows_rows());
+        Ok(matcher.run_on(&mut cores, memory, left, right, options)?)
     }
 
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {

@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod case_server;
+pub mod cores;
 pub mod kernel_costs;
 pub mod kernels;
 pub mod live;

@@ -10,7 +10,7 @@ use linestereo_frames::statistics::upper_median;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, BoardResult, Costs, Machine, qemu};
-use linestereo_wire::{RegionBox, Regions};
+use linestereo_wire::{Command, RegionBox, Regions, Request};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -218,6 +218,9 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
         }
         if let Some(frames) = frames {
             print_objects(board, frames)?;
+            if ON_TWO_CORES.contains(board) {
+                print_cores(board, frames)?;
+            }
         }
     }
     Ok(())
@@ -256,6 +259,76 @@ pub(crate) fn captured(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(
     found
         .map(|(name, pair)| Ok((name, pair.map_err(|why| anyhow::anyhow!("{why}"))?.costs)))
         .collect()
+}
+
+/// Boards on which pairs are matched on two cores as well: the Cortex-M7 whose other numbers are
+/// known, and the processor of the RP2350.
+pub(crate) const ON_TWO_CORES: [Board; 2] = [Board::MPS2_AN500, Board::MPS2_AN505];
+
+/// A pair on one core, and on two, instructions: medians over captured scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Cores {
+    /// On one core.
+    pub(crate) one: u64,
+    /// Of the busier one of two.
+    pub(crate) busier: u64,
+    /// The same in permille of the former.
+    pub(crate) permille: u64,
+    /// How often the cores meet.
+    pub(crate) joins: u64,
+}
+
+/// Costs of every scene of [`captured`] on one core and on two.
+fn core_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Cores)>> {
+    let scenes = board::captured(folder, dims)?;
+    let mut input = Vec::new();
+    let update = board::update(&Params::DEFAULT, None);
+    board::push(&mut input, &Command { id: 0, request: Request::SetParams(update) })?;
+    for (_, (left, right)) in &scenes {
+        board::push_pair(&mut input, 0, left, right)?;
+    }
+    let elf = firmware::build(&Toolchain::for_board(board)?, board, "cores", Logs::None)?;
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("input"), input)?;
+    let arguments = ["input", "table"];
+    qemu::run(board, &elf, &arguments, folder.path(), crate::LIMIT)?.success("cores", board)?;
+    let table = std::fs::read_to_string(folder.path().join("table"))?;
+    let mut costs = Vec::new();
+    for (line, (name, _)) in table.lines().zip(scenes) {
+        let ["cores", numbers @ ..] = &line.split('\t').collect::<Vec<_>>()[..] else {
+            anyhow::bail!("the table of cores has an unknown line: {line}")
+        };
+        let numbers: Vec<u64> =
+            numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
+        let [one, busier, joins] = numbers[..] else {
+            anyhow::bail!("the table of cores has an unknown line: {line}")
+        };
+        costs.push((name, Cores { one, busier, permille: busier * 1000 / one, joins }));
+    }
+    Ok(costs)
+}
+
+/// Measures on the scenes of [`captured`].
+pub(crate) fn cores(board: &Board, folder: &Path, dims: Dims) -> Result<Cores> {
+    let costs = core_pairs(board, folder, dims)?;
+    let of =
+        |number: fn(&Cores) -> u64| median(costs.iter().map(|(_, costs)| number(costs)).collect());
+    Ok(Cores {
+        one: of(|costs| costs.one),
+        busier: of(|costs| costs.busier),
+        permille: of(|costs| costs.permille),
+        joins: of(|costs| costs.joins),
+    })
+}
+
+/// Prints what pairs cost on one core, and on two.
+fn print_cores(board: &Board, folder: &Path) -> Result<()> {
+    let dims = board.largest;
+    println!("{}, {dims}, instructions on one core and of the busier of two", board.name);
+    for (name, Cores { one, busier, permille, joins }) in core_pairs(board, folder, dims)? {
+        println!("{name:30} {one:>9} {busier:>9} permille {permille:>4} joins {joins:>4}");
+    }
+    Ok(())
 }
 
 /// Depths of objects, and matching where they are alone: medians over captured scenes.

@@ -3,7 +3,7 @@
 //! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is
 //! for reading.
 
-use crate::bench::{self, Autopilot, Builtin, KernelCost, Objects, Rectified};
+use crate::bench::{self, Autopilot, Builtin, Cores, KernelCost, Objects, Rectified};
 use crate::{silicon, sizes};
 use anyhow::{Context, Result, bail};
 use linestereo::{Dims, Params, unstable::Stage};
@@ -38,6 +38,8 @@ const HEAD: &str = "\
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
 # objects: on the captured pairs, medians: the depths of eight boxes on top of a pair; all of a pair that is matched around three boxes with a
 # tenth of its pixels alone, also in permille of the whole pair's, and around one such box.
+# cores: the captured pairs, medians: on one core, and of the busier of two, in permille too; and how often these meet. The program for it
+# (firmware/src/programs/cores.rs) does both halves of each step one after the other.
 # autopilot: the most expensive of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
 # Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
 # ram = static_ram + stack_used.
@@ -65,6 +67,8 @@ struct BoardNumbers {
     captured: BTreeMap<String, Instructions>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     objects: BTreeMap<String, Objects>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    cores: BTreeMap<String, Cores>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     rectify: BTreeMap<String, Rectified>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -137,6 +141,7 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
             {
                 board.captured.clone_from(&before.captured);
                 board.objects.clone_from(&before.objects);
+                board.cores.clone_from(&before.cores);
             }
         }
         std::fs::write(&path, format!("{HEAD}{}", toml::to_string(&new)?))?;
@@ -191,6 +196,10 @@ fn measure(top: &Path, boards: &[Board], frames: Option<&Path>) -> Result<Number
         let mut numbers = built_in(board)?;
         if Board::MEASURED.contains(board) {
             measure_all(board, &mut numbers, frames)?;
+        }
+        if let Some(folder) = frames.filter(|_| bench::ON_TWO_CORES.contains(board)) {
+            let cores = bench::cores(board, folder, board.largest)?;
+            numbers.cores.insert(board.largest.to_string(), cores);
         }
         eprintln!("measured {}", board.name);
         anyhow::Ok((board.name.to_owned(), numbers))
@@ -262,6 +271,7 @@ fn built_in(board: &Board) -> Result<BoardNumbers> {
         autopilot: Some(Autopilot::largest(&autopilot)),
         captured: BTreeMap::new(),
         objects: BTreeMap::new(),
+        cores: BTreeMap::new(),
         rectify: BTreeMap::new(),
         raw: BTreeMap::new(),
     })
@@ -321,6 +331,10 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
             list.insert(format!("{name} objects {size} tenth"), *tenth);
             list.insert(format!("{name} objects {size} tenth_permille"), *tenth_permille);
             list.insert(format!("{name} objects {size} one_box_permille"), *one_box_permille);
+        }
+        for (size, Cores { one, busier, .. }) in board.cores.iter().filter(|_| with_captured) {
+            list.insert(format!("{name} cores {size} one"), *one);
+            list.insert(format!("{name} cores {size} busier"), *busier);
         }
         let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
         for (kind, (size, instructions)) in

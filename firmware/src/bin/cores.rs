@@ -1,0 +1,39 @@
+//! Pairs of a file on one core, and on two. Arguments: input, as of the program replay, table.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+fn cores() -> linestereo_boards::Exit {
+    use core::fmt::Write as _;
+    use linestereo_boards::{Board, Exit};
+    use linestereo_firmware::boards::selected::{self, InstructionClock};
+    use linestereo_firmware::once::Once;
+    use linestereo_firmware::programs::cores::{Compared, CoreCosts, Nowhere};
+    use linestereo_firmware::programs::replay;
+    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::session::Session;
+
+    const BOARD: Board = Board { two_cores: true, ..selected::BOARD };
+    type Memory = linestereo_firmware::board_memory!(BOARD);
+    static MEMORY: Once<Memory> = Once::new(Memory::CLEARED);
+
+    let (arguments, clock) = (Arguments::read(), InstructionClock::start());
+    let Some(memory) = MEMORY.take() else { return Exit::Usage };
+    let (Some(input), Some(table)) = (arguments.get(0), arguments.get(1)) else {
+        return Exit::Usage;
+    };
+    let (Ok(mut input), Ok(mut table)) =
+        (File::open(input, Mode::Read), File::open(table, Mode::Write))
+    else {
+        return Exit::Usage;
+    };
+    let report = |costs| {
+        let CoreCosts { one, busier, joins } = costs;
+        let _ = writeln!(table, "cores\t{one}\t{busier}\t{joins}");
+    };
+    let mut memory = Compared { memory, clock: &clock, report };
+    let mut session = Session::new(BOARD);
+    replay::run(&mut memory, &clock, &mut session, &mut input, &mut Nowhere, |_| ());
+    Exit::Success
+}
+
+linestereo_firmware::program!(cores);
