@@ -186,7 +186,7 @@ impl<'m> Paths<'m> {
 impl Part<'_> {
     /// Continues the path from above and that from the left; of each point.
     fn begin(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let (stride, labels) = (self.stride, self.labels);
+        let (stride, labels) = (self.stride.max(1), self.labels);
         let row = self
             .costs
             .chunks_exact_mut(stride)
@@ -206,7 +206,7 @@ impl Part<'_> {
     /// Computes the path from the right, last point first, and calls `visit(column, costs)` for
     /// each.
     fn close_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let stride = self.stride;
+        let stride = self.stride.max(1);
         let row = self
             .costs
             .chunks_exact_mut(stride)
@@ -242,7 +242,7 @@ impl Path<'_> {
 impl Part<'_> {
     /// Continues the path from above, then computes that from the right, last point first.
     fn begin_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let (stride, labels) = (self.stride, self.labels);
+        let (stride, labels) = (self.stride.max(1), self.labels);
         let row = self.costs.chunks_exact_mut(stride).zip(self.above.chunks_exact_mut(stride));
         for ((costs, above), (lowest, column)) in
             row.zip(self.above_lowest.iter_mut().zip(self.columns.clone()))
@@ -258,7 +258,7 @@ impl Part<'_> {
 
     /// Completes the path from the left, and calls `visit(column, costs)` for each point.
     fn close(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let stride = self.stride;
+        let stride = self.stride.max(1);
         let row = self
             .costs
             .chunks_exact_mut(stride)
