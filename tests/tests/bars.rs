@@ -88,12 +88,9 @@ fn by_mask(engine: &mut Engine, start: i32, width: i32) -> f64 {
 
 #[test]
 fn a_mask_answers_where_no_bar_is_found() {
-    let faint = |_| 110;
-    let bright = |_| 120;
     let dashed = |y: i32| if y % 8 < 3 { 50 } else { 136 };
-    let poles: [(u64, i32, &dyn Fn(i32) -> i32); 4] =
-        [(7, 4, &faint), (9, 10, &bright), (7, 4, &dashed), (8, 6, &dashed)];
-    for (seed, width, grey_at) in poles {
+    for (seed, width, grey) in [(7, 4, Some(110)), (9, 10, Some(120)), (7, 4, None), (8, 6, None)] {
+        let grey_at = |y: i32| grey.unwrap_or(dashed(y));
         let (mut engine, result) = run(&pair_of(&[(150, width, 24)], seed, grey_at));
         assert!(result.bars.is_empty(), "{:?}", result.bars);
         let found = by_mask(&mut engine, 150, width);

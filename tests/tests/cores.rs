@@ -1,5 +1,6 @@
 //! Two cores find the same bits as one, whichever half is done first, and at the same time.
 
+use core::mem::MaybeUninit;
 use linestereo::health::HealthLimits;
 use linestereo::params::Parts;
 use linestereo::{
@@ -11,7 +12,6 @@ use linestereo_frames::{GrayImage, Perturbation};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::rendered;
-use std::mem::MaybeUninit;
 
 /// Both halves at the same time.
 struct Threads;
