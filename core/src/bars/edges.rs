@@ -176,8 +176,8 @@ impl Profile {
             .flatten()
     }
 
-    /// The bar between the strongest edges at most `off` px from the line and from `width` px to the
-    /// right of it.
+    /// The bar between the strongest edges at most `off` px from the line, and at most as far from
+    /// `width` px to the right of it.
     pub(super) fn bar_between(&self, segment: &Segment, width: i32, off: i32) -> Option<Bar> {
         let line = SteepLine::new(segment);
         let (first, last) = line.rows();

@@ -7,14 +7,13 @@
 //! pieces:  at most twelve of up to twelve rows, evenly down the mask
 //! edges:   the strongest gradients within 3 px of both sides of the piece's mean line
 //! match:   as every bar
-//! answer:  a piece in front of what is around it with whose disparity another one agrees, or half of
-//!          them where it is less probable than a bar has to be; a piece level with what is around
-//!          it, which is not all of one disparity, with two thirds of them
+//! answer:  a piece in front of what is around it that another piece agrees with, or half of them
+//!          where it is less probable than bars have to be; a piece level with what is around it,
+//!          which is not all of one disparity, that two thirds agree with
 //! ```
-//! One piece alone is as often wrong as its probability says; pieces are matched one by one, so that
-//! those that agree confirm each other. Of 1496 masks of poles pasted into pairs that did not choose
-//! this, 70.7 instead of 59.0 % are answered, and 0.15 % of the answers are wrong with it and
-//! without.
+//! One piece alone is wrong as often as its probability says. Pieces are matched one by one, so
+//! that those that agree confirm each other. Of 1496 masks of poles pasted into pairs that did not
+//! choose this, 70.7 instead of 59.0 % are answered. Of the answers 0.15 % are wrong, as without it.
 //!
 //! # Cost
 //! On a Cortex-M7 some 0.4 M instructions for a mask of 100 rows in a QVGA pair: its rows of the

@@ -39,8 +39,8 @@ const FIXED: i32 = 700;
 /// beyond it, and followed to their start before.
 const REACH: i32 = 19;
 
-/// More than is lost by rounding where a budget is made smaller, times 4: up to a unit of Q10 in each
-/// of 2^15 stretches.
+/// More than is lost by rounding where a budget is made smaller, times 4: up to a unit of Q10 in
+/// each of 2^15 stretches.
 const ROUNDING_Q10: i32 = 1 << 18;
 
 /// Units per pixel, Q10.
