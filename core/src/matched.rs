@@ -195,8 +195,8 @@ impl<'a> Matched<'a> {
     /// used.
     ///
     /// # Cost
-    /// On a Cortex-M7 some 92 000 instructions for a box of a fifteenth of a QVGA image; up to
-    /// 0.4 M for a thin mask on which no bar was found.
+    /// On a Cortex-M7 some 92 000 instructions for a box of a fifteenth of a QVGA image; several
+    /// times as many for a thin mask on which no bar was found.
     pub fn object(&mut self, region: &Region<'_>) -> Result<ObjectDepth, NoDepth> {
         if !self.is_fit() {
             return Err(NoDepth { reason: Reason::UnhealthyPair, support: 0 });
