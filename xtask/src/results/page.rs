@@ -382,6 +382,8 @@ What else a pair can take:
 /// Times of a board with cameras beside its instructions.
 struct Camera {
     board: &'static str,
+    /// Number of the instructions of a pair.
+    matching: &'static [&'static str],
     megahertz: f64,
     /// Cycles an instruction: the least and the most that is expected.
     cycles: [f64; 2],
@@ -391,10 +393,13 @@ struct Camera {
     readout: f64,
 }
 
+/// Instructions of a pair on one core.
+const ONE_CORE: &[&str] = &["mps2-an500", "captured", "320x240", "median"];
 /// Clocks and sensors: pages of the boards.
-const CAMERAS: [Camera; 3] = [
+const CAMERAS: [Camera; 4] = [
     Camera {
         board: "stm32h743",
+        matching: ONE_CORE,
         megahertz: 400.0,
         cycles: [0.7, 1.1],
         exposure: [10.0, 10.0],
@@ -402,38 +407,46 @@ const CAMERAS: [Camera; 3] = [
     },
     Camera {
         board: "portenta-h7",
+        matching: ONE_CORE,
         megahertz: 400.0,
         cycles: [0.7, 1.1],
         exposure: [5.0, 5.0],
         readout: 7.0,
     },
+    PICO_2,
     Camera {
-        board: "pico2",
-        megahertz: 150.0,
-        cycles: [1.0, 1.3],
-        exposure: [1.0, 32.0],
-        readout: 31.0,
+        board: "pico2, two cores",
+        matching: &["mps2-an505", "cores", "320x240", "busier"],
+        ..PICO_2
     },
 ];
+const PICO_2: Camera = Camera {
+    board: "pico2",
+    matching: ONE_CORE,
+    megahertz: 150.0,
+    cycles: [1.0, 1.3],
+    exposure: [1.0, 32.0],
+    readout: 31.0,
+};
 
 fn rates(stored: &Stored) -> Result<String> {
-    let m7 = |path: &[&str]| {
-        let number = stored.number(&[&["boards", "mps2-an500"], path].concat());
+    let millions = |path: &[&str]| {
+        let number = stored.number(&[&["boards"], path].concat());
         number
             .map(|number| number as f64 / 1e6)
             .with_context(|| format!("no number {}", path.join(".")))
     };
-    let matching = m7(&["captured", "320x240", "median"])?;
-    let rows = m7(&["rectify", "moderate_320x240", "rows"])?;
+    let rows = millions(&["mps2-an500", "rectify", "moderate_320x240", "rows"])?;
     let range = |[least, most]: [f64; 2]| format!("{least:.0} to {most:.0}");
-    let rates = CAMERAS.map(|camera| {
+    let mut rates = Vec::new();
+    for camera in CAMERAS {
         let ms = |millions: f64| {
             camera.cycles.map(|cycles| millions * cycles * 1000.0 / camera.megahertz)
         };
-        let (matching, rectifying) = (ms(matching), ms(rows));
+        let (matching, rectifying) = (ms(millions(camera.matching)?), ms(rows));
         let pair =
             [0, 1].map(|i| camera.exposure[i] + camera.readout.max(rectifying[i]) + matching[i]);
-        vec![
+        rates.push(vec![
             camera.board.to_owned(),
             format!("{:.0}", camera.megahertz),
             camera.cycles.map(|cycles| cycles.to_string()).join(" to "),
@@ -441,8 +454,8 @@ fn rates(stored: &Stored) -> Result<String> {
             range(matching),
             range(pair),
             range([1000.0 / pair[1], 1000.0 / pair[0]]),
-        ]
-    });
+        ]);
+    }
     let heads =
         ["board", "MHz", "cycles each", "rectify, ms", "match, ms", "pair, ms", "pairs a second"];
     let rates = table(&heads, rates);
@@ -453,7 +466,8 @@ fn rates(stored: &Stored) -> Result<String> {
 **Estimates by arithmetic, not measurements.** Instructions of a 320x240 pair, times an assumed
 number of cycles each, and the exposure and readout of the board's cameras. Rows are rectified while
 they are read. Caches and flash wait states come on top. `linestereo bench-board` measures true
-cycles; no file has been sent yet.
+cycles; no file has been sent yet. `live` uses one core; on two, those are the instructions of the
+busier one.
 
 {rates}"
     ))
