@@ -4,10 +4,11 @@ use crate::area::Area;
 use crate::bars;
 use crate::cores::{Cores, join, lend};
 use crate::focus::SearchRegions;
-use crate::ground::{self, GroundSearch};
+use crate::ground::{self, GroundPlane, GroundSearch};
 use crate::health::{Measured, OfPoints, rows};
 use crate::image::Gray;
 use crate::lines::{self, LineParams};
+use crate::list::List;
 use crate::matched::{Matched, Summary};
 use crate::matching::consistency;
 use crate::matching::{FullSearches, MatchContext, row_offset, surroundings};
@@ -16,7 +17,7 @@ use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::report::Report;
-use crate::result::{Counts, Rejection};
+use crate::result::{Counts, Match, Rejection};
 use crate::segment_stage::{Part, SegmentStage};
 use crate::support::{self, Grid, Support};
 
@@ -89,24 +90,34 @@ impl<'a> Run<'_, 'a> {
         self.place_bars(&summary, &mut m, observer);
 
         let (mut report, matches) = Report::new(self.plan, self.images, &mut m, summary.detail_q8);
-        let measured = cores.map(|cores| {
-            let ([left, right], support, offset) =
-                (self.images, report.support, summary.row_offset());
-            let (mut of_points, mut by_edges) = (OfPoints::default(), None);
-            cores.join(
-                &mut || {
-                    report.run(matches, &mut summary.counts);
-                    by_edges = rows::measure(left, right, matches);
-                },
-                &mut || of_points = OfPoints::new([left, right], support, offset),
-            );
-            Measured { of_points, by_edges }
-        });
-        if measured.is_none() {
+        let measured = if let Some(cores) = cores {
+            Some(self.report_on(cores, (&mut report, matches), &mut summary))
+        } else {
             report.run(matches, &mut summary.counts);
-        }
+            None
+        };
         observer.on_event(StageEvent::Report(matches));
         (Matched { plan: *self.plan, images: self.images, buffers: m, summary }, measured)
+    }
+
+    /// Completes the report on one core; measures the pair for its health beside it.
+    #[inline(never)] // its variables are on the stack only while it runs
+    fn report_on(
+        &self,
+        cores: &mut dyn Cores,
+        (report, matches): (&mut Report<'_>, &mut List<'_, Match>),
+        summary: &mut Summary,
+    ) -> Measured {
+        let ([left, right], support, offset) = (self.images, report.support, summary.row_offset());
+        let (mut of_points, mut by_edges) = (OfPoints::default(), None);
+        cores.join(
+            &mut || {
+                report.run(matches, &mut summary.counts);
+                by_edges = rows::measure(left, right, matches);
+            },
+            &mut || of_points = OfPoints::new([left, right], support, offset),
+        );
+        Measured { of_points, by_edges }
     }
 
     /// Detects the segments of both images and keeps the prominent ones of the left. Returns the
@@ -280,16 +291,7 @@ impl<'a> Run<'_, 'a> {
                 stage.run(part, search, into, observer);
             }
         }
-        let grid = Grid::new(params, *dims);
-        let Buffers { candidates, neighbours, support, .. } = m;
-        let neighbours = consistency::neighbours(candidates, neighbours);
-        let mut cut = 0;
-        join(
-            cores,
-            || cut = consistency::accumulate_support(neighbours),
-            || surroundings::evaluate_sides(candidates, (grid, plane), support),
-        );
-        consistency::take_support(candidates, neighbours);
+        let cut = compare_nearby(cores, (Grid::new(params, *dims), plane), m);
         counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
     }
 
@@ -312,4 +314,24 @@ impl<'a> Run<'_, 'a> {
     fn given_rows(&self) -> Option<i16> {
         self.row_offset_q5.map(|known| known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5))
     }
+}
+
+/// Computes the evidence between segments, and between segments and support points; returns how
+/// many comparisons were left out.
+#[inline(never)] // its variables are on the stack only while it runs
+fn compare_nearby(
+    cores: Option<&mut dyn Cores>,
+    grid: (Grid, Option<GroundPlane>),
+    m: &mut Buffers<'_>,
+) -> u16 {
+    let Buffers { candidates, neighbours, support, .. } = m;
+    let neighbours = consistency::neighbours(candidates, neighbours);
+    let mut cut = 0;
+    join(
+        cores,
+        || cut = consistency::accumulate_support(neighbours),
+        || surroundings::evaluate_sides(candidates, grid, support),
+    );
+    consistency::take_support(candidates, neighbours);
+    cut
 }

@@ -64,7 +64,7 @@ impl SegmentStage<'_, '_> {
             |to: i32, band: &mut Band<'_>, work: &mut Workspace, observer: &mut dyn Observer| {
                 while let Some((index, bar)) = unmatched.next_if(|(_, bar)| bar.edge().top() <= to)
                 {
-                    band.advance_for(&bar.edge(), |planes| observer.row(planes));
+                    band.advance_for(&bar.edge(), &mut |planes| observer.row(planes));
                     if let Some(evidence) =
                         bars::match_bar(bar, &self.context, band, work, bars::LEAST_BAR)
                     {
@@ -74,7 +74,7 @@ impl SegmentStage<'_, '_> {
             };
         for segment in segments {
             match_bars(segment.top(), &mut band, work, observer);
-            band.advance_for(segment, |planes| observer.row(planes));
+            band.advance_for(segment, &mut |planes| observer.row(planes));
             observer.on_event(StageEvent::Rows);
             if observer.wants_curves() {
                 work.clear_curves();

@@ -205,6 +205,7 @@ impl Profile {
         })
     }
 
+    #[inline(never)] // two calls
     fn of(
         image: Gray<'_>,
         (line, rows, reach): (&SteepLine, SampledRows, i32),

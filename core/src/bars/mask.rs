@@ -101,7 +101,7 @@ impl MaskMatcher<'_> {
             let rows = [first, first + height - 1];
             let Some(mut bar) = bar_along(&row_of, rows, left) else { continue };
             all += 1;
-            band.advance_for(&bar.edge(), |_| ());
+            band.advance_for(&bar.edge(), &mut |_| ());
             let rated = match_bar(&mut bar, &self.context, &band, self.work, LEAST_FRONT)
                 .and_then(|_| rate_bar(&mut bar, self.support));
             let is_credible = rated.is_some_and(|[agrees, ..]| match bar.is_in_front() {

@@ -141,7 +141,11 @@ impl<'a> Band<'a> {
     /// Computes the rows that the windows of `segment` reach; its top row is not above that of the
     /// segment before. Calls `watch` with each computed row: left gradients, right gradients, right
     /// census codes, the right ones mirrored.
-    pub(crate) fn advance_for(&mut self, segment: &Segment, watch: impl FnMut([&[u8]; PLANES])) {
+    pub(crate) fn advance_for(
+        &mut self,
+        segment: &Segment,
+        watch: &mut dyn FnMut([&[u8]; PLANES]),
+    ) {
         let (_, y0, _, y1) = segment.ends_q5();
         let reach = if segment.near_horizontal { WINDOW_REACH } else { 0 };
         // Where parts of the image are matched, rows between them are not needed.
@@ -154,7 +158,8 @@ impl<'a> Band<'a> {
 
     /// Computes rows up to and including `last`; overwrites rows that are [`BAND_ROWS`] rows of the
     /// band older.
-    fn advance(&mut self, last: i32, mut watch: impl FnMut([&[u8]; PLANES])) {
+    #[inline(never)] // one copy, whoever watches
+    fn advance(&mut self, last: i32, watch: &mut dyn FnMut([&[u8]; PLANES])) {
         while self.next_row <= last.min(self.height - 1) {
             let y = self.next_row;
             self.next_row += ROW_STEP;
