@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// Largest page, bytes: 261 KiB since thin masks are matched.
+/// Largest page, bytes. It takes about 261 KiB.
 pub const MOST_BYTES: usize = 264 << 10;
 
 /// The page and its modules in a folder.

@@ -84,7 +84,7 @@ pub fn line(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::boards::mps2_an386::{BOARD, BoardMemory};
     use core::cell::Cell;
@@ -92,7 +92,8 @@ mod tests {
     use linestereo_boards::built_in::Scene;
 
     /// Counts how often it was asked.
-    struct Asked(Cell<u32>);
+    #[derive(Default)]
+    pub(in crate::programs) struct Asked(Cell<u32>);
 
     impl Clock for Asked {
         const UNIT: &'static str = "questions";

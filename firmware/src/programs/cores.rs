@@ -130,33 +130,13 @@ impl<M: Memory, C: Clock, R: FnMut(CoreCosts)> Memory for Compared<'_, M, C, R> 
 mod tests {
     use super::*;
     use crate::boards::mps2_an386::{BOARD, BoardMemory};
-    use core::cell::Cell;
+    use crate::programs::bench::tests::Asked;
     use linestereo::Params;
     use linestereo_boards::built_in::Scene;
 
-    /// Counts how often it was asked.
-    struct Asked(Cell<u32>);
-
-    impl Clock for Asked {
-        const UNIT: &'static str = "questions";
-
-        fn now(&self) -> u32 {
-            self.0.set(self.0.get() + 1);
-            self.0.get()
-        }
-
-        fn elapsed(&self, from: u32, to: u32) -> u64 {
-            u64::from(to - from)
-        }
-
-        fn microseconds(&self, from: u32, to: u32) -> u64 {
-            self.elapsed(from, to)
-        }
-    }
-
     #[test]
     fn the_smaller_half_of_each_step_is_saved() {
-        let (mut memory, clock) = (Box::new(BoardMemory::CLEARED), Asked(Cell::new(0)));
+        let (mut memory, clock) = (Box::new(BoardMemory::CLEARED), Asked::default());
         let mut costs = None;
         let report = |found| costs = Some(found);
         let mut compared = Compared { memory: &mut *memory, clock: &clock, report };
