@@ -45,7 +45,7 @@ fn boards(arguments: &[OsString]) -> Result<ExitCode> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     // Of all default packages, as the program is built: by `--package` features differ, and much
     // would be compiled again.
-    cargo.args(["run", "--quiet", "--release", "--bin", "xtask-boards", "--manifest-path"]);
+    cargo.args(["run", "--quiet", "--bin", "xtask-boards", "--manifest-path"]);
     cargo.arg(top()?.join("Cargo.toml")).arg("--").args(arguments);
     let status = cargo.status().context("cannot start cargo")?;
     Ok(status

@@ -311,7 +311,7 @@ fn the_readme_can_be_skimmed() {
         "## Use it if",
         "## Use something else if",
         "## Quick start on a PC",
-        "cargo run --release",
+        "cargo run ",
         "cargo test --workspace",
         "linestereo run ",
         "## Quick start in firmware",

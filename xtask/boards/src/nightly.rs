@@ -19,9 +19,11 @@ pub(crate) fn run(top: &Path) -> Result<()> {
     let check = format!(
         "cargo +{oldest} check --target-dir target/oldest -p linestereo-sim -p linestereo-mavlink"
     );
-    let steps: [&str; 8] = [
+    let steps: [&str; 9] = [
         "cargo xtask images",
         "cargo test --workspace --no-fail-fast -- --include-ignored",
+        // The digests of the built-in pairs without debug assertions.
+        "cargo run --release --bin xtask-boards -- bless --check",
         "cargo xtask measure",
         "cargo xtask footprint",
         "cargo xtask lint",
