@@ -248,9 +248,7 @@ fn prepared() -> TempDir {
 
 /// Message of a command that fails. Pipes into other programs are cut off.
 fn failure(folder: &Path, line: &str) -> Option<String> {
-    let line = line
-        .replace("cargo run -- ", "linestereo ")
-        .replace("cargo run", "linestereo");
+    let line = line.replace("cargo run -- ", "linestereo ").replace("cargo run", "linestereo");
     let line = line.split(" | jq").next().unwrap();
     let programs = Path::new(env!("CARGO_BIN_EXE_linestereo")).parent().unwrap();
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap_or_default());
