@@ -1,5 +1,6 @@
 //! Poles before walls, drawn with exact truth.
 
+use core::ops::Range;
 use linestereo::{Dims, Params, Region, image::Span, objects::Run};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -13,12 +14,20 @@ pub(crate) type Pole = (i32, i32, i32);
 
 /// A wall with a random grain, and poles before it.
 pub(crate) fn pair(poles: &[Pole], seed: u64) -> [GrayImage; 2] {
-    pair_of(poles, seed, |_| 50)
+    pair_of(poles, seed, 0..0, |_| 50)
 }
 
-/// The same, the poles of this grey level at each row.
-fn pair_of(poles: &[Pole], seed: u64, grey_at: impl Fn(i32) -> i32) -> [GrayImage; 2] {
+/// The same, the wall blank in these columns, the poles of this grey level at each row.
+fn pair_of(
+    poles: &[Pole],
+    seed: u64,
+    blank: Range<i32>,
+    grey_at: impl Fn(i32) -> i32,
+) -> [GrayImage; 2] {
     let grain = |x: i32, y: i32| {
+        if blank.contains(&x) {
+            return 45;
+        }
         let smooth = |x: i32, y: i32| {
             (Random(seed ^ ((x / 2) as u64 * 7919) ^ ((y / 2) as u64 * 104_729)).bits() >> 59)
                 as i32
@@ -74,28 +83,51 @@ fn poles_have_their_own_disparity() {
                 "{x}, {y}: {found:?}"
             );
         }
-        let found = by_mask(&mut engine, start, width);
+        let found = by_mask(&mut engine, &[(start, width, d)]);
         assert!((found - f64::from(d)).abs() <= 1.0, "{width} px: {found}");
     }
 }
 
-/// Disparity of a pole by its mask, px.
-fn by_mask(engine: &mut Engine, start: i32, width: i32) -> f64 {
-    let span = Span { start: start as u16, end: (start + width) as u16 };
-    let runs: Vec<Run> = (30..210).map(|y| Run { label: 1, y, span }).collect();
+/// Disparity of poles by one mask, px.
+fn by_mask(engine: &mut Engine, poles: &[Pole]) -> f64 {
+    let runs: Vec<Run> = (30..210)
+        .flat_map(|y| {
+            poles.iter().map(move |&(start, width, _)| {
+                let span = Span { start: start as u16, end: (start + width) as u16 };
+                Run { label: 1, y, span }
+            })
+        })
+        .collect();
     engine.object(&Region::masked(1, &runs, DIMS).unwrap()).unwrap().disparity.to_num()
 }
 
 #[test]
 fn a_mask_answers_where_no_bar_is_found() {
     let dashed = |y: i32| if y % 8 < 3 { 50 } else { 136 };
-    for (seed, width, grey) in [(7, 4, Some(110)), (9, 10, Some(120)), (7, 4, None), (8, 6, None)] {
+    let of_mask = |poles: &[Pole], seed: u64, grey: Option<i32>| {
         let grey_at = |y: i32| grey.unwrap_or(dashed(y));
-        let (mut engine, result) = run(&pair_of(&[(150, width, 24)], seed, grey_at));
+        let (mut engine, result) = run(&pair_of(poles, seed, 0..0, grey_at));
         assert!(result.bars.is_empty(), "{:?}", result.bars);
-        let found = by_mask(&mut engine, 150, width);
-        assert!((found - 24.0).abs() <= 1.0, "{width} px: {found}");
+        let found = by_mask(&mut engine, poles);
+        assert!((found - 24.0).abs() <= 1.0, "{poles:?}: {found}");
+    };
+    for (seed, width, grey) in [(7, 4, Some(110)), (9, 10, Some(120)), (7, 4, None), (8, 6, None)] {
+        of_mask(&[(150, width, 24)], seed, grey);
     }
+    // Two legs of a table, unlike each other: equal ones repeat.
+    for (seed, width) in [(7, 4), (8, 6)] {
+        of_mask(&[(150, width, 24), (260, width + 2, 24)], seed, None);
+    }
+}
+
+#[test]
+fn a_wide_mask_that_nothing_else_answers_has_the_depth_of_its_bars() {
+    // A table's side, which is blank between its legs.
+    let poles = [(110, 5, 24), (210, 5, 24)];
+    let (mut engine, result) = run(&pair_of(&poles, 3, 118..207, |_| 50));
+    assert!(!result.bars.is_empty());
+    let found = by_mask(&mut engine, &[(110, 105, 24)]);
+    assert!((found - 24.0).abs() <= 1.0, "{found}");
 }
 
 #[test]

@@ -44,9 +44,9 @@ mod repetition;
 
 pub use fitted::{FITTED_BAR, FITTED_LEVEL_BAR};
 pub(crate) use grow::grow;
-pub(crate) use mask::{MaskMatcher, MaskRow};
+pub(crate) use mask::MaskMatcher;
 pub(crate) use points::take_points;
-pub(crate) use region::depth_of;
+pub(crate) use region::{depth_of, most_pixels};
 
 use crate::area::Area;
 use crate::cores::Cores;

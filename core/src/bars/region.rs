@@ -12,7 +12,7 @@
 use super::Bar;
 use crate::area::Area;
 
-/// Widest mask, px a row on average, that bars answer for.
+/// Widest mask, px a row on average, that bars answer for before all else.
 pub(super) const WIDEST: u32 = 16;
 /// Fewest pixels of a mask on bars.
 const LEAST_PIXELS: u32 = 6;
@@ -20,6 +20,11 @@ const LEAST_PIXELS: u32 = 6;
 const LEAST_SHARE: u32 = 8;
 /// Largest difference of disparities of bars that are one thing, 1/64 px.
 pub(super) const ONE_THING_Q6: i32 = 128;
+
+/// Most pixels of a thin mask in this area.
+pub(crate) fn most_pixels(area: Area) -> u32 {
+    WIDEST * u32::from(area.bottom.saturating_sub(area.top))
+}
 
 /// The bar of a mask in this area of so many pixels, and its disparity at a row, 1/64 px: that with
 /// most of its pixels inside, where bars of its disparity have enough of all pixels, and others
@@ -30,8 +35,7 @@ pub(crate) fn depth_of(
     row: i32,
     contains: impl Fn(i32, i32) -> bool,
 ) -> Option<(Bar, i32)> {
-    let rows = u32::from(area.bottom.saturating_sub(area.top));
-    if pixels > WIDEST * rows {
+    if pixels > most_pixels(area) {
         return None;
     }
     let inside = |bar: &Bar| count_inside(bar, area, &contains);

@@ -172,16 +172,21 @@ impl ObjectQuery<'_> {
     #[inline(never)]
     pub(crate) fn depth_of(mut self, region: &Region<'_>) -> Result<ObjectDepth, NoDepth> {
         let cover = Cover::new(region, self.dims.width, self.marks);
-        if !cover.is_box() {
-            let [_, row] = cover.centre;
+        let (area, [_, row]) = (region.area(), cover.centre);
+        let bar_of = |pixels: u32| {
             let contains = |x: i32, y: i32| cover.contains(x, y);
-            let thin = (region.area(), cover.pixels);
-            let pieces = |masks: MaskMatcher<'_>| masks.depth_of(thin, row, |y| region.row(y));
-            let bar = bars::depth_of(self.bars, thin, row, contains)
-                .or_else(|| self.masks.take().and_then(pieces));
-            if let Some((bar, d_q6)) = bar {
-                return Ok(of_bar(&bar, d_q6, self.rig.as_ref()));
+            if cover.is_box() {
+                None
+            } else {
+                bars::depth_of(self.bars, (area, pixels), row, contains)
             }
+        };
+        let pieces = |masks: MaskMatcher<'_>| {
+            masks.depth_of((area, cover.pixels), row, |y, column| region.run(y, column))
+        };
+        let bar = bar_of(cover.pixels).or_else(|| self.masks.take().and_then(pieces));
+        if let Some((bar, d_q6)) = bar {
+            return Ok(of_bar(&bar, d_q6, self.rig.as_ref()));
         }
         let found = region_support::gather(
             (self.candidates, self.support),
@@ -195,6 +200,11 @@ impl ObjectQuery<'_> {
             surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), &mut self.order)
                 .unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
+            Some(reason @ (Reason::LittleSupport | Reason::OnlyOutline)) => {
+                bar_of(cover.pixels.min(bars::most_pixels(area)))
+                    .map(|(bar, d_q6)| of_bar(&bar, d_q6, self.rig.as_ref()))
+                    .ok_or(NoDepth { reason, support: surface.support })
+            }
             Some(reason) => Err(NoDepth { reason, support: surface.support }),
             None => Ok(answer(&surface, found.weight_q8, cover.is_box(), self.rig.as_ref())),
         }

@@ -8,7 +8,6 @@
 //! is ever needed.
 
 use crate::area::Area;
-use crate::bars::MaskRow;
 use crate::image::{Dims, Span};
 
 /// Adjacent pixels of one row with the same label.
@@ -123,18 +122,12 @@ impl<'a> Region<'a> {
         self.shape
     }
 
-    /// A mask's pixels of a row; none without, and none of a box.
-    pub(crate) fn row(&self, y: u16) -> Option<MaskRow> {
+    /// A mask's first run in a row that ends behind a column; none of a box.
+    pub(crate) fn run(&self, y: u16, column: u16) -> Option<Span> {
         let Shape::Mask(runs) = self.shape else { return None };
-        let first = runs.partition_point(|run| run.y < y);
+        let first = runs.partition_point(|run| (run.y, run.span.end) <= (y, column));
         let row = runs.get(first..)?.iter().take_while(|run| run.y == y);
-        let own = row
-            .filter(|run| run.label == self.label)
-            .map(|run| MaskRow { columns: run.span, pixels: run.span.end - run.span.start });
-        own.reduce(|a, b| MaskRow {
-            columns: Span { start: a.columns.start, end: b.columns.end },
-            pixels: a.pixels + b.pixels,
-        })
+        row.into_iter().find(|run| run.label == self.label).map(|run| run.span)
     }
 
     /// True when the pixel belongs to the region.
