@@ -736,7 +736,7 @@ fn the_skew_of_a_pair_reaches_the_health_check() {
         let mut memory = Box::new(BoardMemory::CLEARED);
         let pair = source.next_pair(&mut *memory, None).unwrap();
         let options = Options { times_us: pair.times_us, ..Options::default() };
-        let matched = memory.run(&mut matcher.clone(), options).unwrap();
+        let matched = memory.run(None, &mut matcher.clone(), options).unwrap();
         let health = *matched.health();
         // Times do not begin before 0.
         let skew_us = (20 + middle_us[1]).abs_diff(0);

@@ -53,7 +53,7 @@ fn replay(
     let (port, mut events) = (Port::holding(input, step), Vec::new());
     let (mut source, mut sink) = (port.clone(), port.clone());
     let report = |event: &Event| events.push(event.clone());
-    let counters = replay::run(memory, &port, session, &mut source, &mut sink, report);
+    let counters = replay::run(memory, &port, session, &mut source, &mut sink, |_, _| (), report);
     (port, counters, events)
 }
 
@@ -117,7 +117,7 @@ fn objects_that_are_asked_for_come_with_every_pair() {
         scene.paint(DIMS, left, right);
         // The second pair is matched around the boxes alone, by the rows of the first.
         let options = Options { areas: Some(&areas), ..Options::default() };
-        let mut matched = twin.run(&mut matcher, options).unwrap();
+        let mut matched = twin.run(None, &mut matcher, options).unwrap();
         let expected =
             regions.map(|region| ObjectRecord::new(region.label(), &matched.object(&region)));
         assert!(*found == expected[..], "{found:?} instead of {expected:?}");
@@ -186,7 +186,7 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
             }
         }
     }
-    let mut matched = memory.run(&mut matcher, Options::default()).unwrap();
+    let mut matched = memory.run(None, &mut matcher, Options::default()).unwrap();
     let listed: Vec<_> = matched.points().collect();
     assert!(
         points == listed && !listed.is_empty(),
@@ -287,7 +287,7 @@ fn raw_pairs_are_rectified_row_by_row() {
         }
     }
     let mut matcher = Matcher::new(image.params(Params::DEFAULT).unwrap(), DIMS).unwrap();
-    let expected = twin.run(&mut matcher, Options::default()).unwrap().segments().to_vec();
+    let expected = twin.run(None, &mut matcher, Options::default()).unwrap().segments().to_vec();
     assert!(
         expected.len() > 3 && expected.iter().all(|found| found.depth.is_some()),
         "{}",
@@ -835,7 +835,7 @@ fn a_new_rig_starts_anew() {
     let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(BOARD);
     assert!(Painter::new(DIMS).next_pair(&mut *memory, None).is_some());
-    memory.run(session.matcher(DIMS).unwrap(), Options::default()).unwrap();
+    memory.run(None, session.matcher(DIMS).unwrap(), Options::default()).unwrap();
     assert!(session.matcher(DIMS).unwrap().knows_rows());
     let request = Request::SetRig(rig(DIMS).encode(0).into_iter().collect());
     session.command(&Command { id: 1, request }, &mut *memory);

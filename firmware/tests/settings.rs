@@ -498,7 +498,7 @@ fn a_host_that_wants_directions_gets_them_with_each_pair() {
     let plan = Vehicle::DEFAULT.directions().plan(&params, dims).unwrap();
     Painter::new(dims).next_pair(&mut *memory, None).unwrap();
     let mut matcher = Matcher::new(params, dims).unwrap();
-    let matched = memory.run(&mut matcher, Options::default()).unwrap();
+    let matched = memory.run(None, &mut matcher, Options::default()).unwrap();
     let mut obstacles = Obstacles::new();
     let (points, flags) = (matched.obstacle_points(), matched.health().flags);
     obstacles.update(&plan.on_ground(matched.ground()), matched.segments(), points, flags, 0);

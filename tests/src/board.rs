@@ -124,7 +124,7 @@ fn run(
     for (frame, image) in memory.frames().into_iter().zip(pair) {
         frame[..image.pixels.len()].copy_from_slice(&image.pixels);
     }
-    let mut matched = memory.run(matcher, Options::default())?;
+    let mut matched = memory.run(None, matcher, Options::default())?;
     let points = matched.points().collect();
     let health = matched.health();
     let mut result = FrameResult {

@@ -7,7 +7,7 @@ fn cores() -> linestereo_boards::Exit {
     use linestereo_boards::{Board, Exit};
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::once::Once;
-    use linestereo_firmware::programs::cores::{Compared, CoreCosts, Nowhere};
+    use linestereo_firmware::programs::cores::{self, CoreCosts, Nowhere};
     use linestereo_firmware::programs::replay;
     use linestereo_firmware::semihosting::{Arguments, File, Mode};
     use linestereo_firmware::session::Session;
@@ -26,13 +26,13 @@ fn cores() -> linestereo_boards::Exit {
     else {
         return Exit::Usage;
     };
-    let report = |costs| {
-        let CoreCosts { one, busier, joins } = costs;
-        let _ = writeln!(table, "cores\t{one}\t{busier}\t{joins}");
+    let compare = |memory: &mut Memory, matcher: &_| {
+        if let Ok(CoreCosts { one, busier, joins }) = cores::compare(memory, &clock, matcher) {
+            let _ = writeln!(table, "cores\t{one}\t{busier}\t{joins}");
+        }
     };
-    let mut memory = Compared { memory, clock: &clock, report };
     let mut session = Session::new(BOARD);
-    replay::run(&mut memory, &clock, &mut session, &mut input, &mut Nowhere, |_| ());
+    replay::run(memory, &clock, &mut session, &mut input, &mut Nowhere, compare, |_| ());
     Exit::Success
 }
 

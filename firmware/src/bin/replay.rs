@@ -41,17 +41,18 @@ fn replay() -> linestereo_boards::Exit {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
         None => Session::new(selected::BOARD),
     };
-    let counters =
-        replay::run(memory, &clock, &mut session, &mut input, &mut output, |event| match event {
-            Event::Matched { sequence, rectification, costs, objects } => {
-                let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}");
-                for cost in costs {
-                    let _ = write!(table, "\t{cost}");
-                }
-                let _ = writeln!(table);
+    let report = |event: &Event| match event {
+        Event::Matched { sequence, rectification, costs, objects } => {
+            let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}");
+            for cost in costs {
+                let _ = write!(table, "\t{cost}");
             }
-            Event::Refused { sequence, .. } => error!("pair {=u32} cannot be matched", sequence),
-        });
+            let _ = writeln!(table);
+        }
+        Event::Refused { sequence, .. } => error!("pair {=u32} cannot be matched", sequence),
+    };
+    let counters =
+        replay::run(memory, &clock, &mut session, &mut input, &mut output, |_, _| (), report);
     let _ = writeln!(
         table,
         "packets\t{}\t{}\t{}",

@@ -52,17 +52,10 @@ pub trait Memory {
     fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], PairError>;
 
     /// Matches the pair that lies in the frames, or the areas of the options once a whole pair has
-    /// said how far the rows are apart.
+    /// said how far the rows are apart; on two cores where they are lent.
     fn run(
         &mut self,
-        matcher: &mut Matcher,
-        options: Options<'_>,
-    ) -> Result<Matched<'_>, PairError>;
-
-    /// The same on two cores.
-    fn run_on(
-        &mut self,
-        cores: &mut dyn Cores,
+        cores: Option<&mut dyn Cores>,
         matcher: &mut Matcher,
         options: Options<'_>,
     ) -> Result<Matched<'_>, PairError>;
@@ -145,23 +138,6 @@ impl<
     };
 }
 
-impl<const PIXELS: usize, const RAW_ROW: usize, C, R> BoardMemory<PIXELS, RAW_ROW, C, R>
-where
-    C: DerefMut<Target = MemorySlice>,
-    R: Rectifier,
-{
-    /// The core's memory, and the pair that lies in the frames.
-    #[inline(always)] // called twice, by `run` and by `run_on`
-    fn pair(&mut self, dims: Dims) -> Result<(&mut MemorySlice, [Gray<'_>; 2]), PairError> {
-        if !self.fits(dims) {
-            return Err(PairError::Size(dims));
-        }
-        let valid = valid(&self.rectifiers, self.is_raw);
-        let views = views([&self.left, &self.right], valid, dims)?;
-        Ok((&mut self.core, views))
-    }
-}
-
 impl<const PIXELS: usize, const RAW_ROW: usize, C, R> Memory for BoardMemory<PIXELS, RAW_ROW, C, R>
 where
     C: DerefMut<Target = MemorySlice>,
@@ -185,23 +161,21 @@ where
 
     fn run(
         &mut self,
+        cores: Option<&mut dyn Cores>,
         matcher: &mut Matcher,
         mut options: Options<'_>,
     ) -> Result<Matched<'_>, PairError> {
-        let (memory, [left, right]) = self.pair(matcher.dims())?;
+        let dims = matcher.dims();
+        if !self.fits(dims) {
+            return Err(PairError::Size(dims));
+        }
+        let valid = valid(&self.rectifiers, self.is_raw);
+        let [left, right] = views([&self.left, &self.right], valid, dims)?;
         options.areas = options.areas.filter(|_| matcher.knows_rows());
-        Ok(matcher.run_with(memory, left, right, options)?)
-    }
-
-    fn run_on(
-        &mut self,
-        mut cores: &mut dyn Cores,
-        matcher: &mut Matcher,
-        mut options: Options<'_>,
-    ) -> Result<Matched<'_>, PairError> {
-        let (memory, [left, right]) = self.pair(matcher.dims())?;
-        options.areas = options.areas.filter(|_| matcher.knows_rows());
-        Ok(matcher.run_on(&mut cores, memory, left, right, options)?)
+        Ok(match cores {
+            Some(mut cores) => matcher.run_on(&mut cores, &mut self.core, left, right, options)?,
+            None => matcher.run_with(&mut self.core, left, right, options)?,
+        })
     }
 
     fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {

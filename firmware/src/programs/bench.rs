@@ -20,7 +20,7 @@ pub fn measure<'m>(
 ) -> Result<(Costs, Matched<'m>), PairError> {
     let mut observer = StageClock { clock, last: clock.now(), costs: [0; Stage::ALL.len()] };
     let options = Options { observer: Some(&mut observer), ..options };
-    let matched = memory.run(matcher, options)?;
+    let matched = memory.run(None, matcher, options)?;
     Ok((observer.costs, matched))
 }
 

@@ -2,13 +2,12 @@
 //!
 //! ```text
 //! each pair   matched on one core; then both halves of each step one after the other: of all
-//!             instructions those of the smaller halves are saved; then as always
+//!             instructions those of the smaller halves are saved
 //! ```
 
-use crate::memory::{Memory, NoRoom, PairError};
+use crate::memory::{Memory, PairError};
 use crate::ports::{ByteSink, Clock};
-use linestereo::{Cores, Dims, Gray, Matched, Matcher, Options};
-use linestereo_rig::{CameraSide, Remap, RowError};
+use linestereo::{Cores, Matcher, Options};
 
 /// Costs of a pair, in the unit of the clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,81 +48,22 @@ impl<C: Clock> Cores for Halves<'_, C> {
     }
 }
 
-/// A memory that matches each pair on one core and on two before it is matched.
-#[derive(Debug)]
-pub struct Compared<'m, M, C, R> {
-    /// Frames, and the core's memory for two cores.
-    pub memory: &'m mut M,
-    /// Its clock.
-    pub clock: &'m C,
-    /// Takes the costs of each pair.
-    pub report: R,
-}
-
-impl<M: Memory, C: Clock, R: FnMut(CoreCosts)> Memory for Compared<'_, M, C, R> {
-    fn run(
-        &mut self,
-        matcher: &mut Matcher,
-        options: Options<'_>,
-    ) -> Result<Matched<'_>, PairError> {
-        let (areas, times_us) = (options.areas, options.times_us);
-        let unobserved = || Options { areas, times_us, ..Options::default() };
-        let from = self.clock.now();
-        self.memory.run(&mut matcher.clone(), unobserved())?;
-        let one = self.clock.elapsed(from, self.clock.now());
-        let mut halves = Halves { clock: self.clock, saved: 0, joins: 0 };
-        let from = self.clock.now();
-        self.memory.run_on(&mut halves, &mut matcher.clone(), unobserved())?;
-        let both = self.clock.elapsed(from, self.clock.now());
-        let Halves { saved, joins, .. } = halves;
-        (self.report)(CoreCosts { one, busier: both.saturating_sub(saved), joins });
-        self.memory.run(matcher, options)
-    }
-
-    fn run_on(
-        &mut self,
-        cores: &mut dyn Cores,
-        matcher: &mut Matcher,
-        options: Options<'_>,
-    ) -> Result<Matched<'_>, PairError> {
-        self.memory.run_on(cores, matcher, options)
-    }
-
-    fn fits(&self, dims: Dims) -> bool {
-        self.memory.fits(dims)
-    }
-
-    fn frames(&mut self) -> [&mut [u8]; 2] {
-        self.memory.frames()
-    }
-
-    fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], PairError> {
-        self.memory.views(dims)
-    }
-
-    fn set_rig(&mut self, remap: &Remap) -> Result<(), NoRoom> {
-        self.memory.set_rig(remap)
-    }
-
-    fn restart(&mut self) {
-        self.memory.restart();
-    }
-
-    fn restart_camera(&mut self, eye: CameraSide) {
-        self.memory.restart_camera(eye);
-    }
-
-    fn raw_row(&mut self) -> &mut [u8] {
-        self.memory.raw_row()
-    }
-
-    fn push_row(&mut self, eye: CameraSide) -> Result<(), RowError> {
-        self.memory.push_row(eye)
-    }
-
-    fn is_rectified(&self) -> bool {
-        self.memory.is_rectified()
-    }
+/// Costs of the pair that lies in the frames, as the next one of this matcher, whose state stays.
+/// The memory is one for two cores.
+pub fn compare(
+    memory: &mut impl Memory,
+    clock: &impl Clock,
+    matcher: &Matcher,
+) -> Result<CoreCosts, PairError> {
+    let from = clock.now();
+    memory.run(None, &mut matcher.clone(), Options::default())?;
+    let one = clock.elapsed(from, clock.now());
+    let mut halves = Halves { clock, saved: 0, joins: 0 };
+    let from = clock.now();
+    memory.run(Some(&mut halves), &mut matcher.clone(), Options::default())?;
+    let both = clock.elapsed(from, clock.now());
+    let Halves { saved, joins, .. } = halves;
+    Ok(CoreCosts { one, busier: both.saturating_sub(saved), joins })
 }
 
 #[cfg(test)]
@@ -137,16 +77,11 @@ mod tests {
     #[test]
     fn the_smaller_half_of_each_step_is_saved() {
         let (mut memory, clock) = (Box::new(BoardMemory::CLEARED), Asked::default());
-        let mut costs = None;
-        let report = |found| costs = Some(found);
-        let mut compared = Compared { memory: &mut *memory, clock: &clock, report };
-        let [left, right] = compared.frames();
+        let [left, right] = memory.frames();
         Scene::Blocks.paint(BOARD.largest, left, right);
-        let mut matcher = Matcher::new(Params::DEFAULT, BOARD.largest).unwrap();
-        let matched = compared.run(&mut matcher, Options::default()).unwrap();
-        assert!(matched.segments().len() > 10);
+        let matcher = Matcher::new(Params::DEFAULT, BOARD.largest).unwrap();
         // Of each step three looks at the clock, and one of two halves that cost one each.
-        let CoreCosts { one, busier, joins } = costs.unwrap();
+        let CoreCosts { one, busier, joins } = compare(&mut *memory, &clock, &matcher).unwrap();
         assert!(one == 1 && joins > 30, "{joins}");
         assert_eq!(busier, 1 + 2 * u64::from(joins));
     }

@@ -450,7 +450,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let options =
             Options { areas: areas.as_deref(), times_us: pair.times_us, ..Options::default() };
         let matcher = self.session.matcher(pair.dims).ok()?;
-        let mut matched = memory.run(matcher, options).ok()?;
+        let mut matched = memory.run(None, matcher, options).ok()?;
         let health = *matched.health();
         let objects = self.session.objects(&mut matched);
         self.times.matching_us = saturated(self.time() - now_us);

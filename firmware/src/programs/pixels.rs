@@ -38,7 +38,7 @@ pub fn measure(
     case.scene.paint(case.dims, left, right);
     let matcher = Matcher::new(case.params(), case.dims);
     let mut matcher = matcher.map_err(|_| PairError::Size(case.dims))?;
-    let mut matched = memory.run(&mut matcher, Options::default())?;
+    let mut matched = memory.run(None, &mut matcher, Options::default())?;
     let (mut measured, mut digest) = (Measured::default(), Fnv::EMPTY);
     let [columns, rows] = GRID;
     let mut costs = 0;

@@ -15,7 +15,7 @@ use super::bench::{self, Costs};
 use crate::memory::Memory;
 use crate::ports::{ByteSink, ByteSource, Clock, packets};
 use crate::session::{self, Reply, Session};
-use linestereo::{Dims, Matched, Options};
+use linestereo::{Dims, Matched, Matcher, Options};
 use linestereo_rig::CameraSide;
 use linestereo_wire::{
     Answer, Command, Counters, Decoder, FrameHead, Health, MAX_COMMAND, Message, Outcome, PairHead,
@@ -45,13 +45,15 @@ pub enum Event {
     },
 }
 
-/// Serves the whole input, and says what packets were in it.
-pub fn run(
-    memory: &mut impl Memory,
+/// Serves the whole input, and says what packets were in it. `before` is called with each pair that
+/// lies in the frames and the matcher that is to match it.
+pub fn run<M: Memory>(
+    memory: &mut M,
     clock: &impl Clock,
     session: &mut Session<'_>,
     input: &mut impl ByteSource,
     output: &mut impl ByteSink,
+    mut before: impl FnMut(&mut M, &Matcher),
     mut report: impl FnMut(&Event),
 ) -> Counters {
     let mut input = Buffered { source: input, bytes: [0; 256], from: 0, to: 0 };
@@ -82,21 +84,22 @@ pub fn run(
             }
             Reply::Pair { command, head, is_raw } => {
                 let sequence = session.next_sequence();
-                let outcome = match pair(memory, clock, session, &mut input, &head, is_raw) {
-                    Ok(Replayed { rectification, costs, mut matched }) => {
-                        let from = clock.now();
-                        let found = session.objects(&mut matched);
-                        let objects = clock.elapsed(from, clock.now());
-                        report(&Event::Matched { sequence, rectification, costs, objects });
-                        write_results(&mut matched, sequence, &head, output);
-                        let _ = send_objects(sequence, &found, &mut packets(output));
-                        Outcome::Accepted
-                    }
-                    Err(why) => {
-                        report(&Event::Refused { sequence, why: why.clone() });
-                        Outcome::Refused(why)
-                    }
-                };
+                let outcome =
+                    match pair(memory, clock, session, &mut input, &head, is_raw, &mut before) {
+                        Ok(Replayed { rectification, costs, mut matched }) => {
+                            let from = clock.now();
+                            let found = session.objects(&mut matched);
+                            let objects = clock.elapsed(from, clock.now());
+                            report(&Event::Matched { sequence, rectification, costs, objects });
+                            write_results(&mut matched, sequence, &head, output);
+                            let _ = send_objects(sequence, &found, &mut packets(output));
+                            Outcome::Accepted
+                        }
+                        Err(why) => {
+                            report(&Event::Refused { sequence, why: why.clone() });
+                            Outcome::Refused(why)
+                        }
+                    };
                 write(&Message::Answer(Answer { command, outcome }), output);
             }
         }
@@ -114,13 +117,14 @@ struct Replayed<'m> {
 }
 
 /// Reads a pair, rectifies it if it is raw, and matches it.
-fn pair<'m, S: ByteSource>(
-    memory: &'m mut impl Memory,
+fn pair<'m, M: Memory, S: ByteSource>(
+    memory: &'m mut M,
     clock: &impl Clock,
     session: &mut Session<'_>,
     input: &mut Buffered<'_, S>,
     head: &PairHead,
     is_raw: bool,
+    before: &mut impl FnMut(&mut M, &Matcher),
 ) -> Result<Replayed<'m>, Refusal> {
     let (dims, rectification) = if is_raw {
         read_raw(memory, clock, session, input, head)?
@@ -130,6 +134,7 @@ fn pair<'m, S: ByteSource>(
     let times_us = head.right_capture_time_us.map(|right| [head.capture_time_us, right]);
     let areas = session.areas();
     let matcher = session.matcher(dims)?;
+    before(memory, matcher);
     let options = Options { areas: areas.as_deref(), times_us, ..Options::default() };
     let (costs, matched) =
         bench::measure(memory, clock, matcher, options).map_err(session::refusal)?;

@@ -62,7 +62,7 @@ pub fn digests(memory: &mut impl Memory, case: &Case) -> Option<Digests> {
     let mut digests = StageDigests::new();
     let mut matcher = Matcher::new(case.params(), case.dims).ok()?;
     let options = Options { observer: Some(&mut digests), ..Options::default() };
-    let mut matched = memory.run(&mut matcher, options).ok()?;
+    let mut matched = memory.run(None, &mut matcher, options).ok()?;
     matched.points().for_each(|point| digests.add_point(&point));
     let mut all = [0; Stage::ALL.len() + 1];
     for (slot, stage) in all.iter_mut().zip(Stage::ALL) {
@@ -141,7 +141,7 @@ mod tests {
             let mut digests = StageDigests::new();
             let mut matcher = Matcher::new(case.params(), case.dims).unwrap();
             let options = Options { observer: Some(&mut digests), ..Options::default() };
-            memory.run(&mut matcher, options).unwrap();
+            memory.run(None, &mut matcher, options).unwrap();
             digests.of(Stage::Rows)
         };
         // A pixel of a row that segments look at.

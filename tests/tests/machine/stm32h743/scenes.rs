@@ -436,7 +436,7 @@ impl Twin {
         let areas = self.session.areas();
         let options = Options { areas: areas.as_deref(), ..Options::default() };
         let matcher = self.session.matcher(dims).unwrap();
-        let mut matched = self.memory.run(matcher, options).unwrap();
+        let mut matched = self.memory.run(None, matcher, options).unwrap();
         let objects = self.session.objects(&mut matched);
         (matched.segments().to_vec(), objects.to_vec())
     }
