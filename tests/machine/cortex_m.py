@@ -4,7 +4,7 @@ Not in it: caches, bus contention, wait states, priority grouping, lazy FPU stat
 Time is an estimate, `mhz` instructions a microsecond; sleep (WFE, WFI) jumps to the next event.
 """
 import ctypes, heapq, json, os, struct, subprocess, tempfile
-from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_HOOK_INTR, UC_HOOK_MEM_UNMAPPED, UC_MODE_MCLASS, UC_MODE_THUMB, Uc, UcError
+from unicorn import UC_ARCH_ARM, UC_HOOK_BLOCK, UC_HOOK_CODE, UC_HOOK_INTR, UC_HOOK_MEM_UNMAPPED, UC_MODE_MCLASS, UC_MODE_THUMB, UC_PROT_ALL, Uc, UcError
 from unicorn.arm_const import *
 from unicorn.unicorn_py3.unicorn import uclib
 
@@ -24,7 +24,7 @@ struct clock {
     void (*work)(void);
     uint8_t *covered;
     struct block *blocks;
-    uint64_t first, bytes;
+    uint64_t first, bytes, executed;
 };
 static uint16_t instructions(void *uc, struct clock *c, uint64_t at, uint32_t size) {
     struct block *b = at - c->first < c->bytes ? &c->blocks[(at - c->first) / 2] : 0;
@@ -35,7 +35,8 @@ static uint16_t instructions(void *uc, struct clock *c, uint64_t at, uint32_t si
     return count;
 }
 void on_block(void *uc, uint64_t at, uint32_t size, struct clock *c) {
-    c->now += instructions(uc, c, at, size) * c->step;
+    uint16_t count = instructions(uc, c, at, size);
+    c->now += count * c->step, c->executed += count;
     if (at - c->first < c->bytes) memset(c->covered + (at - c->first), 1, size);
     if (c->now >= c->due) c->work();
     if (c->now >= c->stop) c->end(uc);
@@ -46,7 +47,7 @@ void on_block(void *uc, uint64_t at, uint32_t size, struct clock *c) {
 class Clock(ctypes.Structure):
     _fields_ = [("now", ctypes.c_double), ("stop", ctypes.c_double), ("step", ctypes.c_double), ("due", ctypes.c_double),
                 ("end", ctypes.c_void_p), ("read", ctypes.c_void_p), ("work", ctypes.c_void_p), ("covered", ctypes.c_void_p),
-                ("blocks", ctypes.c_void_p), ("first", ctypes.c_uint64), ("bytes", ctypes.c_uint64)]
+                ("blocks", ctypes.c_void_p), ("first", ctypes.c_uint64), ("bytes", ctypes.c_uint64), ("executed", ctypes.c_uint64)]
 
 
 class Registers:
@@ -64,6 +65,17 @@ class Registers:
     def write(self, *values):
         self.values[:] = values
         uclib.uc_reg_write_batch(self.uc._uch, self.names, self.places, self.count)
+
+
+class Shared:
+    """Memory that the processors of a chip share."""
+
+    def __init__(self, size):
+        self.size, self.buffer = size, ctypes.create_string_buffer(size + 0x1000)
+        self.at = ctypes.addressof(self.buffer) + 0xFFF & ~0xFFF
+
+    def map(self, uc, start):
+        uc.mem_map_ptr(start, self.size, UC_PROT_ALL, self.at)
 
 
 def load(path):
@@ -90,18 +102,22 @@ class Core:
     """A chip's processor: `MODEL` of Unicorn, what some registers always `READ`, CONTROL while floats are in use."""
     MODEL, READ, FLOATS_IN_USE = None, {}, 4
 
-    def __init__(self, path, flash, ram, mhz, chip_sources=""):
-        """An image, its flash (address, bytes), RAM [(address, bytes)]; C code of the chip, for what is called too often for Python."""
+    def __init__(self, path, flash, ram, mhz, chip_sources="", first=None):
+        """An image, its flash (address, bytes), RAM [(address, bytes)]; C code of the chip, for what is called too often for Python; the
+        chip's first processor, whose flash and C code a second one has."""
         self.segments, self.functions, self.symbols = load(path)
         self.flash, self.flash_bytes, self.mhz = *flash, mhz
         self.entry = min(start for start, _ in self.segments)  # behind a bootloader it is not where the flash begins
         self.uc = Uc(UC_ARCH_ARM, UC_MODE_THUMB | UC_MODE_MCLASS)
         self.uc.ctl_set_cpu_model(self.MODEL)
-        for start, size in [flash] + ram:
+        self.flash_memory = first.flash_memory if first else Shared(self.flash_bytes)
+        self.flash_memory.map(self.uc, self.flash)
+        for start, size in ram:
             self.uc.mem_map(start, size)
-        self.uc.mem_write(self.flash, b"\xff" * self.flash_bytes)
-        for start, data in self.segments:
-            self.uc.mem_write(start, data)
+        if not first:
+            self.uc.mem_write(self.flash, b"\xff" * self.flash_bytes)
+            for start, data in self.segments:
+                self.uc.mem_write(start, data)
         self.state = Registers(self.uc, [UC_ARM_REG_PC, UC_ARM_REG_XPSR, UC_ARM_REG_PRIMASK, UC_ARM_REG_FAULTMASK])
         self.entered = Registers(self.uc, LOW + [UC_ARM_REG_PC, UC_ARM_REG_XPSR, UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_SP, UC_ARM_REG_MSP])
         self.floats = Registers(self.uc, FLOATS)
@@ -109,8 +125,12 @@ class Core:
         self.left = Registers(self.uc, LOW + [UC_ARM_REG_SP, UC_ARM_REG_APSR, UC_ARM_REG_PC])
         self.registers, self.bytewise = {}, set()
         self.uc.mmio_map(0xE0000000, 0x100000, self._read, 0xE0000000, self._write, 0xE0000000)
-        self._hooks(chip_sources)
-        self.events, self.order, self.sleep_until = [], 0, None
+        if first:
+            self.compiled, self.covered, self.blocks = first.compiled, first.covered, first.blocks
+        else:
+            self._compile(chip_sources)
+        self._hooks()
+        self.events, self.order, self.sleep_until, self.other = [], 0, None, first
         self.longest_handler_stack, self.interrupts, self.ending = 0, {}, None
         self.reset()
 
@@ -119,7 +139,7 @@ class Core:
         self.chip_read, self.chip_write, self.bytewise = read, write, bytewise
         self.uc.mmio_map(0x40000000, 0x20000000, self._read, 0x40000000, self._write, 0x40000000)
 
-    def _hooks(self, chip_sources):
+    def _compile(self, chip_sources):
         folder = tempfile.mkdtemp()
         source, library = os.path.join(folder, "hook.c"), os.path.join(folder, "hook.so")
         open(source, "w").write(HOOK + chip_sources)
@@ -127,17 +147,23 @@ class Core:
         self.compiled = ctypes.CDLL(library)
         self.covered = ctypes.create_string_buffer(self.flash_bytes)
         self.blocks = ctypes.create_string_buffer(2 * self.flash_bytes)
+
+    def _hooks(self):
         end, read = (ctypes.cast(call, ctypes.c_void_p).value for call in (uclib.uc_emu_stop, uclib.uc_mem_read))
         self.clock = Clock(0.0, 0.0, 1 / self.mhz, float("inf"), end, read, None, ctypes.addressof(self.covered),
-                           ctypes.addressof(self.blocks), self.flash, self.flash_bytes)
+                           ctypes.addressof(self.blocks), self.flash, self.flash_bytes, 0)
         uclib.uc_hook_add(self.uc._uch, ctypes.byref(ctypes.c_size_t()), UC_HOOK_BLOCK, ctypes.cast(self.compiled.on_block, ctypes.c_void_p),
                           ctypes.byref(self.clock), ctypes.c_uint64(1), ctypes.c_uint64(0))
         self.uc.hook_add(UC_HOOK_INTR, self._on_interrupt)
         self.uc.hook_add(UC_HOOK_MEM_UNMAPPED, self._on_unmapped)
         for start, data in self.segments:
-            for at in range(0, len(data) - 1, 2):
-                if data[at] in (0x20, 0x30) and data[at + 1] == 0xBF:  # WFE, WFI; data that looks so is never executed
-                    self.uc.hook_add(UC_HOOK_CODE, self._on_sleep, None, start + at, start + at)
+            self._hook_hints(start, data)
+
+    def _hook_hints(self, start, code):
+        for at in range(0, len(code) - 1, 2):
+            hint = {0x20: self._on_sleep, 0x30: self._on_sleep, 0x40: self._on_event}.get(code[at])  # WFE, WFI, SEV
+            if hint and code[at + 1] == 0xBF:  # data that looks so is never executed
+                self.uc.hook_add(UC_HOOK_CODE, hint, None, start + at, start + at)
 
     def reset(self):
         """Power stays: RAM keeps what it holds."""
@@ -175,6 +201,10 @@ class Core:
         self.forced = -13
         self.clock.stop = 0
 
+    def escalate(self, number):
+        """Makes a HardFault of an exception that Unicorn has found, if that is known of it."""
+        return False
+
     def raise_overflow(self):
         """A write below the stack, which the MPU forbids: DACCVIOL with its address, escalated."""
         self.registers[0xE000ED28], self.registers[0xE000ED2C] = 1 << 7 | 1 << 1, 1 << 30  # CFSR, HFSR
@@ -185,9 +215,9 @@ class Core:
         address &= ~1
         return next((name for start, (size, name) in self.functions.items() if start <= address < start + size), hex(address))
 
-    def stack(self):
+    def stack(self, ends=("_stack_end", "_program_stack_start")):
         """Bytes of the program's stack that were used, and bytes of all: what is no longer the paint of `stack::paint` was."""
-        start, end = self.symbols["_stack_end"], self.symbols["_program_stack_start"]
+        start, end = (self.symbols[name] for name in ends)
         paint, words = (0x5AC45AC4).to_bytes(4, "little"), bytes(self.uc.mem_read(start, end - start))
         return next((end - start - at for at in range(0, len(words), 4) if words[at:at + 4] != paint), 0), end - start
 
@@ -284,6 +314,15 @@ class Core:
         self.sleeping = True
         uc.emu_stop()
 
+    def _on_event(self, *_):
+        self.event = True
+        if self.other:
+            self.other.take_event(self.now)
+
+    def take_event(self, time):
+        """Another processor has sent an event."""
+        self.event = True
+
     def _on_unmapped(self, uc, access, address, size, *_):
         self.fault = "access to %#x" % address
         return False
@@ -367,7 +406,7 @@ class Core:
                 self._leave()
                 self.event = True
                 levels()
-            elif self.number is not None:
+            elif self.number is not None and not self.escalate(self.number):
                 self.ending = "exception %d in %s, stack pointer %#x" % (self.number, self.where(uc.reg_read(UC_ARM_REG_PC)), uc.reg_read(UC_ARM_REG_SP))
             elif self.sleeping:
                 uc.reg_write(UC_ARM_REG_PC, (uc.reg_read(UC_ARM_REG_PC) + 2) | 1)
@@ -377,7 +416,7 @@ class Core:
         if self.event:
             self.event = False
             return
-        while not self.pending & self.enabled and not self.forced:
+        while not self.pending & self.enabled and not self.forced and not self.event:
             if not self.events or self.now > limit:
                 self.clock.now = max(self.now, limit)
                 return
@@ -388,6 +427,7 @@ class Core:
                 edges()
             else:
                 heapq.heappop(self.events)[2]()
+        self.event = False
 
 
 def execute(board, scenario, result):

@@ -3,25 +3,27 @@
     python3 rp2350.py IMAGE SCENARIO.json RESULT.json
 
 In it: what of the boot ROM the image calls, clocks and ticks by the registers that were written, pads and functions of pins, resets, both I2C,
-PIO, DMA (`rp2350.c`), TIMER0, SysTick, USB down to packets (`rp2350_usb.py`), UART 0 byte by byte, flash with XIP off while it is written, watchdog.
-Not in it: wires' levels and edges, QMI timing and the XIP cache, core 1, RUN pin, power, RP2350's errata but E5, security attribution.
+PIO, DMA (`rp2350.c`), core 1 (`rp2350_core1.py`), TIMER0, SysTick, USB down to packets (`rp2350_usb.py`), UART 0 byte by byte, flash with XIP off while it is written, watchdog.
+Not in it: wires' levels and edges, QMI timing and the XIP cache, RUN pin, power, RP2350's errata but E5, security attribution.
 
 Scenario: until_us; host: [[us, hex]]; faults: [[camera, frame, short|few|stuck]]; flash: hex of its last four sectors or absent; erase_us;
-hard_fault_us, dead_us (no camera sends from then on) or absent; resets: how often a reset may start it again. Result: `execute`, and `report`.
+hard_fault_us, dead_us (no camera sends from then on) or absent; resets: how often a reset may start it again; core1: "absent", it never answers;
+core1_fault_us, core1_overflow_us, core1_dead_us (it hangs until the next reset): in the next work that core 1 does, or absent. Result: `execute`, and `report`.
 """
 import ctypes, json, os, random, sys
 from unicorn import UC_HOOK_CODE, UC_PROT_ALL, UC_PROT_NONE
 from unicorn.arm_const import UC_ARM_REG_PC, UC_ARM_REG_R0, UC_ARM_REG_R1, UC_ARM_REG_R2
 from unicorn.unicorn_py3.unicorn import uclib
-from cortex_m import execute
+from cortex_m import Shared, execute
 from cortex_m33 import CortexM33
+from rp2350_core1 import FIFO_RD, FIFO_ST, PROC1, SLICE_US, Core1
 from hm01b0 import I2c, Sensor, WIDTH, frame_bytes
 from rp2350_usb import Rp2350Usb
 
 FLASH, MHZ, CRYSTAL_MHZ = (0x10000000, 0x400000), 150.0, 12
 SRAM, SRAM_BYTES, ROM = 0x20000000, 0x82000, 0x8000
 CLOCKS, RESETS, IO, PADS, POWMAN, TICKS, BOOTRAM = 0x40010000, 0x40020000, 0x40028000, 0x40038000, 0x40100000, 0x40108000, 0x400E0000
-QMI, WATCHDOG, SIO, UART0, TIMER0 = 0x400D0000, 0x400D8000, 0xD0000000, 0x40070000, 0x400B0000
+QMI, PSM, WATCHDOG, SIO, UART0, TIMER0 = 0x400D0000, 0x40018000, 0x400D8000, 0xD0000000, 0x40070000, 0x400B0000
 TRIGGER, MCLK, FIRST_PINS, BUSES = 20, 21, (2, 9), ((16, 17), (18, 19))
 PIO_IRQ, DMA_IRQ, UART_IRQ, TIMER_IRQ = 16, 11, 33, 0
 bit = lambda value, at: value >> at & 1
@@ -119,10 +121,9 @@ class Board:
     def __init__(self, image, scenario):
         source = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "rp2350.c")).read()
         self.core = core = CortexM33(image, FLASH, [], MHZ, source)
-        self.sram = ctypes.create_string_buffer(SRAM_BYTES + 0x1000)
-        self.sram_at = ctypes.addressof(self.sram) + 0xFFF & ~0xFFF
-        self.sram.raw = random.Random(1).randbytes(SRAM_BYTES + 0x1000)  # memory holds anything when power comes
-        core.uc.mem_map_ptr(SRAM, SRAM_BYTES, UC_PROT_ALL, self.sram_at)
+        self.sram = Shared(SRAM_BYTES)
+        self.sram.map(core.uc, SRAM)
+        core.uc.mem_write(SRAM, random.Random(1).randbytes(SRAM_BYTES))  # memory holds anything when power comes
         for start, data in core.segments:
             if start >= SRAM:
                 core.uc.mem_write(start, data)
@@ -135,7 +136,11 @@ class Board:
         self.usb, self.autopilot = Rp2350Usb(core, self.chip.rp2350_dpram()), Uart(core)
         self.host = self.usb.host
         self.parts = {0x40090000: self.buses[0], 0x40098000: self.buses[1], 0x50110000: self.usb, UART0: self.autopilot}
-        self.triggers, self.erases, self.longest_unfed, self.is_bitten, self.bites = 0, 0, 0.0, False, False
+        self.triggers, self.erases, self.longest_unfed, self.reason, self.bites = 0, 0, 0.0, 0, 0
+        self.core1 = Core1(self, image, scenario)
+        self.sram.map(self.core1.uc, SRAM)
+        self.core1_faults = {"core1_fault_us": self.core1.raise_fault, "core1_overflow_us": self.core1.fill_stack, "core1_dead_us": self.core1.die}
+        self.scenario = scenario
         self.commands, self.dead_us = scenario.get("host", []), scenario.get("dead_us", float("inf"))
         self._reset()
 
@@ -147,13 +152,22 @@ class Board:
         chip.rp2350_frame.argtypes = [ctypes.c_int, u32, ctypes.c_char_p, ctypes.POINTER(Frame)]
         self.calls = ctypes.CFUNCTYPE(u32, u32)(self._guarded(self.read)), ctypes.CFUNCTYPE(None, u32, u32, u32)(self._guarded(self.write))
         read, write = (ctypes.cast(call, pointer) for call in self.calls)
-        chip.rp2350_setup(ctypes.byref(self.core.clock), ctypes.c_double(MHZ), pointer(self.sram_at), read, write)
+        chip.rp2350_setup(ctypes.byref(self.core.clock), ctypes.c_double(MHZ), pointer(self.sram.at), read, write)
         address = lambda function: ctypes.cast(function, pointer)
         for start, size in ((0x40000000, 0x20000000), (SIO, 0x1000)):
             uclib.uc_mmio_map(self.core.uc._uch, ctypes.c_uint64(start), ctypes.c_uint64(size), address(chip.rp2350_read), pointer(start),
                               address(chip.rp2350_write), pointer(start))
         self.core.clock.work, self.core.clock.due = address(chip.rp2350_work).value, 0.0
-        self.core.sleep_until = chip.rp2350_sleep
+        self.core.sleep_until = self.sleep
+
+    def sleep(self, until):
+        """While core 0 sleeps: to a time, us, or to an interrupt, or to what core 1 sends."""
+        if self.core1.is_awake and self.core1.is_alive:
+            until = min(until, self.core.now + SLICE_US)
+            self.core1.follow(until)
+            if self.core.event:
+                until = min(until, max(self.core.now, self.core1.now))
+        return self.chip.rp2350_sleep(until)
 
     def _guarded(self, call):
         def guarded(*arguments):
@@ -174,6 +188,9 @@ class Board:
         for time, data in self.commands:
             if time > self.core.now:
                 self.core.at(time, lambda data=data: self.host.send(bytes.fromhex(data)))
+        for name, call in self.core1_faults.items():
+            if self.scenario.get(name, 0) > self.core.now:
+                self.core.at(self.scenario[name], lambda call=call: self.core1.at_work(call))
         for pin in range(48):
             self.registers[PADS + 4 + 4 * pin], self.registers[IO + 8 * pin + 4] = 0x116, 31
 
@@ -181,9 +198,11 @@ class Board:
         """After a reset that the program or the watchdog asked for: scratch registers stay."""
         scratch = {at: value for at, value in self.registers.items() if WATCHDOG + 0x0C <= at < WATCHDOG + 0x2C}
         self.core.reset()
+        self.core1.is_alive = True
+        self.core1.boot()
         self._reset()
         self.registers.update(scratch)
-        self.is_bitten, self.bites = self.bites, False
+        self.reason, self.bites = self.bites, 0
         for sensor in self.sensors:
             sensor.is_sending = False
 
@@ -195,6 +214,7 @@ class Board:
         self.autopilot.signal()
 
     def edges(self):
+        self.core1.follow(self.core.now)
         risen = self.chip.rp2350_risen()
         for line, number in ((1, PIO_IRQ), (2, DMA_IRQ)):
             if risen & line:
@@ -206,7 +226,7 @@ class Board:
     def report(self):
         number = lambda name: ctypes.c_uint32.in_dll(self.chip, name).value
         return {"regions": list(self.core.regions.values()), "dma": [number("dma_low"), number("dma_high")],
-                "pio_executed": number("pio_executed"), "sys_mhz": self.sys_mhz(), "mclk_mhz": self.mclk_mhz(),
+                "pio_executed": number("pio_executed"), "sys_mhz": self.sys_mhz(), "mclk_mhz": self.mclk_mhz(), "core1": self.core1.report(),
                 "autopilot_baud": 10e6 / self.autopilot.byte_us(), **self.host.report()}
 
     # Pins and clocks.
@@ -284,6 +304,8 @@ class Board:
     # Registers that rp2350.c does not have.
 
     def read(self, at):
+        if SIO + FIFO_ST <= at <= SIO + FIFO_RD:
+            return self.core1.read_queue(at - SIO, 0)
         if at >= SIO:
             return {SIO: 0, SIO + 4: self.gpio_in()}.get(at, self.registers.get(at, 0))
         block, at = at & ~0x7FFF, at & ~0x3000
@@ -296,7 +318,7 @@ class Board:
             0x40048004: lambda: (get(0x40048000) >> 12 & 0xFFF == 0xFAB) << 31,
             0x40050000: lambda: value | (get(0x40050004) & 0x21 == 0) << 31, 0x40058000: lambda: value | (get(0x40058004) & 0x21 == 0) << 31,
             POWMAN + 0x2C: lambda: 1 << 16, POWMAN + 0x0C: lambda: 0xB0,
-            WATCHDOG + 8: lambda: int(self.is_bitten),
+            WATCHDOG + 8: lambda: self.reason,
         }
         if at in special:
             return special[at]()
@@ -335,12 +357,18 @@ class Board:
             self.chip.rp2350_pads(self.inputs())
         elif block == WATCHDOG:
             self.write_watchdog(at, value)
+        elif at == PSM + 4 and bit(before, PROC1) and not bit(value, PROC1):
+            self.core1.boot()
+        elif at == PSM + 4 and bit(value, PROC1):
+            self.core1.is_awake = self.core1.is_launched = False
         elif block == QMI:
             self.set_xip(True)
         elif block == TIMER0 and at & 0xFFF == 0x10:
             self.set_alarm(value)
 
     def write_sio(self, at, value):
+        if SIO + FIFO_ST <= at <= SIO + FIFO_RD:
+            return self.core1.write_queue(at - SIO, value, 1)
         register, before = at, self.output(TRIGGER)
         if 0x10 <= at & 0xFFF < 0x50:
             group = 0x10 if at & 0xFFF < 0x30 else 0x30
@@ -360,7 +388,14 @@ class Board:
 
         self.core.at(self.core.now + wait, ring)
 
+    def is_held(self, processor):
+        """In reset, by the power-on state machine."""
+        return bit(self.registers.get(PSM + 4, 0), processor)
+
     def write_watchdog(self, at, value):
+        if at == WATCHDOG and bit(value, 31):
+            self.bites = 2  # by the program
+            self.core._end("reset")
         if at == WATCHDOG + 4 or at == WATCHDOG and bit(value, 30):
             if self.last_feed is not None:
                 self.longest_unfed = max(self.longest_unfed, self.core.now - self.last_feed)
@@ -370,7 +405,7 @@ class Board:
 
             def bite():
                 if self.feeds == feeds and bit(self.registers.get(WATCHDOG, 0), 30):
-                    self.bites = True
+                    self.bites = 1  # by its timer
                     self.core._end("reset")
 
             if at == WATCHDOG + 4:
@@ -379,7 +414,10 @@ class Board:
     def set_xip(self, is_on):
         """Without it nothing can be read from the flash: what tries ends the run."""
         self.has_xip = is_on
-        self.core.uc.mem_protect(*FLASH, UC_PROT_ALL if is_on else UC_PROT_NONE)
+        for core in (self.core, self.core1):
+            core.uc.mem_protect(*FLASH, UC_PROT_ALL if is_on else UC_PROT_NONE)
+        if not is_on and self.core1.is_in_flash():
+            self.core._end("the flash is written while core 1 runs from it")
 
 
 def main(image, scenario, result):
