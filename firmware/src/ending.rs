@@ -65,10 +65,27 @@ mod by_reset {
                 note.store(word, Ordering::Relaxed);
             }
             cortex_m::asm::dsb(); // in memory before the reset
-            cortex_m::peripheral::SCB::sys_reset()
+            reset()
         }
         loop {
             cortex_m::asm::wfi();
+        }
+    }
+
+    #[cfg(not(feature = "rp235x"))]
+    #[inline(always)] // smaller
+    fn reset() -> ! {
+        cortex_m::peripheral::SCB::sys_reset()
+    }
+
+    /// Resets both cores, by the watchdog: SYSRESETREQ resets the one that asks.
+    #[cfg(feature = "rp235x")]
+    fn reset() -> ! {
+        use embassy_rp::pac::{PSM, WATCHDOG};
+        PSM.wdsel().write_value(super::RESET_BY_WATCHDOG);
+        WATCHDOG.ctrl().modify(|w| w.set_trigger(true));
+        loop {
+            cortex_m::asm::nop();
         }
     }
 
@@ -86,6 +103,11 @@ mod by_reset {
         (written == WRITTEN && complement == !exit).then_some(Reset { cause, location })
     }
 }
+/// What the watchdog of an RP2350 resets: everything but the oscillators (RP2350 datasheet, 7.4).
+#[cfg(all(target_os = "none", feature = "rp235x"))]
+pub(crate) const RESET_BY_WATCHDOG: embassy_rp::pac::psm::regs::Wdsel =
+    embassy_rp::pac::psm::regs::Wdsel(0x01ff_fff3);
+
 #[cfg(feature = "hardware")]
 pub use by_reset::last_note;
 #[cfg(feature = "hardware")]

@@ -3,7 +3,7 @@
 
 use crate::memory::Memory;
 use core::convert::Infallible;
-use linestereo::Dims;
+use linestereo::{Cores, Dims};
 use linestereo_wire::{CaptureReport, Reset, Silicon};
 
 /// A clock that counts up and wraps.
@@ -167,9 +167,19 @@ impl Light for NoLight {
     fn set(&mut self, _: bool) {}
 }
 
+/// A board whose program has one core.
+#[derive(Debug)]
+pub enum NoSecondCore {}
+
+impl Cores for NoSecondCore {
+    fn join(&mut self, _: &mut (dyn FnMut() + Send), _: &mut (dyn FnMut() + Send)) {
+        match *self {}
+    }
+}
+
 /// Peripherals of a board for the program `live`, after a reset.
 #[derive(Debug)]
-pub struct Peripherals<C, H, A, P, F, W, L> {
+pub struct Peripherals<C, H, A, P, F, W, L, S = NoSecondCore> {
     /// A [`Clock`].
     pub clock: C,
     /// The host's port: a [`ByteSource`] and [`ByteSink`].
@@ -191,6 +201,8 @@ pub struct Peripherals<C, H, A, P, F, W, L> {
     pub bootloader: Option<fn() -> !>,
     /// A [`Light`].
     pub light: L,
+    /// [`Cores`] to match pairs on, if there are two.
+    pub second_core: Option<S>,
 }
 
 /// Peripherals of a program without cameras, after the same start as for `live`: clocks, caches,

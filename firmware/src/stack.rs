@@ -1,5 +1,6 @@
 //! The program's stack: painted before it is used, so that its largest depth can be seen.
 
+use core::ops::Range;
 use core::ptr;
 
 const PAINT: u32 = 0x5ac4_5ac4;
@@ -23,10 +24,10 @@ pub fn top() -> usize {
     (&raw const _program_stack_start).addr()
 }
 
-/// Paints the program's stack.
-pub(crate) fn paint() {
-    for address in (bottom()..top()).step_by(4) {
-        // SAFETY: the program does not run yet, nobody else uses its stack.
+/// Paints a stack that nobody uses yet.
+pub(crate) fn paint(stack: Range<usize>) {
+    for address in stack.step_by(4) {
+        // SAFETY: nobody uses this memory yet.
         unsafe { ptr::with_exposed_provenance_mut::<u32>(address).write_volatile(PAINT) };
     }
 }

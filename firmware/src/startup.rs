@@ -37,7 +37,7 @@ mod board {
     /// Runs the program and ends with its exit code.
     pub fn start(program: fn() -> Exit) -> ! {
         arch::protection::guard();
-        stack::paint();
+        stack::paint(stack::bottom()..stack::top());
         arch::switch_stack(enter, program)
     }
 

@@ -138,7 +138,8 @@ impl Board {
         },
     );
     /// Raspberry Pi Pico 2.
-    pub const PICO2: Self = qvga("pico2", "Cortex-M33", ARMV8, Device::Chip("RP235x"));
+    pub const PICO2: Self =
+        Self { two_cores: true, ..qvga("pico2", "Cortex-M33", ARMV8, Device::Chip("RP235x")) };
     /// Boards with an STM32H743.
     pub const STM32H743: Self =
         qvga("stm32h743", "Cortex-M7", ARMV7, Device::Chip("STM32H743ZITx"));

@@ -5,6 +5,7 @@
 
 #[cfg(target_os = "none")]
 fn live() -> linestereo_boards::Exit {
+    use linestereo::Cores;
     use linestereo_boards::Exit;
     use linestereo_firmware::boards::{self, selected};
     use linestereo_firmware::ports::{Light as _, Peripherals, Watchdog as _};
@@ -24,6 +25,7 @@ fn live() -> linestereo_boards::Exit {
         reset,
         bootloader,
         mut light,
+        mut second_core,
     } = board;
     let mut session = match &mut flash {
         Some(flash) => Session::with_flash(selected::BOARD, flash, memory),
@@ -32,7 +34,8 @@ fn live() -> linestereo_boards::Exit {
     (session.reset, session.has_bootloader) = (reset, bootloader.is_some());
     let mut live = Live::start(session, clock, host).with_autopilot(autopilot);
     loop {
-        let turn = live.turn(memory, &mut pairs);
+        let cores = second_core.as_mut().map(|cores| cores as &mut dyn Cores);
+        let turn = live.turn_with(cores, memory, &mut pairs);
         if turn.is_work() {
             watchdog.feed();
         }

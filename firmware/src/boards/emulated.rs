@@ -25,6 +25,7 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
         reset: None,
         bootloader: None,
         light: NoLight,
+        second_core: None,
     })
 }
 

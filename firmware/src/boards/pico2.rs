@@ -1,5 +1,5 @@
-//! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, of which one is used, 520 KiB of RAM and 4 MiB
-//! of flash. Two HM01B0 with four data wires each.
+//! Raspberry Pi Pico 2: RP2350A with two Cortex-M33, 520 KiB of RAM and 4 MiB of flash. Two HM01B0
+//! with four data wires each.
 //!
 //! ```text
 //! GP0, 1      UART 0, to and from an autopilot
@@ -26,8 +26,8 @@ mod wired {
     use crate::boards::rp235x::cameras::Block;
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
     use crate::boards::rp235x::{
-        Autopilot, FrameWatchdog, Kept, Micros, Pause, i2c, keeper, reset_cause, silicon,
-        start_host,
+        Autopilot, FrameWatchdog, Kept, Micros, Pause, SecondCore, i2c, keeper, reset_cause,
+        silicon, start_host,
     };
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
@@ -125,11 +125,17 @@ mod wired {
             Kept<FLASH>,
             FrameWatchdog,
             OnboardLight,
+            SecondCore,
         >,
     > {
         let (board, reset) = start();
         let watchdog = FrameWatchdog::start(board.WATCHDOG); // what hangs from here on is reset
         let clock = Micros::start(cortex_m::Peripherals::take()?.SYST, clk_sys_freq());
+
+        let second_core = SecondCore::start(board.CORE1);
+        if second_core.is_none() {
+            crate::error!("core 1 does not answer: pairs are matched on one core");
+        }
 
         let mclk = Gpout::new(board.PIN_21);
         mclk.set_src(GpoutSrc::Xosc);
@@ -167,6 +173,7 @@ mod wired {
             reset: Some(reset),
             bootloader: Some(enter_bootloader),
             light: OnboardLight(Output::new(board.PIN_25, Level::Low)),
+            second_core,
         })
     }
 }

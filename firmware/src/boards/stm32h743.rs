@@ -164,6 +164,7 @@ mod on_board {
             reset,
             bootloader: Some(bootloader::enter as fn() -> !),
             light,
+            second_core: None,
         })
     }
 }

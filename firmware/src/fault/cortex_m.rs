@@ -2,8 +2,11 @@
 //! stack only where it is readable.
 
 use crate::arch::guard;
+#[cfg(feature = "rp235x")]
+use crate::boards::rp235x::second_core;
 use crate::ending::{end, report, report_number};
 use crate::stack;
+use core::ops::Range;
 use core::ptr;
 use cortex_m::peripheral::SCB;
 use cortex_m::register::psp;
@@ -20,6 +23,15 @@ const BFAR_VALID: u32 = 1 << 15;
 /// Bit of ICSR: no handler was running before this one (RETTOBASE).
 const FROM_PROGRAM: u32 = 1 << 11;
 
+/// The stack of the program, on a second core that of its work.
+fn stack() -> Range<usize> {
+    #[cfg(feature = "rp235x")]
+    if !second_core::is_first() {
+        return second_core::stack();
+    }
+    stack::bottom()..stack::top()
+}
+
 #[exception(trampoline = false)]
 unsafe fn HardFault() -> ! {
     // SAFETY: reads of status registers.
@@ -33,7 +45,7 @@ unsafe fn HardFault() -> ! {
         _ => None,
     };
     let frame = psp::read() as usize;
-    let stack = stack::bottom()..stack::top();
+    let stack = stack();
     // The registers of a handler are saved on its own stack: what lies on the program's says where
     // the program was.
     let from_program = icsr & FROM_PROGRAM != 0;

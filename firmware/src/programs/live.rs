@@ -9,7 +9,7 @@ use crate::ports::{
     ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets,
 };
 use crate::session::{Reply, Session, failed_frame};
-use linestereo::{Dims, Options, results::Match};
+use linestereo::{Cores, Dims, Options, results::Match};
 use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND,
@@ -181,6 +181,16 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
 impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P, A> {
     /// Takes one turn, and says what it has done.
     pub fn turn(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
+        self.turn_with(None, memory, camera)
+    }
+
+    /// [`Live::turn`], on two cores where they are lent.
+    pub fn turn_with(
+        &mut self,
+        cores: Option<&mut dyn Cores>,
+        memory: &mut impl Memory,
+        camera: &mut impl PairSource,
+    ) -> Turn {
         self.serve_commands(memory, camera);
         if self.leaves {
             return Turn::Leave;
@@ -189,7 +199,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let has_listener = self.autopilot_port.is_some() && self.session.has_rig();
         let turn = match self.photo.take() {
             Some(photo) => self.send_photo(photo, memory),
-            None if self.session.running || has_listener => self.match_pair(memory, camera),
+            None if self.session.running || has_listener => self.match_pair(cores, memory, camera),
             None => {
                 self.status = Status::Waiting;
                 Turn::Idle
@@ -407,7 +417,12 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     }
 
     /// Fetches a pair and sends host and autopilot what it gave, or why it gave nothing.
-    fn match_pair(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) -> Turn {
+    fn match_pair(
+        &mut self,
+        cores: Option<&mut dyn Cores>,
+        memory: &mut impl Memory,
+        camera: &mut impl PairSource,
+    ) -> Turn {
         let rectified = match camera.raw_dims().filter(|_| self.session.rig_dims().is_some()) {
             None => Ok(None),
             Some(raw) => self.session.rectified(raw).map(Some),
@@ -430,7 +445,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         if let Some(skew_us) = camera.still_us() {
             self.session.limits.skew_us = skew_us;
         }
-        if rectified.is_err() || self.match_captured(memory, pair, now_us).is_none() {
+        if rectified.is_err() || self.match_captured(cores, memory, pair, now_us).is_none() {
             let health = captured_health(pair) | Health::SIZE_MISMATCH;
             self.write_frame(failed_frame(0, captured_us(pair, now_us), pair.dims, health), None);
         }
@@ -441,6 +456,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     /// size cannot be matched.
     fn match_captured(
         &mut self,
+        cores: Option<&mut dyn Cores>,
         memory: &mut impl Memory,
         pair: CapturedPair,
         now_us: u64,
@@ -450,7 +466,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         let options =
             Options { areas: areas.as_deref(), times_us: pair.times_us, ..Options::default() };
         let matcher = self.session.matcher(pair.dims).ok()?;
-        let mut matched = memory.run(None, matcher, options).ok()?;
+        let mut matched = memory.run(cores, matcher, options).ok()?;
         let health = *matched.health();
         let objects = self.session.objects(&mut matched);
         self.times.matching_us = saturated(self.time() - now_us);

@@ -466,8 +466,8 @@ fn rates(stored: &Stored) -> Result<String> {
 **Estimates by arithmetic, not measurements.** Instructions of a 320x240 pair, times an assumed
 number of cycles each, and the exposure and readout of the board's cameras. Rows are rectified while
 they are read. Caches and flash wait states come on top. `linestereo bench-board` measures true
-cycles; no file has been sent yet. `live` uses one core; on two, those are the instructions of the
-busier one.
+cycles; no file has been sent yet. On the Pico 2 `live` uses both cores: the line for two has the
+instructions of the busier one. That for one core holds where the second does not start.
 
 {rates}"
     ))

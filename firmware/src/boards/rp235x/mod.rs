@@ -8,6 +8,7 @@
 //! i2c       registers and pins of `bus`
 //! clock     microseconds, and pauses        ending    why the last run ended; watchdog
 //! keeper    the rig and settings in the last four sectors of the flash
+//! second_core   half of a pair's work
 //! silicon   which chip it is and how it is set up
 //! uart      the autopilot's port            (the host's is `boards::usb_port`)
 //! ```
@@ -27,6 +28,8 @@ pub mod i2c;
 #[cfg(target_os = "none")]
 mod keeper;
 #[cfg(target_os = "none")]
+pub(crate) mod second_core;
+#[cfg(target_os = "none")]
 mod silicon;
 #[cfg(target_os = "none")]
 mod uart;
@@ -39,6 +42,8 @@ pub use clock::{Micros, Pause, time_us};
 pub use host::start as start_host;
 #[cfg(target_os = "none")]
 pub use keeper::{Kept, keeper};
+#[cfg(target_os = "none")]
+pub use second_core::SecondCore;
 #[cfg(target_os = "none")]
 pub use silicon::silicon;
 #[cfg(target_os = "none")]

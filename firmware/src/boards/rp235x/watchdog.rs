@@ -7,7 +7,7 @@ use crate::ending;
 use crate::ports::Watchdog;
 use core::fmt;
 use embassy_rp::Peri;
-use embassy_rp::pac::{POWMAN, PSM, WATCHDOG, psm};
+use embassy_rp::pac::{POWMAN, PSM, WATCHDOG};
 use embassy_rp::peripherals;
 use embassy_rp::watchdog;
 use embassy_time::Duration;
@@ -39,8 +39,8 @@ impl FrameWatchdog {
         WATCHDOG.scratch0().write_value(OURS);
         watchdog.start(PATIENCE);
         // The HAL selects what to reset by the RP2040's layout, without processors, XIP and half of
-        // the SRAM: everything but the oscillators.
-        PSM.wdsel().write_value(psm::regs::Wdsel(0x01ff_fff3));
+        // the SRAM.
+        PSM.wdsel().write_value(ending::RESET_BY_WATCHDOG);
         Self(watchdog)
     }
 }
@@ -59,7 +59,7 @@ pub fn reset_cause() -> Reset {
     let is_ours = WATCHDOG.scratch0().read() == OURS;
     WATCHDOG.scratch0().write_value(0);
     // The watchdog's own reason is cleared by every other reset, on the RP2350 by SYSRESETREQ as
-    // well: what ends with that leaves a note.
+    // well. A panic or a fault resets by the watchdog too, and leaves a note.
     words.unwrap_or(Reset::of(if reason.timer() && is_ours {
         ResetCause::Watchdog
     } else if reason.timer() || reason.force() {
