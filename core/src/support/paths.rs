@@ -183,46 +183,68 @@ impl<'m> Paths<'m> {
     }
 }
 
+/// A point of the row: its memory, and the lowest cost of the path to it from above.
+struct PointMemory<'p> {
+    column: usize,
+    costs: &'p mut [u8],
+    above: &'p mut [u8],
+    sums: &'p mut [u8],
+    above_lowest: &'p mut u8,
+}
+
 impl Part<'_> {
+    fn each(&mut self) -> impl DoubleEndedIterator<Item = PointMemory<'_>> {
+        let stride = self.stride.max(1);
+        let costs = self.costs.chunks_exact_mut(stride);
+        let sums = self.above.chunks_exact_mut(stride).zip(self.sums.chunks_exact_mut(stride));
+        let points = self.above_lowest.iter_mut().zip(self.columns.clone());
+        costs.zip(sums).zip(points).map(|((costs, (above, sums)), (above_lowest, column))| {
+            PointMemory { column, costs, above, sums, above_lowest }
+        })
+    }
+
     /// Continues the path from above and that from the left; of each point.
     fn begin(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let (stride, labels) = (self.stride.max(1), self.labels);
-        let row = self
-            .costs
-            .chunks_exact_mut(stride)
-            .zip(self.above.chunks_exact_mut(stride))
-            .zip(self.sums.chunks_exact_mut(stride));
-        for (((costs, above), sums), (above_lowest, column)) in
-            row.zip(self.above_lowest.iter_mut().zip(self.columns.clone()))
-        {
-            if let Some(costs) = costs.get_mut(..labels) {
-                points.fill(column, costs);
-            }
-            *above_lowest = path_step(costs, *above_lowest, above);
-            path.begin(costs, sums);
+        let labels = self.labels;
+        for mut point in self.each() {
+            point.from_above(labels, points);
+            path.begin(point);
         }
     }
 
-    /// Computes the path from the right, last point first, and calls `visit(column, costs)` for
-    /// each.
+    /// Continues the path from above, then computes that from the right, last point first.
+    fn begin_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
+        let labels = self.labels;
+        self.each().for_each(|mut point| point.from_above(labels, points));
+        self.each().rev().for_each(|point| path.begin(point));
+    }
+
+    /// Completes the path from the left, and calls `visit(column, costs)` for each point.
+    fn close(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
+        self.each().for_each(|point| path.close(point, points));
+    }
+
+    /// The same from the right, last point first.
     fn close_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let stride = self.stride.max(1);
-        let row = self
-            .costs
-            .chunks_exact_mut(stride)
-            .zip(self.above.chunks_exact(stride))
-            .zip(self.sums.chunks_exact_mut(stride));
-        for (((costs, above), sums), column) in row.zip(self.columns.clone()).rev() {
-            let lowest = path.close(costs, above, sums);
-            points.visit(column, PointCosts { costs, sums, lowest });
+        self.each().rev().for_each(|point| path.close(point, points));
+    }
+}
+
+impl PointMemory<'_> {
+    /// Sets the costs and continues the path from above.
+    #[inline(always)]
+    fn from_above(&mut self, labels: usize, points: &mut impl Points) {
+        if let Some(costs) = self.costs.get_mut(..labels) {
+            points.fill(self.column, costs);
         }
+        *self.above_lowest = path_step(self.costs, *self.above_lowest, self.above);
     }
 }
 
 impl Path<'_> {
     /// Goes on to a point, whose sum it is the first of.
     #[inline(always)]
-    fn begin(&mut self, costs: &[u8], sums: &mut [u8]) {
+    fn begin(&mut self, PointMemory { costs, sums, .. }: PointMemory<'_>) {
         self.lowest = path_step(costs, self.lowest, self.costs);
         // As long as each other; cut to one length, so that the copy has no panic path.
         let length = sums.len().min(self.costs.len());
@@ -231,42 +253,12 @@ impl Path<'_> {
         }
     }
 
-    /// Goes on to a point, whose sum it completes; returns the lowest sum.
+    /// Goes on to a point, whose sum it completes.
     #[inline(always)]
-    fn close(&mut self, costs: &[u8], above: &[u8], sums: &mut [u8]) -> u8 {
+    fn close(&mut self, point: PointMemory<'_>, points: &mut impl Points) {
+        let PointMemory { column, costs, above, sums, .. } = point;
         self.lowest = path_step(costs, self.lowest, self.costs);
-        sum_paths(above, self.costs, sums)
-    }
-}
-
-impl Part<'_> {
-    /// Continues the path from above, then computes that from the right, last point first.
-    fn begin_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let (stride, labels) = (self.stride.max(1), self.labels);
-        let row = self.costs.chunks_exact_mut(stride).zip(self.above.chunks_exact_mut(stride));
-        for ((costs, above), (lowest, column)) in
-            row.zip(self.above_lowest.iter_mut().zip(self.columns.clone()))
-        {
-            if let Some(costs) = costs.get_mut(..labels) {
-                points.fill(column, costs);
-            }
-            *lowest = path_step(costs, *lowest, above);
-        }
-        let row = self.costs.chunks_exact(stride).zip(self.sums.chunks_exact_mut(stride));
-        row.rev().for_each(|(costs, sums)| path.begin(costs, sums));
-    }
-
-    /// Completes the path from the left, and calls `visit(column, costs)` for each point.
-    fn close(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
-        let stride = self.stride.max(1);
-        let row = self
-            .costs
-            .chunks_exact_mut(stride)
-            .zip(self.above.chunks_exact(stride))
-            .zip(self.sums.chunks_exact_mut(stride));
-        for (((costs, above), sums), column) in row.zip(self.columns.clone()) {
-            let lowest = path.close(costs, above, sums);
-            points.visit(column, PointCosts { costs, sums, lowest });
-        }
+        let lowest = sum_paths(above, self.costs, sums);
+        points.visit(column, PointCosts { costs, sums, lowest });
     }
 }
