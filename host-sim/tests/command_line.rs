@@ -20,6 +20,7 @@ fn recording(folder: &Path, frames: u64) {
     }
 }
 
+const SECTORS: [&str; 3] = ["--sectors", "--sector-range", "4"];
 const RIG: [&str; 4] = ["--focal-px", "300", "--baseline-m", "0.1"];
 
 #[test]
@@ -35,7 +36,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
     )
     .unwrap();
     fs::write(at.join("boxes/0003_left.json"), "{").unwrap();
-    let with_rig = [&["sequence", ".", "--objects", "boxes"][..], &RIG].concat();
+    let with_rig = [&["sequence", ".", "--objects", "boxes"][..], &SECTORS, &RIG].concat();
     let output = linestereo(at, &with_rig);
     assert!(output.status.success(), "{}", stderr(&output));
     let lines: Vec<Value> =
@@ -70,6 +71,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
     // The first pair as `run` sees it, but for its frame and name; and lines in a file.
     let run = [
         &["run", "0001_left.png", "0001_right.png", "--objects", "boxes", "--json", "-"][..],
+        &SECTORS,
         &RIG,
     ]
     .concat();
@@ -81,6 +83,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
         fields.remove("name");
     }
     assert_eq!(alone, first);
+    assert_eq!(first["sectors"].as_array().unwrap().len(), 72);
     let some = linestereo(
         at,
         &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"],

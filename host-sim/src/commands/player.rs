@@ -167,7 +167,7 @@ impl<'a> Player<'a> {
         let objects = asked.depths(setup, pair, &mut matcher.engine);
         let rig = setup.params.rig.as_ref();
         let ground = result.ground.map(|plane| Ground::new(plane, rig, images[0].dims));
-        Ok(Played { images, result, objects, ground })
+        Ok(Played { images, result, objects, ground, sectors: None })
     }
 }
 
@@ -179,8 +179,9 @@ pub(super) fn line(
     no_points: bool,
 ) -> Result<String> {
     match played {
-        Ok(Played { images, result, objects, ground }) => {
-            let answers = Answers { ground: *ground, ..Asked::answers(objects.as_ref()) };
+        Ok(Played { images, result, objects, ground, sectors }) => {
+            let (ground, sectors) = (*ground, sectors.clone());
+            let answers = Answers { ground, sectors, ..Asked::answers(objects.as_ref()) };
             let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
             Ok(with_name(number, &pair.name, &line))
         }

@@ -6,9 +6,11 @@ use super::video::CameraArgs;
 use crate::engine::FrameResult;
 use crate::interruption;
 use crate::output::{LineFile, OutputPath, cannot_write, is_terminal, print};
+use crate::results::directions::Direction;
 use crate::results::listing;
 use crate::results::ros::{Extra, Frame, RosFile, placed};
 use anyhow::{Result, bail};
+use linestereo::obstacles::ObstacleParams;
 use linestereo_frames::regions::Object;
 use linestereo_frames::{GrayImage, StoredPair};
 use linestereo_recordings::ros::sent::{Label, Stamp};
@@ -30,6 +32,8 @@ pub(super) struct Played {
     pub(super) objects: Option<Asked>,
     /// The ground plane.
     pub(super) ground: Option<crate::results::ground::Ground>,
+    /// Every direction of the turn, where they are asked for.
+    pub(super) sectors: Option<Vec<Direction>>,
 }
 
 #[derive(Debug, clap::Args)]
@@ -120,6 +124,7 @@ impl Sink {
     pub(super) fn new(
         out: Option<&OutputPath>,
         with: &[Extra],
+        sectors: ObstacleParams,
         recording: Option<&Recording>,
     ) -> Result<Self> {
         let Some(path) = out.filter(|path| !path.is_stdout()) else {
@@ -138,7 +143,7 @@ impl Sink {
         let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
         let to = if is_mcap(&path) {
             To::Messages(Box::new(
-                RosFile::new(lines, with).map_err(|error| cannot_write(&path, &error))?,
+                RosFile::new(lines, with, sectors).map_err(|error| cannot_write(&path, &error))?,
             ))
         } else if with.is_empty() {
             To::Lines(lines)

@@ -80,16 +80,7 @@ impl SectorArgs {
         if !self.sectors && self.fan.is_none() && self.mavlink.is_none() {
             return Ok(None);
         }
-        if setup.geometry().is_none() {
-            bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
-        }
-        let plan = self.plan.plan(&setup.params, setup.dims())?;
-        Ok(Some(Directions::new(
-            plan.on_ground(result.ground),
-            &result.matches,
-            &result.obstacle_points,
-            result.health.of_pair(),
-        )))
+        self.plan.directions(setup, result).map(Some)
     }
 }
 
@@ -99,8 +90,35 @@ impl SectorPlanArgs {
         self.camera_yaw.unwrap_or(ObstacleParams::DEFAULT.yaw_deg)
     }
 
+    /// Sectors of each direction after this pair alone.
+    pub(super) fn directions(&self, setup: &Setup<'_>, result: &FrameResult) -> Result<Directions> {
+        if setup.geometry().is_none() {
+            bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
+        }
+        let plan = self.plan(&setup.params, setup.dims())?;
+        Ok(Directions::new(
+            plan.on_ground(result.ground),
+            &result.matches,
+            &result.obstacle_points,
+            result.health.of_pair(),
+        ))
+    }
+
     /// The sectors that images of this size and rig see.
     pub(super) fn plan(&self, params: &Params, dims: Dims) -> Result<ObstaclePlan> {
+        self.wanted().plan(params, dims).map_err(|error| match error {
+            ObstacleError::NoRig => {
+                anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig")
+            }
+            ObstacleError::OutOfRange { param, .. } => {
+                anyhow!("{error}; change {}", option_behind(param))
+            }
+            _ => anyhow!("{error}"),
+        })
+    }
+
+    /// What is wanted of sectors.
+    pub(super) fn wanted(&self) -> ObstacleParams {
         let mut wanted = ObstacleParams::DEFAULT;
         wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);
         wanted.yaw_deg = self.yaw_deg();
@@ -110,15 +128,7 @@ impl SectorPlanArgs {
         if let Some([low, high]) = self.sector_heights.as_deref() {
             wanted.heights_m = [*low, *high];
         }
-        wanted.plan(params, dims).map_err(|error| match error {
-            ObstacleError::NoRig => {
-                anyhow!("{error}; give --focal-px and --baseline-m, --scene, or --rig")
-            }
-            ObstacleError::OutOfRange { param, .. } => {
-                anyhow!("{error}; change {}", option_behind(param))
-            }
-            _ => anyhow!("{error}"),
-        })
+        wanted
     }
 }
 

@@ -6,6 +6,7 @@ use super::objects::{Asked, ObjectArgs};
 use super::pairs::{bar, has_ended, named_bar};
 use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
+use super::sector_options::SectorPlanArgs;
 use crate::interruption::{self, Interrupted};
 use crate::output::{OutputPath, is_quiet, say, spare};
 use crate::results::health;
@@ -40,6 +41,12 @@ pub struct Args {
     input: InputArgs,
     #[command(flatten)]
     objects: ObjectArgs,
+    /// List the nearest obstacle and drop-off of each direction in each line, by its pair alone;
+    /// needs a rig. ROS 2 messages always have them, and keep for a while what was seen.
+    #[arg(long, help_heading = "Distance per direction")]
+    sectors: bool,
+    #[command(flatten, next_help_heading = "Distance per direction")]
+    sector_plan: SectorPlanArgs,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -57,7 +64,8 @@ pub fn run(args: &Args) -> Result<()> {
     let frames = args.source.chosen(folder, &found)?;
     let objects = args.objects.open(folder, &found)?;
     spare(asked_for([&args.out]), found.pairs.iter().flat_map(StoredPair::files))?;
-    let mut sink = Sink::new(args.out.as_ref(), &args.with, found.of_recording())?;
+    let wanted = args.sector_plan.wanted();
+    let mut sink = Sink::new(args.out.as_ref(), &args.with, wanted, found.of_recording())?;
     let mut player = Player::new(&args.input, folder)?;
     let mut tally = Tally { may_be_empty: args.objects.is_only(), ..Tally::default() };
     let progress = frames.count().map_or_else(|| bar(0, "{spinner} {pos} {msg}"), named_bar);
@@ -71,7 +79,10 @@ pub fn run(args: &Args) -> Result<()> {
         if outcome.is_err() && (interruption::requested() || has_ended(&found)) {
             break;
         }
-        let played = tally.count(&pair, outcome);
+        let mut played = tally.count(&pair, outcome);
+        if let (true, Ok(of), Some(setup)) = (args.sectors, &mut played, player.setup()) {
+            of.sectors = Some(args.sector_plan.directions(setup, &of.result)?.list());
+        }
         if sink.is_ros() {
             sink.messages(number, &pair, player.setup(), &played)?;
         } else if sink.is_terminal() {

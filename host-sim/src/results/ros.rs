@@ -86,14 +86,17 @@ pub struct RosFile<W: Write> {
     writer: Writer<W>,
     extras: Vec<Extra>,
     channels: Vec<(Topic, u16)>,
+    /// Range, heights and direction of scans.
+    sectors: ObstacleParams,
     /// Kept from pair to pair, of the rig and size of the last one.
     directions: Option<(ObstaclePlan, Obstacles)>,
 }
 
 impl<W: Write> RosFile<W> {
-    pub fn new(out: W, extras: &[Extra]) -> io::Result<Self> {
+    pub fn new(out: W, extras: &[Extra], sectors: ObstacleParams) -> io::Result<Self> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
-        Ok(Self { writer, extras: extras.to_vec(), channels: Vec::new(), directions: None })
+        let (extras, channels) = (extras.to_vec(), Vec::new());
+        Ok(Self { writer, extras, channels, sectors, directions: None })
     }
 
     /// The messages of a pair.
@@ -149,7 +152,7 @@ impl<W: Write> RosFile<W> {
     /// Nearest obstacles and drop-offs after this pair.
     fn scans(&mut self, stamp: Stamp<'_>, frame: &Frame<'_>) -> io::Result<()> {
         let result = frame.result;
-        let plan = ObstacleParams::DEFAULT.plan(frame.params, frame.images[0].dims);
+        let plan = self.sectors.plan(frame.params, frame.images[0].dims);
         let Ok(plan) = plan else { return Ok(()) }; // a principal point outside of the image
         if self.directions.as_ref().is_none_or(|(known, _)| *known != plan) {
             self.directions = None;
