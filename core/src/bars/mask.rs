@@ -20,8 +20,8 @@
 //! 59.0 % by bars and hypotheses alone; 0.15 % of either are wrong.
 //!
 //! # Cost
-//! Up to 48 bars of some 25 000 instructions each on a Cortex-M7, as those of a pair, twelve where a
-//! mask has no two runs in a row; and 3000 for every second row of the mask.
+//! Up to 48 bars of some 25 000 instructions each on a Cortex-M7, as those of a pair; twelve where
+//! no row of a mask has two runs. And 3000 for every second row of the mask.
 
 use super::edges::Profile;
 use super::region::{ONE_THING_Q6, WIDEST, most_pixels};
