@@ -207,7 +207,7 @@ impl Part<'_> {
     fn begin(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
         let labels = self.labels;
         for mut point in self.each() {
-            point.from_above(labels, points);
+            point.descend(labels, points);
             path.begin(point);
         }
     }
@@ -215,7 +215,7 @@ impl Part<'_> {
     /// Continues the path from above, then computes that from the right, last point first.
     fn begin_back(&mut self, path: &mut Path<'_>, points: &mut impl Points) {
         let labels = self.labels;
-        self.each().for_each(|mut point| point.from_above(labels, points));
+        self.each().for_each(|mut point| point.descend(labels, points));
         self.each().rev().for_each(|point| path.begin(point));
     }
 
@@ -233,7 +233,7 @@ impl Part<'_> {
 impl PointMemory<'_> {
     /// Sets the costs and continues the path from above.
     #[inline(always)]
-    fn from_above(&mut self, labels: usize, points: &mut impl Points) {
+    fn descend(&mut self, labels: usize, points: &mut impl Points) {
         if let Some(costs) = self.costs.get_mut(..labels) {
             points.fill(self.column, costs);
         }
