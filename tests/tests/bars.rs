@@ -120,6 +120,26 @@ fn a_mask_answers_where_no_bar_is_found() {
     }
 }
 
+/// One piece is not enough, and a hole in its mask makes no second one of it.
+#[test]
+fn a_hole_confirms_nothing() {
+    let grey_at = |y: i32| if y % 8 < 3 { 50 } else { 136 };
+    let (mut engine, _) = run(&pair_of(&[(150, 8, 24)], 8, 0..0, grey_at));
+    let mut answers = |top: u16, spans: &[(u16, u16)]| {
+        let rows = top..top + 12;
+        let run_of = |y| spans.iter().map(move |&(start, end)| (y, Span { start, end }));
+        let runs: Vec<Run> =
+            rows.flat_map(run_of).map(|(y, span)| Run { label: 1, y, span }).collect();
+        engine.object(&Region::masked(1, &runs, DIMS).unwrap()).is_ok()
+    };
+    for top in (30..198).step_by(6) {
+        let whole = answers(top, &[(150, 158)]);
+        for hole in 0..=2 {
+            assert_eq!(answers(top, &[(150, 154), (154 + hole, 158)]), whole, "row {top}: {hole}");
+        }
+    }
+}
+
 #[test]
 fn a_wide_mask_that_nothing_else_answers_has_the_depth_of_its_bars() {
     // A table's side, which is blank between its legs.

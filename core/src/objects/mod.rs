@@ -200,8 +200,10 @@ impl ObjectQuery<'_> {
             surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), &mut self.order)
                 .unwrap_or_default();
         match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
-            Some(reason @ (Reason::LittleSupport | Reason::OnlyOutline)) => {
-                bar_of(cover.pixels.min(bars::most_pixels(area)))
+            Some(reason @ (Reason::LittleSupport | Reason::OnlyOutline))
+                if cover.pixels > bars::most_pixels(area) =>
+            {
+                bar_of(bars::most_pixels(area))
                     .map(|(bar, d_q6)| of_bar(&bar, d_q6, self.rig.as_ref()))
                     .ok_or(NoDepth { reason, support: surface.support })
             }

@@ -22,6 +22,9 @@ pub struct Run {
     pub span: Span,
 }
 
+/// Widest hole in a run, px: no two things that bars are matched for stand so close.
+const HOLE: u16 = 2;
+
 /// Representation of a region's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape<'a> {
@@ -122,12 +125,18 @@ impl<'a> Region<'a> {
         self.shape
     }
 
-    /// A mask's first run in a row that ends behind a column; none of a box.
+    /// A mask's first run in a row that ends behind a column, with those that holes part from it;
+    /// none of a box.
     pub(crate) fn run(&self, y: u16, column: u16) -> Option<Span> {
         let Shape::Mask(runs) = self.shape else { return None };
         let first = runs.partition_point(|run| (run.y, run.span.end) <= (y, column));
         let row = runs.get(first..)?.iter().take_while(|run| run.y == y);
-        row.into_iter().find(|run| run.label == self.label).map(|run| run.span)
+        let mut own = row.filter(|run| run.label == self.label).map(|run| run.span);
+        let Span { start, mut end } = own.next()?;
+        while let Some(next) = own.next().filter(|next| next.start.saturating_sub(end) <= HOLE) {
+            end = next.end;
+        }
+        Some(Span { start, end })
     }
 
     /// True when the pixel belongs to the region.
