@@ -103,7 +103,7 @@ mod by_reset {
         (written == WRITTEN && complement == !exit).then_some(Reset { cause, location })
     }
 }
-/// What the watchdog of an RP2350 resets: everything but the oscillators (RP2350 datasheet, 7.4).
+/// Everything but the oscillators: reset by the watchdog of an RP2350 (RP2350 datasheet, 7.4).
 #[cfg(all(target_os = "none", feature = "rp235x"))]
 pub(crate) const RESET_BY_WATCHDOG: embassy_rp::pac::psm::regs::Wdsel =
     embassy_rp::pac::psm::regs::Wdsel(0x01ff_fff3);

@@ -117,7 +117,7 @@ impl SectorPlanArgs {
         })
     }
 
-    /// What is wanted of sectors.
+    /// Range and heights, m, and yaw, degrees; the defaults where no option is given.
     pub(super) fn wanted(&self) -> ObstacleParams {
         let mut wanted = ObstacleParams::DEFAULT;
         wanted.range_m = self.sector_range.unwrap_or(wanted.range_m);

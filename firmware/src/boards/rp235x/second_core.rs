@@ -64,7 +64,7 @@ unsafe extern "C" {
 /// Half of a step.
 struct Work<'w>(&'w mut (dyn FnMut() + Send));
 
-/// What core 1 has to do; null when it has done that.
+/// The half that core 1 has to do; null when it is done.
 static WORK: AtomicPtr<Work<'static>> = AtomicPtr::new(ptr::null_mut());
 
 /// Core 1, which waits for work.
