@@ -245,7 +245,7 @@ impl Points<'_> {
             };
             let (y, d_q6) = (self.y - 1, self.row_q6);
             // Support points there have the bar's disparity, and are listed as such.
-            let at = self.support.at(x, y);
+            let at = self.support.listed_at(x, y);
             let is_support = at.is_some_and(|point| point.probability_q16 >= self.least);
             if !is_support && self.views.allow(x.into(), y.into(), d_q6) {
                 let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
@@ -271,7 +271,7 @@ impl Points<'_> {
                 }
                 continue;
             };
-            let at = self.support.at(x, y);
+            let at = self.support.listed_at(x, y);
             if at.is_none_or(|point| point.probability_q16 <= self.probability) {
                 return Some(Point {
                     x,
@@ -301,7 +301,7 @@ impl Points<'_> {
     /// The next credible support point.
     fn of_grid(&mut self) -> Option<Point> {
         loop {
-            let ((x, y), point) = self.support.nth(self.index)?;
+            let ((x, y), point) = self.support.listed(self.index)?;
             self.index += 1;
             if point.probability_q16 >= self.least
                 && self.views.allow(x.into(), y.into(), point.disparity_q6.into())

@@ -388,6 +388,24 @@ fn plain_weights(near: [&[SupportPoint]; 3], d_q6: i32) -> (u32, u32) {
     (agreeing, all)
 }
 
+/// The points of the row above, the same row and the row below, from the column before the one at
+/// `index` to the column after it; how many columns before it they begin.
+#[inline(always)] // in the loop over all points
+pub(super) fn around(
+    points: &[SupportPoint],
+    grid: Grid,
+    index: usize,
+) -> ([&[SupportPoint]; 3], i32) {
+    let columns = grid.columns;
+    let row = index.checked_div(columns).unwrap_or(0);
+    let column = index - row * columns;
+    let before = column.min(1);
+    let (width, start) = ((column + 2).min(columns) + before - column, index - before);
+    let row = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
+    let near = [row(start.wrapping_sub(columns)), row(start), row(start.wrapping_add(columns))];
+    (near, before as i32)
+}
+
 /// Evidence by the eight points around the one at `index`, and by segments, Q8.
 pub(super) fn nearby(
     points: &[SupportPoint],
@@ -396,19 +414,14 @@ pub(super) fn nearby(
     index: usize,
 ) -> [i16; 5] {
     let Some(own) = points.get(index).filter(|point| point.is_matched()) else { return [0; 5] };
-    let columns = grid.columns;
-    let row = index.checked_div(columns).unwrap_or(0);
-    let column = index - row * columns;
-    let first = column.saturating_sub(1);
-    let (width, start) = ((column + 2).min(columns) - first, index + first - column);
-    let row = |start: usize| points.get(start..start.wrapping_add(width)).unwrap_or(&[]);
-    let near = [row(start.wrapping_sub(columns)), row(start), row(start.wrapping_add(columns))];
+    let (near, before) = around(points, grid, index);
     let d_q6 = i32::from(own.disparity_q6);
     let (agreeing, all) = match plane.filter(|_| own.place.is_on_plane()) {
         None => plain_weights(near, d_q6),
         // Beside the plane neighbours agree along it.
         Some(plane) => weights(near, d_q6, |point, row, at| {
-            let dx = grid.x(first + at) + point.place.dx() - grid.x(column) - own.place.dx();
+            let columns = at as i32 - before;
+            let dx = grid.x_of(columns) + point.place.dx() - own.place.dx();
             let dy = (row - 1) * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
             plane.change_q6(dx, dy)
         }),

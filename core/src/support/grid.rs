@@ -117,6 +117,11 @@ impl Grid {
         i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
     }
 
+    /// Pixels between columns of points that are so many apart.
+    pub(super) fn x_of(&self, columns: i32) -> i32 {
+        columns * i32::from(self.pitch)
+    }
+
     /// First pixel column of the window of a column of points: around it, but not on the two pixels
     /// at each border, which have no codes.
     pub(super) fn window(&self, column: usize) -> i32 {

@@ -16,6 +16,7 @@
 //! fine:    images wider than 450 px are matched at half of their size, then around what is known
 //!          from it  (fine)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
+//! list:    2 px off the texture where that is the border of the surface  (listed)
 //! ```
 //!
 //! # Bounds
@@ -35,6 +36,7 @@ pub(crate) mod evidence;
 mod fine;
 mod fitted;
 mod grid;
+mod listed;
 mod nearer;
 mod noise;
 mod paths;

@@ -55,6 +55,11 @@ impl Place {
         self.0 & ON_PLANE != 0
     }
 
+    /// The place so many px to the right and downward, in the same square of the grid.
+    pub(super) fn moved(self, dx: i32, dy: i32) -> Self {
+        Self(Self::new(self.dx() + dx, self.dy() + dy).0 | self.0 & ON_PLANE)
+    }
+
     /// To the right, px.
     pub(crate) fn dx(self) -> i32 {
         i32::from(self.0 & 7) + LEAST

@@ -74,12 +74,6 @@ impl<'a> Support<'a> {
             .map(move |(index, point)| (grid.pixel(index, point.place), point))
     }
 
-    /// The point with this index, with its pixel, matched or not.
-    pub(crate) fn nth(&self, index: usize) -> Option<((u16, u16), &'a SupportPoint)> {
-        let point = self.points.get(index)?;
-        Some((self.grid.pixel(index, point.place), point))
-    }
-
     /// Every `step`-th point of [`Support::iter`], from this one on.
     pub(crate) fn every(
         &self,
@@ -160,14 +154,6 @@ impl<'a> Support<'a> {
                     .then_some((x, y, point))
             })
         })
-    }
-
-    /// The matched point at this pixel, if there is one.
-    pub(crate) fn at(&self, x: u16, y: u16) -> Option<&'a SupportPoint> {
-        let index = self.grid.index(x, y)?;
-        self.points
-            .get(index)
-            .filter(|point| point.is_matched() && self.grid.pixel(index, point.place) == (x, y))
     }
 
     /// Lowest and highest disparity, whole px, of the unique points ([`UNIQUE_Q8`]) within
