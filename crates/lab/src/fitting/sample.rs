@@ -194,9 +194,8 @@ fn support_samples(
     log: &EvidenceLog,
     truth: &Truth,
 ) -> Vec<Sample> {
-    let points: Vec<_> = support.iter().collect();
     let sample = |&(place, evidence): &(usize, SupportEvidence)| {
-        let &((x, y), point) = points.get(place)?;
+        let ((x, y), point) = support.listed(place)?;
         let error =
             (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
         let known = support.with_nearby(place, evidence).0;
