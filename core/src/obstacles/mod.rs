@@ -30,11 +30,11 @@
 //! ```
 //!
 //! # Terms
-//! - **Distance**: along the ground, from the camera to the obstacle in that direction (not the
-//!   depth along the optical axis), for a horizontal
-//!   optical axis. Sectors tilt with the camera.
-//! - **Height band**: above and below the camera. With the ground plane of the pair
-//!   ([`ObstaclePlan::on_ground`]) it is parallel to the ground, whatever pitch and roll are; what
+//! - **Distance** and **direction**: along the ground, from the camera to the obstacle (not the
+//!   depth along the optical axis). With the ground plane of the pair
+//!   ([`ObstaclePlan::on_ground`]) they are right whatever pitch and roll are; without it sectors
+//!   tilt with the camera.
+//! - **Height band**: above and below the camera. With the plane it is parallel to the ground; what
 //!   lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it
 //!   is neither free nor one. Without the plane the band tilts with the camera.
 //! - **Free**: credible segments or support points lie *behind* the range in this sector, none
@@ -58,27 +58,29 @@
 //! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an
 //! obstacle (segments alone: 149), one of them nearer than all that is there by 10 %; 9 (37) are
 //! farther than the nearest tenth of the sector's pixels by 25 %, whose surface gives no credible
-//! hypothesis. With ranges that most of the scene lies behind, 16 (48) are free, and in 3 (26) of
-//! these at least a hundredth of the pixels is within the range.
+//! hypothesis. With six ranges that most of the scene lies behind, 26 are free, and in 5 of these
+//! at least a hundredth of the pixels is within the range.
 //!
 //! # Bounds
 //! At most [`MAX_IN_VIEW`] sectors are in view (less than half a turn), 72 in a turn. Nearness
-//! (disparity plus offset, times the cosine of the direction) is below 2^19 in 1/64 px; f*B in Q16
-//! times 6400 below 2^53; a height in Q16 times a disparity below 2^46.
+//! (disparity plus offset, by the distance along the ground per depth) is below 2^22 in 1/64 px;
+//! f*B in Q16 times 6400 below 2^53; a height in Q16 times a disparity below 2^46.
 //!
 //! # Cost
 //! 600 bytes of state, 4.4 KB of stack. Instructions: `xtask/board-numbers.toml`.
 
 mod hypotheses;
 mod plan;
+mod tilt;
 
 use crate::health::HealthFlags;
-use crate::result::{Match, Point, Source};
+use crate::result::{ImagePosition, Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use hypotheses::{Hypotheses, Ray, STRONG_Q16, agree_q6, drop_agree_q6};
-use plan::{Ground, PARTS};
+use plan::Ground;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan};
+use tilt::Along;
 
 /// Least probability of a support point for sectors. Chosen on the rooms of `robot_world`, where
 /// 0.3, 0.5, 0.7 and 0.9 show 35, 36, 32 and 22 % of the obstacles, with 0.5 % ghosts or fewer
@@ -317,10 +319,15 @@ fn milliseconds(time_us: u64) -> u32 {
 /// A point of a hypothesis.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Its column, 1/32 px.
+    /// Its column as a level camera sees it, 1/32 px.
+    column_q5: i32,
+    /// Part of its depth that is forward along the ground, Q12.
+    forward_q12: i32,
+    /// Its nearness along the ground, 1/64 px.
+    nearness_q6: i32,
+    /// Its pixel, 1/32 px.
     x_q5: i32,
-    /// Its row, 1/32 px.
-    row_q5: i32,
+    y_q5: i32,
     /// Its row in the image of a level camera, 1/32 px.
     level_q5: i32,
     /// Its disparity plus offset, 1/64 px.
@@ -333,31 +340,35 @@ impl ObstaclePlan {
     /// Calls `each` with the index of every sector in view that a match crosses, and its ray there.
     fn for_each_sector(&self, one: &Match, mut each: impl FnMut(usize, Ray)) {
         let bits = |p: Position| i32::from(p.to_bits());
-        let [a, b] = one.ends.map(|end| (bits(end.x), bits(end.y)));
-        let [da, db] = one.disparity.map(|d: Disparity| i32::from(d.to_bits()) + self.offset_q6);
-        let ((x0, y0, d0), (x1, y1, d1)) = if a.0 <= b.0 {
-            ((a.0, a.1, da), (b.0, b.1, db))
-        } else {
-            ((b.0, b.1, db), (a.0, a.1, da))
+        let seen = |end: ImagePosition, d: Disparity| {
+            self.seen(bits(end.x), bits(end.y), i32::from(d.to_bits()) + self.offset_q6)
         };
-        let (from, to) = (self.sector_of(x0), self.sector_of(x1));
-        // Linear interpolation along the segment.
-        let at = |v0: i32, v1: i32, x: i32| {
-            v0.wrapping_add(quotient((v1 - v0).wrapping_mul(x - x0), x1 - x0))
-        };
-        for sector in from..=to {
-            let Some(&[left, right]) =
-                self.edges_q5.get(sector..sector + 2).and_then(|edges| edges.first_chunk())
-            else {
-                return;
+        let ([end, other], [d, other_d]) = (one.ends, one.disparity);
+        let (Some(end), Some(other)) = (seen(end, d), seen(other, other_d)) else { return };
+        let (a, b) = if end.column_q5 <= other.column_q5 { (end, other) } else { (other, end) };
+        // Between both, where a level camera sees it in this column: weights of a projection.
+        let between = |column_q5: i32| {
+            let of_a = i64::from(b.column_q5 - column_q5) * i64::from(b.forward_q12);
+            let of_b = i64::from(column_q5 - a.column_q5) * i64::from(a.forward_q12);
+            let at = |from: i32, to: i32| {
+                let along = (i64::from(to) - i64::from(from)).saturating_mul(of_b);
+                from.wrapping_add(along.checked_div(of_a + of_b).unwrap_or(0) as i32)
             };
-            let (xa, xb) = (x0.max(left.into()), x1.min(right.into()));
+            self.seen(at(a.x_q5, b.x_q5), at(a.y_q5, b.y_q5), at(a.d_q6, b.d_q6))
+        };
+        let sectors = self.edges_q5.windows(2).take(self.in_view.into()).zip(0..);
+        for (edges, sector) in sectors.skip(self.sector_from(a.column_q5)) {
+            let &[left, right] = edges else { return };
+            if left > b.column_q5 {
+                return;
+            }
             let ends = [
-                if xa == x0 { (x0, y0, d0) } else { (xa, at(y0, y1, xa), at(d0, d1, xa)) },
-                if xb == x1 { (x1, y1, d1) } else { (xb, at(y0, y1, xb), at(d0, d1, xb)) },
+                if left <= a.column_q5 { Some(a) } else { between(left) },
+                if right >= b.column_q5 { Some(b) } else { between(right) },
             ];
-            let [na, nb] = ends.map(|(x, _, d)| self.nearness_q6(x, d));
-            if let Some(ray) = self.ray(na.max(nb), ends.map(|(x, y, d)| self.seen(x, y, d))) {
+            if let [Some(a), Some(b)] = ends
+                && let Some(ray) = self.ray([a, b])
+            {
                 each(sector, ray);
             }
         }
@@ -372,9 +383,8 @@ impl ObstaclePlan {
         // Nearness of the last bar or side in each sector; 0 = none.
         let mut sides = [0_u16; MAX_IN_VIEW];
         for point in points {
-            let (sector, ray) = self.ray_of(&point);
-            let (Some(hypotheses), Some(side), Some(ray)) =
-                (found.get_mut(sector), sides.get_mut(sector), ray)
+            let Some((sector, ray)) = self.ray_of(&point) else { continue };
+            let (Some(hypotheses), Some(side)) = (found.get_mut(sector), sides.get_mut(sector))
             else {
                 continue;
             };
@@ -401,34 +411,43 @@ impl ObstaclePlan {
 
     /// The sector of a support point, and its ray there; its rows reach half way to the next points
     /// above and below.
-    fn ray_of(&self, point: &Point) -> (usize, Option<Ray>) {
+    fn ray_of(&self, point: &Point) -> Option<(usize, Ray)> {
         let half = i32::from(SUPPORT_PITCH / 2);
         let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
         let d_q6 = i32::from(point.disparity.to_bits()) + self.offset_q6;
         // Above the ground by what the point itself is.
-        let own = self.seen(x_q5, y << 5, d_q6);
-        let ends = [y - half, y + half - 1].map(|y| match self.ground {
-            Some(_) => Seen { row_q5: y << 5, ..own },
-            None => self.seen(x_q5, y << 5, d_q6),
+        let own = self.seen(x_q5, y << 5, d_q6)?;
+        let ends = [y - half, y + half - 1].map(|y| Seen {
+            y_q5: y << 5,
+            level_q5: if self.ground.is_some() { own.level_q5 } else { y << 5 },
+            ..own
         });
-        (self.sector_of(x_q5), self.ray(self.nearness_q6(x_q5, d_q6), ends))
+        Some((self.sector_of(own.column_q5)?, self.ray(ends)?))
     }
 
     /// A point (column and row in 1/32 px, disparity plus offset in 1/64 px) as a level camera sees
     /// it.
-    fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Seen {
-        let Some(Ground { plane, per_row_q16, .. }) = self.ground else {
-            return Seen { x_q5, row_q5: y_q5, level_q5: y_q5, d_q6, above_q6: None };
+    fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Option<Seen> {
+        let along = self.tilt.along(x_q5, y_q5)?;
+        let (level_q5, above_q6) = match self.ground {
+            None => (y_q5, None),
+            Some(Ground { plane, per_row_q16, .. }) => {
+                let ground_q6 = plane.at_q6(x_q5 >> 5, y_q5 >> 5) + self.offset_q6;
+                // Rows below the horizon, at which a level camera sees the ground at this
+                // disparity.
+                let below = quotient(ground_q6.clamp(-(1 << 15), 1 << 15) << 15, per_row_q16);
+                (self.row_q5 + below, Some(d_q6 - ground_q6))
+            }
         };
-        let ground_q6 = plane.at_q6(x_q5 >> 5, y_q5 >> 5) + self.offset_q6;
-        // Rows below the horizon, at which a level camera sees the ground at this disparity.
-        let level_q5 =
-            self.row_q5 + quotient(ground_q6.clamp(-(1 << 15), 1 << 15) << 15, per_row_q16);
-        Seen { x_q5, row_q5: y_q5, level_q5, d_q6, above_q6: Some(d_q6 - ground_q6) }
+        let Along { column_q5, forward_q12, .. } = along;
+        let nearness_q6 = along.nearness_q6(d_q6);
+        Some(Seen { column_q5, forward_q12, nearness_q6, x_q5, y_q5, level_q5, d_q6, above_q6 })
     }
 
-    /// The ray of a hypothesis of this nearness, 1/64 px, between two points.
-    fn ray(&self, nearness_q6: i32, points: [Seen; 2]) -> Option<Ray> {
+    /// The ray of a hypothesis between two points.
+    fn ray(&self, points: [Seen; 2]) -> Option<Ray> {
+        let [a, b] = points;
+        let nearness_q6 = a.nearness_q6.max(b.nearness_q6);
         let clear_q6 = self.far_q6 - self.far_q6 / 5;
         if points.iter().all(|point| point.above_q6.is_some_and(|above_q6| above_q6 <= GROUND_Q6)) {
             // The ground, or a hole in it: no obstacle, and nothing stands before ground that is
@@ -436,26 +455,26 @@ impl ObstaclePlan {
             let is_hole = points
                 .iter()
                 .any(|point| point.above_q6.is_some_and(|above_q6| above_q6 < -GROUND_Q6));
-            return if is_hole { self.fall(points) } else { Some(self.passes(points)) };
+            return if is_hole { self.fall(points) } else { self.passes(points) };
         }
         if nearness_q6 >= clear_q6 && self.band_meets(points) {
             Some(Ray::Ends(nearness_q6))
         } else if nearness_q6 < clear_q6 || self.band_has_camera() {
-            Some(self.passes(points))
+            self.passes(points)
         } else {
             None
         }
     }
 
     /// The ray of a hypothesis behind the range, between two points of one sector.
-    fn passes(&self, points: [Seen; 2]) -> Ray {
-        let parts = self.parts(points.map(|point| point.row_q5));
-        let [a, b] = points.map(|point| point.x_q5);
+    fn passes(&self, points: [Seen; 2]) -> Option<Ray> {
+        let parts = self.parts(points.map(|point| point.y_q5));
+        let [a, b] = points.map(|point| point.column_q5);
         let (from, to) = (a.min(b), a.max(b));
-        let edge = |at: usize| self.edges_q5.get(at).copied().map_or(0, i32::from);
-        let sector = self.sector_of((from + to) / 2);
-        let middle = (edge(sector) + edge(sector + 1)) / 2;
-        Ray::Passes([from < middle, to >= middle].map(|is_there| if is_there { parts } else { 0 }))
+        let sector = self.sector_of(i32::midpoint(from, to))?;
+        let &[left, right] = self.edges_q5.get(sector..)?.first_chunk()?;
+        let middle = i32::midpoint(left, right);
+        Some(Ray::Passes([from < middle, to >= middle].map(|is| if is { parts } else { 0 })))
     }
 
     /// The ray of a hypothesis below the ground; `None` where it is not far enough below it, or
@@ -470,39 +489,27 @@ impl ObstaclePlan {
                 .saturating_mul(per_row_q16.into());
             below_q6 >= BELOW_Q6 && (self.baseline_q16 * i64::from(below_q6)) << 16 >= least
         };
-        let meets = |point: Seen| {
-            let ground_q6 = plane.at_q6(point.x_q5 >> 5, point.row_q5 >> 5) + self.offset_q6;
-            self.nearness_q6(point.x_q5, ground_q6)
-        };
-        let [a, b] = points.map(meets);
+        // Where their rays meet the ground.
+        let [a, b] = points.map(|point| {
+            let ground_q6 = plane.at_q6(point.x_q5 >> 5, point.y_q5 >> 5) + self.offset_q6;
+            self.tilt.along(point.x_q5, point.y_q5).map_or(0, |ray| ray.nearness_q6(ground_q6))
+        });
         let nearness_q6 = a.max(b);
         (points.iter().all(is_below) && nearness_q6 >= self.far_q6)
             .then_some(Ray::Falls(nearness_q6))
     }
 
-    /// Nearness, 1/64 px, of a disparity plus offset (1/64 px) in a column (1/32 px).
-    fn nearness_q6(&self, x_q5: i32, d_q6: i32) -> i32 {
-        ((i64::from(d_q6) * i64::from(self.cosine_q15(x_q5))) >> 15) as i32
+    /// Index, among the sectors in view, of that of a column (1/32 px); `None` outside of them.
+    fn sector_of(&self, column_q5: i32) -> Option<usize> {
+        let sector = self.sector_from(column_q5);
+        let is_in_view = self.edges_q5.first().is_some_and(|&edge_q5| edge_q5 <= column_q5);
+        (is_in_view && sector < usize::from(self.in_view)).then_some(sector)
     }
 
-    /// Index, among the sectors in view, of that of a column (1/32 px).
-    fn sector_of(&self, column_q5: i32) -> usize {
-        let inner = self.edges_q5.get(1..usize::from(self.in_view)).unwrap_or(&[]);
-        inner.partition_point(|&edge_q5| i32::from(edge_q5) <= column_q5)
-    }
-
-    /// Cosine of the direction of a column (1/32 px), Q15: linear within each of 32 parts of the
-    /// width.
-    fn cosine_q15(&self, column_q5: i32) -> i32 {
-        let width = i32::from(self.width);
-        let part = quotient(column_q5, width).clamp(0, PARTS as i32 - 1);
-        let along = column_q5 - part * width;
-        let Some(&[from, to]) =
-            self.cosines_q15.get(part as usize..).and_then(|rest| rest.first_chunk())
-        else {
-            return 0;
-        };
-        i32::from(from) + quotient((i32::from(to) - i32::from(from)) * along, width)
+    /// Number of sectors in view that end before a column, 1/32 px.
+    fn sector_from(&self, column_q5: i32) -> usize {
+        let ends_q5 = self.edges_q5.get(1..=self.in_view.into()).unwrap_or(&[]);
+        ends_q5.partition_point(|&end_q5| end_q5 <= column_q5)
     }
 
     /// True when the line between two points meets the height band.

@@ -11,6 +11,7 @@
 //! # Cost
 //! At set-up alone: a tangent for each boundary of a sector.
 
+use super::tilt::Tilt;
 use crate::ground::GroundPlane;
 use crate::health::HealthFlags;
 use crate::image::Dims;
@@ -23,9 +24,8 @@ use micromath::F32;
 /// one.
 pub const MAX_IN_VIEW: usize = 37;
 
-/// Number of parts of the width within which the cosine of the direction is linear: error within
-/// 0.1 % at 100 degrees of view.
-pub(super) const PARTS: usize = 32;
+/// Largest distance of a boundary from the image's border, px.
+const FARTHEST: f32 = 100_000.0;
 
 /// Largest number of sectors of a turn: capacity of OBSTACLE_DISTANCE, beyond which PX4 would read.
 const MAX_SECTORS: u8 = 72;
@@ -110,7 +110,7 @@ impl ObstacleParams {
             sectors: self.sectors,
             complete: 0,
             edges_q5: [0; MAX_IN_VIEW + 1],
-            cosines_q15: view.cosines_q15(),
+            max_disparity: params.max_disparity.into(),
             width: dims.width,
             height: dims.height,
             row_q5: nearest(32.0 * view.row) as i32,
@@ -128,18 +128,14 @@ impl ObstacleParams {
             error_q16: nearest(65536.0 * self.error_probability) as u16,
             unfit: self.unfit,
             column_q5: nearest(32.0 * view.column) as i32,
+            tilt: view.level(),
             ground: None,
         };
-        let mut before = f32::NEG_INFINITY;
         for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
-            let column = view.boundary(first + k);
-            *edge_q5 = nearest(32.0 * column.max(0.0).min(view.width)) as u16;
-            // Seen by both cameras as a whole, at any distance from the near limit on.
-            if k > 0 && before >= f32::from(params.max_disparity) && column <= view.width - 0.5 {
-                plan.complete |= 1 << (k - 1);
-            }
-            before = column;
+            let column = view.boundary(first + k).clamp(-FARTHEST, FARTHEST);
+            *edge_q5 = nearest(32.0 * column) as i32;
         }
+        plan.complete = plan.seen_whole([plan.row_q5; 2]);
         Ok(plan)
     }
 }
@@ -201,15 +197,10 @@ impl View {
         }
     }
 
-    /// Cosines of the directions of evenly spaced columns: `f / sqrt(f^2 + (x - cx)^2)`.
-    fn cosines_q15(&self) -> [u16; PARTS + 1] {
-        let focal_q10 = nearest(1024.0 * self.focal);
-        core::array::from_fn(|part| {
-            let across_q10 = nearest(32.0 * self.width * part as f32 - 1024.0 * self.column);
-            let length_q10 =
-                (focal_q10 * focal_q10 + across_q10 * across_q10).unsigned_abs().isqrt().max(1);
-            (focal_q10.unsigned_abs() << 15).checked_div(length_q10).unwrap_or(0) as u16
-        })
+    /// Of a camera that is level.
+    fn level(&self) -> Tilt {
+        let origin_q5 = [self.column, self.row].map(|at| nearest(32.0 * at) as i32);
+        Tilt::level(origin_q5, nearest(32.0 * self.focal))
     }
 }
 
@@ -231,9 +222,10 @@ pub struct ObstaclePlan {
     pub(super) sectors: u8,
     /// A bit for each sector in view: set when both cameras see all of it.
     pub(super) complete: u64,
-    /// Columns of the boundaries of the sectors in view, 1/32 px.
-    pub(super) edges_q5: [u16; MAX_IN_VIEW + 1],
-    pub(super) cosines_q15: [u16; PARTS + 1],
+    /// Columns of the boundaries of the sectors in view, as a level camera sees them, 1/32 px.
+    pub(super) edges_q5: [i32; MAX_IN_VIEW + 1],
+    /// The largest disparity that is searched, px.
+    pub(super) max_disparity: i32,
     /// Width of the image, px.
     pub(super) width: u16,
     pub(super) height: u16,
@@ -257,6 +249,8 @@ pub struct ObstaclePlan {
     pub(super) unfit: HealthFlags,
     /// Principal column, 1/32 px.
     pub(super) column_q5: i32,
+    /// Pitch and roll of the camera; level without a ground plane.
+    pub(super) tilt: Tilt,
     pub(super) ground: Option<Ground>,
 }
 
@@ -279,29 +273,54 @@ impl ObstaclePlan {
         self.sectors
     }
 
-    /// The same plan for a pair with this ground plane, if it has one: heights are then measured
-    /// from it, and it is no obstacle.
+    /// The same plan for a pair with this ground plane, if it has one: heights, directions and
+    /// distances are then along it, and it is no obstacle.
     #[must_use]
     pub fn on_ground(self, plane: Option<GroundPlane>) -> Self {
-        let ground = plane.filter(GroundPlane::is_bounded).and_then(|plane| {
-            // The plane's normal, in units of baseline / height: b and c per px, and the disparity
-            // on the axis per focal length.
-            let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
-            let along = (i64::from(axis_q6) << 10)
-                .checked_mul(self.baseline_q16)?
-                .checked_div(self.focal_baseline_q16)?;
-            let [down, across] = [plane.down_q16, plane.across_q16].map(i64::from);
-            let length =
-                (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
-            let per_row_q16 = i32::try_from(length).ok().filter(|&length| length > 0)?;
-            // Rows from that of the ground at the range down.
-            let at_axis_q6 = |y: i32| plane.at_q6(self.column_q5 >> 5, y) + self.offset_q6;
-            let height = i32::from(self.height);
-            let from = (0..height).find(|&y| at_axis_q6(y) >= self.far_q6)?;
-            let parts = self.parts([from << 5, (height - 1) << 5]);
-            Some(Ground { plane, per_row_q16, parts })
-        });
-        Self { ground, ..self }
+        plane.and_then(|plane| self.with_ground(plane)).unwrap_or(self)
+    }
+
+    fn with_ground(self, plane: GroundPlane) -> Option<Self> {
+        let plane = Some(plane).filter(GroundPlane::is_bounded)?;
+        // The plane's normal, in units of baseline / height: b and c per px, and the disparity on
+        // the axis per focal length.
+        let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
+        let along = (i64::from(axis_q6) << 10)
+            .checked_mul(self.baseline_q16)?
+            .checked_div(self.focal_baseline_q16)?;
+        let [down, across] = [plane.down_q16, plane.across_q16].map(i64::from);
+        let length =
+            (down * down + across * across + along.checked_mul(along)?).unsigned_abs().isqrt();
+        let per_row_q16 = i32::try_from(length).ok().filter(|&length| length > 0)?;
+        let tilt = self.tilt.above([across, down, along])?;
+        // Rows from that of the ground at the range down.
+        let height = i32::from(self.height);
+        let is_within_range = |y: &i32| {
+            let ground_q6 = plane.at_q6(self.column_q5 >> 5, *y) + self.offset_q6;
+            let along = tilt.along(self.column_q5, y << 5);
+            along.is_some_and(|along| along.nearness_q6(ground_q6) >= self.far_q6)
+        };
+        let rows_q5 = [(0..height).find(is_within_range)? << 5, (height - 1) << 5];
+        let ground = Some(Ground { plane, per_row_q16, parts: self.parts(rows_q5) });
+        let tilted = Self { tilt, ground, ..self };
+        Some(Self { complete: tilted.seen_whole(rows_q5), ..tilted })
+    }
+
+    /// A bit for each sector in view: set when both cameras see all of it in these rows, 1/32 px,
+    /// at any distance from the near limit on.
+    fn seen_whole(&self, rows_q5: [i32; 2]) -> u64 {
+        let (first_q5, end_q5) = (self.max_disparity << 5, (i32::from(self.width) << 5) - 16);
+        let mut complete = 0;
+        for (edges, k) in self.edges_q5.windows(2).take(self.in_view.into()).zip(0..) {
+            let &[left, right] = edges else { continue };
+            let is_seen = rows_q5.into_iter().all(|row_q5| {
+                let column_q5 = |edge_q5| self.tilt.column_q5(edge_q5, row_q5);
+                column_q5(left).is_some_and(|column_q5| column_q5 >= first_q5)
+                    && column_q5(right).is_some_and(|column_q5| column_q5 <= end_q5)
+            });
+            complete |= u64::from(is_seen) << k;
+        }
+        complete
     }
 
     /// Range, cm: obstacles at this distance or further are ignored.
@@ -431,18 +450,5 @@ mod tests {
             "boundaries are within {worst_deg:.3} degrees, {worst_share:.4} of a sector"
         );
         assert!(worst_deg < 0.14 && worst_share < 1.0 / 35.0);
-    }
-
-    #[test]
-    fn cosines_are_exact_to_the_last_bit_but_one() {
-        let dims = Dims { width: 640, height: 480 };
-        let rig =
-            Rig::new(333.25, 0.06, 0.0).unwrap().with_principal_point([301.5, 240.0]).unwrap();
-        let view = View::new(&ObstacleParams::DEFAULT, &rig, dims).unwrap();
-        for (cosine, part) in view.cosines_q15().into_iter().zip(0..) {
-            let tangent = (f64::from(part) * 20.0 - 301.5) / 333.25;
-            let exact = 32768.0 / (1.0 + tangent * tangent).sqrt();
-            assert!((f64::from(cosine) - exact).abs() < 2.0, "{cosine} for {exact}");
-        }
     }
 }

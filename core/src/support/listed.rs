@@ -3,9 +3,9 @@
 //! In: the grid of a run, rated. Out: the pixel of a point in the list of points.
 //!
 //! A point stands in the middle of its window's texture. Where that is an outline, the pixel there
-//! shows what is in front of it or what is behind it. Neighbours that have the point's disparity say
-//! on which side its surface lies: in the list the point is 2 px closer to these. What reads the
-//! grid itself keeps to the texture, which was matched.
+//! may show what is behind it. Neighbours that have the point's disparity say on which side its
+//! surface lies: in the list the point is 2 px closer to these. What reads the grid itself keeps to
+//! the texture, which was matched.
 //!
 //! # Cost
 //! Some 100 instructions a point.
@@ -19,8 +19,8 @@ const STEP: i32 = 2;
 const LEAST_OF_NEIGHBOUR: u16 = 55_705;
 /// Largest difference between the disparities of points of one surface, 1/64 px.
 const SAME_Q6: i32 = 64;
-/// Least difference between the votes for two sides. A neighbour beside the point has two votes, one
-/// in a corner has one for each of its sides.
+/// Least difference between the votes for two sides. A neighbour beside the point has two votes,
+/// one in a corner one for each of its sides.
 const LEAST_VOTES: i32 = 2;
 
 impl<'a> Support<'a> {
@@ -41,8 +41,8 @@ impl<'a> Support<'a> {
         (is_near && self.listed(index)?.0 == (x, y)).then_some(point)
     }
 
-    /// How far to the right and downward a point is moved, px. A bar is too narrow for that, and the
-    /// ground goes on on all sides.
+    /// How far to the right and downward a point is moved, px. A bar is too narrow for that, and
+    /// the ground goes on at all sides.
     fn step_of(&self, index: usize, point: &SupportPoint) -> [i32; 2] {
         if !point.is_matched() || point.is_of_bar() || point.place.is_on_plane() {
             return [0; 2];
