@@ -350,9 +350,9 @@ impl ObstaclePlan {
         let between = |column_q5: i32| {
             let of_a = i64::from(b.column_q5 - column_q5) * i64::from(b.forward_q12);
             let of_b = i64::from(column_q5 - a.column_q5) * i64::from(a.forward_q12);
+            let share_q16 = (of_b << 16).checked_div(of_a + of_b).unwrap_or(0);
             let at = |from: i32, to: i32| {
-                let along = (i64::from(to) - i64::from(from)).saturating_mul(of_b);
-                from.wrapping_add(along.checked_div(of_a + of_b).unwrap_or(0) as i32)
+                from + (((i64::from(to) - i64::from(from)) * share_q16) >> 16) as i32
             };
             self.seen(at(a.x_q5, b.x_q5), at(a.y_q5, b.y_q5), at(a.d_q6, b.d_q6))
         };

@@ -17,7 +17,9 @@
 //! have no direction.
 //!
 //! # Cost
-//! Some 150 instructions a pixel.
+//! Some 120 instructions a pixel.
+
+use crate::units::quotient;
 
 /// 1 in Q12.
 const ONE_Q12: i64 = 1 << 12;
@@ -37,6 +39,8 @@ pub(super) struct Tilt {
     forward_q39: [i64; 2],
     /// The same of `right`.
     right_q39: [i64; 2],
+    /// Cosine and minus sine of the roll, Q24.
+    roll_q24: [i64; 2],
     /// Principal point, 1/32 px.
     origin_q5: [i32; 2],
     /// Focal length, 1/32 px.
@@ -78,6 +82,7 @@ impl Tilt {
             cosine_q20: cosine_q24 >> 4,
             forward_q39: [per_px(-by_x_q24)?, per_px(-by_y_q24)?],
             right_q39: [per_px(cos_roll_q24)?, per_px(-sin_roll_q24)?],
+            roll_q24: [cos_roll_q24, -sin_roll_q24],
             origin_q5,
             focal_q5,
         })
@@ -86,8 +91,14 @@ impl Tilt {
     /// Of a level camera with this principal point and focal length, 1/32 px.
     pub(super) fn level(origin_q5: [i32; 2], focal_q5: i64) -> Self {
         let per_px_q39 = (1_i64 << 39).checked_div(focal_q5).unwrap_or(0);
-        let right_q39 = [per_px_q39, 0];
-        Self { cosine_q20: 1 << 20, forward_q39: [0; 2], right_q39, origin_q5, focal_q5 }
+        Self {
+            cosine_q20: 1 << 20,
+            forward_q39: [0; 2],
+            right_q39: [per_px_q39, 0],
+            roll_q24: [1 << 24, 0],
+            origin_q5,
+            focal_q5,
+        }
     }
 
     /// Of a camera with the same lens above this ground.
@@ -114,18 +125,19 @@ impl Tilt {
     pub(super) fn along(&self, x_q5: i32, y_q5: i32) -> Option<Along> {
         let [column_q5, row_q5] = self.origin_q5;
         let (x, y) = (i64::from(x_q5 - column_q5), i64::from(y_q5 - row_q5));
-        let sum_q20 = |[per_x, per_y]: [i64; 2]| (per_x * x + per_y * y) >> 19;
-        let right_q20 = sum_q20(self.right_q39);
-        let forward_q20 = self.cosine_q20 + sum_q20(self.forward_q39);
-        let [right_q12, forward_q12] = [right_q20, forward_q20].map(|q20| (q20 + (1 << 7)) >> 8);
+        let sum = |[per_x, per_y]: [i64; 2]| per_x * x + per_y * y;
+        let right_q12 = sum(self.right_q39) >> 27;
+        let forward_q12 = (self.cosine_q20 + (sum(self.forward_q39) >> 19)) >> 8;
         if !(LEAST_FORWARD_Q12..=MOST_Q12).contains(&forward_q12) || right_q12.abs() > MOST_Q12 {
             return None;
         }
-        let away_q5 = (self.focal_q5 * right_q20).checked_div(forward_q20)?;
-        let squares = (forward_q12 * forward_q12 + right_q12 * right_q12) as u32; // below 2^31
+        let (right_q12, forward_q12) = (right_q12 as i32, forward_q12 as i32);
+        let squares = (forward_q12 * forward_q12 + right_q12 * right_q12).unsigned_abs();
+        // Below 2^17, in Q12.
+        let away_q5 = quotient(((sum(self.roll_q24) >> 24) as i32) << 12, forward_q12);
         Some(Along {
-            column_q5: column_q5 + away_q5.clamp(-FARTHEST_Q5, FARTHEST_Q5) as i32,
-            forward_q12: forward_q12 as i32,
+            column_q5: column_q5 + away_q5,
+            forward_q12,
             length_q12: squares.isqrt() as i32,
         })
     }
@@ -134,8 +146,7 @@ impl Tilt {
 impl Along {
     /// Disparity that a camera would have at this distance along the ground on its axis, 1/64 px.
     pub(super) fn nearness_q6(&self, d_q6: i32) -> i32 {
-        let nearness_q6 = (i64::from(d_q6) << 12).checked_div(self.length_q12.into());
-        nearness_q6.unwrap_or(0) as i32 // at most 8 times as much
+        quotient(d_q6 << 11, self.length_q12 >> 1) // of less than 2^19, and at most 8 times as much
     }
 }
 
