@@ -342,10 +342,11 @@ fn the_edge_of_a_drop_off_is_sent_as_an_obstacle() {
         let stream = AutopilotStream::new(params, &plan).unwrap();
         stream.distances(&obstacles, &plan, 0).distances[0]
     };
-    // The floor has 17.2 px at row 123, the lower end of the points, and the rig 30 px m.
-    assert_eq!(sent(None), 174);
+    // The floor has 17.2 px at row 123, the lower end of the points, and the rig 30 px m: a depth
+    // of 1.744 m. The camera looks down by 7.5 degrees, and 0.990 of that is along the ground.
+    assert_eq!(sent(None), 172);
     assert_eq!(sent(Some(30.0)), 100, "an obstacle before the edge");
-    assert_eq!(sent(Some(10.0)), 174, "an obstacle behind it");
+    assert_eq!(sent(Some(10.0)), 172, "an obstacle behind it");
 }
 
 /// Messages that a receiver of system 1, component 196 takes of these bytes.
