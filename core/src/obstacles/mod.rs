@@ -356,9 +356,8 @@ impl ObstaclePlan {
             };
             self.seen(at(a.x_q5, b.x_q5), at(a.y_q5, b.y_q5), at(a.d_q6, b.d_q6))
         };
-        let sectors = self.edges_q5.windows(2).take(self.in_view.into()).zip(0..);
-        for (edges, sector) in sectors.skip(self.sector_from(a.column_q5)) {
-            let &[left, right] = edges else { return };
+        let sectors = self.sectors_q5().zip(0..);
+        for ([left, right], sector) in sectors.skip(self.sector_from(a.column_q5)) {
             if left > b.column_q5 {
                 return;
             }
@@ -427,6 +426,7 @@ impl ObstaclePlan {
 
     /// A point (column and row in 1/32 px, disparity plus offset in 1/64 px) as a level camera sees
     /// it.
+    #[inline(never)] // in four places
     fn seen(&self, x_q5: i32, y_q5: i32, d_q6: i32) -> Option<Seen> {
         let along = self.tilt.along(x_q5, y_q5)?;
         let (level_q5, above_q6) = match self.ground {
@@ -472,7 +472,7 @@ impl ObstaclePlan {
         let [a, b] = points.map(|point| point.column_q5);
         let (from, to) = (a.min(b), a.max(b));
         let sector = self.sector_of(i32::midpoint(from, to))?;
-        let &[left, right] = self.edges_q5.get(sector..)?.first_chunk()?;
+        let [left, right] = self.sectors_q5().nth(sector)?;
         let middle = i32::midpoint(left, right);
         Some(Ray::Passes([from < middle, to >= middle].map(|is| if is { parts } else { 0 })))
     }
@@ -502,14 +502,14 @@ impl ObstaclePlan {
     /// Index, among the sectors in view, of that of a column (1/32 px); `None` outside of them.
     fn sector_of(&self, column_q5: i32) -> Option<usize> {
         let sector = self.sector_from(column_q5);
-        let is_in_view = self.edges_q5.first().is_some_and(|&edge_q5| edge_q5 <= column_q5);
+        let is_in_view = self.edges_q4.first().is_some_and(|&q4| i32::from(q4) << 1 <= column_q5);
         (is_in_view && sector < usize::from(self.in_view)).then_some(sector)
     }
 
     /// Number of sectors in view that end before a column, 1/32 px.
     fn sector_from(&self, column_q5: i32) -> usize {
-        let ends_q5 = self.edges_q5.get(1..=self.in_view.into()).unwrap_or(&[]);
-        ends_q5.partition_point(|&end_q5| end_q5 <= column_q5)
+        let ends_q4 = self.edges_q4.get(1..=self.in_view.into()).unwrap_or(&[]);
+        ends_q4.partition_point(|&q4| i32::from(q4) << 1 <= column_q5)
     }
 
     /// True when the line between two points meets the height band.

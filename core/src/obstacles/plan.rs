@@ -24,8 +24,8 @@ use micromath::F32;
 /// one.
 pub const MAX_IN_VIEW: usize = 37;
 
-/// Largest distance of a boundary from the image's border, px.
-const FARTHEST: f32 = 100_000.0;
+/// Largest column of a boundary, and of one left of the image, px.
+const FARTHEST: f32 = 2047.0;
 
 /// Largest number of sectors of a turn: capacity of OBSTACLE_DISTANCE, beyond which PX4 would read.
 const MAX_SECTORS: u8 = 72;
@@ -109,8 +109,8 @@ impl ObstacleParams {
             in_view: in_view as u8,
             sectors: self.sectors,
             complete: 0,
-            edges_q5: [0; MAX_IN_VIEW + 1],
-            max_disparity: params.max_disparity.into(),
+            edges_q4: [0; MAX_IN_VIEW + 1],
+            max_disparity: params.max_disparity,
             width: dims.width,
             height: dims.height,
             row_q5: nearest(32.0 * view.row) as i32,
@@ -131,9 +131,9 @@ impl ObstacleParams {
             tilt: view.level(),
             ground: None,
         };
-        for (edge_q5, k) in plan.edges_q5.iter_mut().zip(0..=in_view) {
+        for (edge_q4, k) in plan.edges_q4.iter_mut().zip(0..=in_view) {
             let column = view.boundary(first + k).clamp(-FARTHEST, FARTHEST);
-            *edge_q5 = nearest(32.0 * column) as i32;
+            *edge_q4 = nearest(16.0 * column) as i16;
         }
         plan.complete = plan.seen_whole([plan.row_q5; 2]);
         Ok(plan)
@@ -200,7 +200,7 @@ impl View {
     /// Of a camera that is level.
     fn level(&self) -> Tilt {
         let origin_q5 = [self.column, self.row].map(|at| nearest(32.0 * at) as i32);
-        Tilt::level(origin_q5, nearest(32.0 * self.focal))
+        Tilt::level(origin_q5, nearest(32.0 * self.focal) as i32)
     }
 }
 
@@ -222,10 +222,10 @@ pub struct ObstaclePlan {
     pub(super) sectors: u8,
     /// A bit for each sector in view: set when both cameras see all of it.
     pub(super) complete: u64,
-    /// Columns of the boundaries of the sectors in view, as a level camera sees them, 1/32 px.
-    pub(super) edges_q5: [i32; MAX_IN_VIEW + 1],
+    /// Columns of the boundaries of the sectors in view, as a level camera sees them, 1/16 px.
+    pub(super) edges_q4: [i16; MAX_IN_VIEW + 1],
     /// The largest disparity that is searched, px.
-    pub(super) max_disparity: i32,
+    pub(super) max_disparity: u16,
     /// Width of the image, px.
     pub(super) width: u16,
     pub(super) height: u16,
@@ -276,12 +276,20 @@ impl ObstaclePlan {
     /// The same plan for a pair with this ground plane, if it has one: heights, directions and
     /// distances are then along it, and it is no obstacle.
     #[must_use]
-    pub fn on_ground(self, plane: Option<GroundPlane>) -> Self {
-        plane.and_then(|plane| self.with_ground(plane)).unwrap_or(self)
+    pub fn on_ground(mut self, plane: Option<GroundPlane>) -> Self {
+        let ground = plane.filter(GroundPlane::is_bounded).and_then(|plane| self.seen_on(plane));
+        let rows_q5;
+        (self.tilt, self.ground, rows_q5) = match ground {
+            Some((tilt, ground, rows_q5)) => (tilt, Some(ground), rows_q5),
+            None => (self.tilt.levelled(), None, [self.row_q5; 2]),
+        };
+        self.complete = self.seen_whole(rows_q5);
+        self
     }
 
-    fn with_ground(self, plane: GroundPlane) -> Option<Self> {
-        let plane = Some(plane).filter(GroundPlane::is_bounded)?;
+    /// How a camera is tilted above this ground, and the rows of the ground within the range, 1/32
+    /// px.
+    fn seen_on(&self, plane: GroundPlane) -> Option<(Tilt, Ground, [i32; 2])> {
         // The plane's normal, in units of baseline / height: b and c per px, and the disparity on
         // the axis per focal length.
         let axis_q6 = plane.at_q6(self.column_q5 >> 5, self.row_q5 >> 5) + self.offset_q6;
@@ -301,18 +309,16 @@ impl ObstaclePlan {
             along.is_some_and(|along| along.nearness_q6(ground_q6) >= self.far_q6)
         };
         let rows_q5 = [(0..height).find(is_within_range)? << 5, (height - 1) << 5];
-        let ground = Some(Ground { plane, per_row_q16, parts: self.parts(rows_q5) });
-        let tilted = Self { tilt, ground, ..self };
-        Some(Self { complete: tilted.seen_whole(rows_q5), ..tilted })
+        Some((tilt, Ground { plane, per_row_q16, parts: self.parts(rows_q5) }, rows_q5))
     }
 
     /// A bit for each sector in view: set when both cameras see all of it in these rows, 1/32 px,
     /// at any distance from the near limit on.
     fn seen_whole(&self, rows_q5: [i32; 2]) -> u64 {
-        let (first_q5, end_q5) = (self.max_disparity << 5, (i32::from(self.width) << 5) - 16);
+        let (first_q5, end_q5) =
+            (i32::from(self.max_disparity) << 5, (i32::from(self.width) << 5) - 16);
         let mut complete = 0;
-        for (edges, k) in self.edges_q5.windows(2).take(self.in_view.into()).zip(0..) {
-            let &[left, right] = edges else { continue };
+        for ([left, right], k) in self.sectors_q5().zip(0..) {
             let is_seen = rows_q5.into_iter().all(|row_q5| {
                 let column_q5 = |edge_q5| self.tilt.column_q5(edge_q5, row_q5);
                 column_q5(left).is_some_and(|column_q5| column_q5 >= first_q5)
@@ -321,6 +327,12 @@ impl ObstaclePlan {
             complete |= u64::from(is_seen) << k;
         }
         complete
+    }
+
+    /// Columns of both boundaries of each sector in view, 1/32 px.
+    pub(super) fn sectors_q5(&self) -> impl Iterator<Item = [i32; 2]> + '_ {
+        let edges = self.edges_q4.windows(2).take(self.in_view.into());
+        edges.map(|edges| edges.first_chunk().map_or([0; 2], |e| e.map(|e| i32::from(e) << 1)))
     }
 
     /// Range, cm: obstacles at this distance or further are ignored.

@@ -34,17 +34,17 @@ const MOST_Q12: i64 = 8 * ONE_Q12 - 1;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tilt {
     /// Cosine of the pitch, Q20.
-    cosine_q20: i64,
+    cosine_q20: i32,
     /// Change of `forward` per 1/32 px to the right and downward, Q39.
     forward_q39: [i64; 2],
     /// The same of `right`.
     right_q39: [i64; 2],
     /// Cosine and minus sine of the roll, Q24.
-    roll_q24: [i64; 2],
+    roll_q24: [i32; 2],
     /// Principal point, 1/32 px.
     origin_q5: [i32; 2],
     /// Focal length, 1/32 px.
-    focal_q5: i64,
+    focal_q5: i32,
 }
 
 /// Ray of a pixel along the ground.
@@ -65,7 +65,7 @@ impl Tilt {
     pub(super) fn new(
         [across, down, along]: [i64; 3],
         origin_q5: [i32; 2],
-        focal_q5: i64,
+        focal_q5: i32,
     ) -> Option<Self> {
         let [across, down, along] = [across, down, along].map(|part| part.saturating_mul(1 << 8));
         let length = |squares: i64| i64::try_from(squares.unsigned_abs().isqrt()).ok();
@@ -75,22 +75,22 @@ impl Tilt {
         let share_q24 = |part: i64, whole: i64| part.checked_mul(1 << 24)?.checked_div(whole);
         let (cosine_q24, sine_q24) = (share_q24(level, all)?, share_q24(along, all)?);
         let (sin_roll_q24, cos_roll_q24) = (share_q24(across, level)?, share_q24(down, level)?);
-        let per_px = |q24: i64| (q24 << 15).checked_div(focal_q5);
+        let per_px = |q24: i64| (q24 << 15).checked_div(focal_q5.into());
         let [by_x_q24, by_y_q24] =
             [sin_roll_q24, cos_roll_q24].map(|of_roll_q24| (sine_q24 * of_roll_q24) >> 24);
         Some(Self {
-            cosine_q20: cosine_q24 >> 4,
+            cosine_q20: (cosine_q24 >> 4) as i32, // at most 1
             forward_q39: [per_px(-by_x_q24)?, per_px(-by_y_q24)?],
             right_q39: [per_px(cos_roll_q24)?, per_px(-sin_roll_q24)?],
-            roll_q24: [cos_roll_q24, -sin_roll_q24],
+            roll_q24: [cos_roll_q24 as i32, -sin_roll_q24 as i32], // at most 1 each
             origin_q5,
             focal_q5,
         })
     }
 
     /// Of a level camera with this principal point and focal length, 1/32 px.
-    pub(super) fn level(origin_q5: [i32; 2], focal_q5: i64) -> Self {
-        let per_px_q39 = (1_i64 << 39).checked_div(focal_q5).unwrap_or(0);
+    pub(super) fn level(origin_q5: [i32; 2], focal_q5: i32) -> Self {
+        let per_px_q39 = (1_i64 << 39).checked_div(focal_q5.into()).unwrap_or(0);
         Self {
             cosine_q20: 1 << 20,
             forward_q39: [0; 2],
@@ -99,6 +99,11 @@ impl Tilt {
             origin_q5,
             focal_q5,
         }
+    }
+
+    /// Of the same camera, but level.
+    pub(super) fn levelled(&self) -> Self {
+        Self::level(self.origin_q5, self.focal_q5)
     }
 
     /// Of a camera with the same lens above this ground.
@@ -113,8 +118,9 @@ impl Tilt {
         let (level, y) = (i64::from(level_q5 - column_q5), i64::from(row_q5 - origin_row_q5));
         let ([forward_x, forward_y], [right_x, right_y]) = (self.forward_q39, self.right_q39);
         // focal * (right_x x + right_y y) = level * (cosine + forward_x x + forward_y y)
-        let forward_q27 = (self.cosine_q20 << 7) + ((forward_y * y) >> 12);
-        let [focal_x_q27, focal_y_q27] = [right_x, right_y].map(|q39| (self.focal_q5 * q39) >> 12);
+        let forward_q27 = (i64::from(self.cosine_q20) << 7) + ((forward_y * y) >> 12);
+        let [focal_x_q27, focal_y_q27] =
+            [right_x, right_y].map(|q39| (i64::from(self.focal_q5) * q39) >> 12);
         let per_column_q27 = focal_x_q27 - ((level * forward_x) >> 12);
         let x = (level * forward_q27 - focal_y_q27 * y).checked_div(per_column_q27)?;
         let x_q5 = column_q5 + x.clamp(-FARTHEST_Q5, FARTHEST_Q5) as i32;
@@ -122,19 +128,21 @@ impl Tilt {
     }
 
     /// The ray of a pixel, 1/32 px.
+    #[inline(never)] // in four places
     pub(super) fn along(&self, x_q5: i32, y_q5: i32) -> Option<Along> {
         let [column_q5, row_q5] = self.origin_q5;
         let (x, y) = (i64::from(x_q5 - column_q5), i64::from(y_q5 - row_q5));
         let sum = |[per_x, per_y]: [i64; 2]| per_x * x + per_y * y;
         let right_q12 = sum(self.right_q39) >> 27;
-        let forward_q12 = (self.cosine_q20 + (sum(self.forward_q39) >> 19)) >> 8;
+        let forward_q12 = (i64::from(self.cosine_q20) + (sum(self.forward_q39) >> 19)) >> 8;
         if !(LEAST_FORWARD_Q12..=MOST_Q12).contains(&forward_q12) || right_q12.abs() > MOST_Q12 {
             return None;
         }
         let (right_q12, forward_q12) = (right_q12 as i32, forward_q12 as i32);
         let squares = (forward_q12 * forward_q12 + right_q12 * right_q12).unsigned_abs();
         // Below 2^17, in Q12.
-        let away_q5 = quotient(((sum(self.roll_q24) >> 24) as i32) << 12, forward_q12);
+        let away_q5 =
+            quotient(((sum(self.roll_q24.map(i64::from)) >> 24) as i32) << 12, forward_q12);
         Some(Along {
             column_q5: column_q5 + away_q5,
             forward_q12,
@@ -174,7 +182,7 @@ mod tests {
                 let normal = [roll.sin() * pitch.cos(), roll.cos() * pitch.cos(), pitch.sin()]
                     .map(|part| (part * per_row * 65536.0) as i64);
                 let origin_q5 = [5104, 3824];
-                let tilt = Tilt::new(normal, origin_q5, (focal * 32.0) as i64).unwrap();
+                let tilt = Tilt::new(normal, origin_q5, (focal * 32.0) as i32).unwrap();
                 for (x, y) in [(0, 0), (40, 200), (160, 120), (250, 239), (319, 10)] {
                     let ray = [(f64::from(x) - 159.5) / focal, (f64::from(y) - 119.5) / focal];
                     let [direction, length] = exact(ray, pitch, roll);
@@ -199,7 +207,7 @@ mod tests {
     fn rays_straight_down_have_no_direction() {
         let [pitch, focal_q5] = [80.0_f64.to_radians(), 3200.0];
         let normal = [0.0, pitch.cos(), pitch.sin()].map(|part| (part * 65536.0) as i64);
-        let tilt = Tilt::new(normal, [0, 0], focal_q5 as i64).unwrap();
+        let tilt = Tilt::new(normal, [0, 0], focal_q5 as i32).unwrap();
         assert_eq!(tilt.along(0, 18 * 32), None);
         assert!(tilt.along(0, 0).is_some());
         assert_eq!(Tilt::new([0, 0, 65536], [0, 0], 3200), None);
