@@ -274,7 +274,7 @@ fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
         Camera::new(raw, [0.849 * scale, 0.85 * scale], centre, 0.1, lens([-0.05, 0.01, 0.0]))
             .unwrap();
     let calibration =
-        Calibration::new(left, right, [0.999_997, 0.001, 0.002, 0.001], [-0.07, 0.0004, 0.0])
+        Calibration::new(left, right, [0.999_997, 0.0005, 0.002, 0.0005], [-0.07, 0.0004, 0.0])
             .unwrap();
     RigImage::new(calibration, rectified, view, (0, 48)).unwrap()
 }
