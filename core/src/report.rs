@@ -40,7 +40,7 @@ const TWO_SURFACES_Q6: i32 = 2 * 64;
 const BOTH_SIDES_Q16: u16 = 64_225;
 
 /// Probability below which a side's pixels are right less often than its model says, Q16: 0.9.
-/// What more probable sides and support points have in the same place is listed as theirs.
+/// Pixels that more probable sides and support points have as well are listed as theirs.
 const LEFT_OVER_Q16: u16 = 58_982;
 
 /// Entry of an order: a sort key and the index of a candidate.
@@ -332,8 +332,9 @@ impl Iterator for Points<'_> {
 }
 
 /// Probability of a pixel that is listed as a side's: that of the side, or, below
-/// [`LEFT_OVER_Q16`], half as far again below it. Chosen on `qvga` and `robot_world`, where pixels
-/// of 0.5 and more are then right at most 1.5 % less often than is said, instead of 14.
+/// [`LEFT_OVER_Q16`], half as far again below it. Chosen on `qvga` and `robot_world`, whose pixels
+/// of 0.5 and more are right at most 1.5 points less often than is said. Sets that did not choose
+/// it: `middlebury2006_half` 0, `middlebury2005_half` 6, a ramp 12 points.
 fn as_listed(probability_q16: u16) -> u16 {
     probability_q16.saturating_sub(LEFT_OVER_Q16.saturating_sub(probability_q16) / 2)
 }

@@ -287,7 +287,7 @@ impl ObstaclePlan {
         self
     }
 
-    /// How a camera is tilted above this ground, and the rows of the ground within the range, 1/32
+    /// Tilt of the camera above this ground, and the rows of the ground within the range, 1/32
     /// px.
     fn seen_on(&self, plane: GroundPlane) -> Option<(Tilt, Ground, [i32; 2])> {
         // The plane's normal, in units of baseline / height: b and c per px, and the disparity on
