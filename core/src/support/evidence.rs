@@ -421,7 +421,7 @@ pub(super) fn nearby(
         // Beside the plane neighbours agree along it.
         Some(plane) => weights(near, d_q6, |point, row, at| {
             let columns = at as i32 - before;
-            let dx = grid.x_of(columns) + point.place.dx() - own.place.dx();
+            let dx = grid.across(columns) + point.place.dx() - own.place.dx();
             let dy = (row - 1) * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
             plane.change_q6(dx, dy)
         }),

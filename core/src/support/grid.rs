@@ -118,7 +118,7 @@ impl Grid {
     }
 
     /// Pixels between columns of points that are so many apart.
-    pub(super) fn x_of(&self, columns: i32) -> i32 {
+    pub(super) fn across(&self, columns: i32) -> i32 {
         columns * i32::from(self.pitch)
     }
 
