@@ -172,7 +172,7 @@ pub mod results {
 pub mod unstable {
     pub use crate::bars::evidence::{BAR_EVIDENCE, BarEvidence, BarKind};
     pub use crate::bars::{FITTED_BAR, FITTED_LEVEL_BAR, LEAST_BAR};
-    pub use crate::confidence::{FITTED, Model, Models, NODES};
+    pub use crate::confidence::{FITTED, Model, Models, NODES, Network, SigmaModel, UNITS, Unit};
     pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
     pub use crate::kernel::KERNELS;
@@ -188,6 +188,7 @@ pub mod unstable {
     };
     pub use crate::side_pixels::ValidPixels;
     pub use crate::support::SupportModels;
+    pub use crate::support::context::{CONTEXT_EVIDENCE, ContextEvidence, ContextKind};
     pub use crate::support::evidence::{SUPPORT_EVIDENCE, SupportEvidence, SupportKind};
     pub use crate::support::{FITTED_SUPPORT, SUPPORT_PITCH, SupportCurves};
 

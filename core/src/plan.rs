@@ -1,6 +1,6 @@
 //! Parameters, checked once for one image size, and the models that rate evidence.
 
-use crate::confidence::{FITTED, Model, Models};
+use crate::confidence::{FITTED, Models, SigmaModel};
 use crate::image::Dims;
 use crate::params::{ParamError, Params};
 use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
@@ -12,7 +12,7 @@ pub(crate) struct Plan {
     pub(crate) dims: Dims,
     pub(crate) params: Params,
     pub(crate) models: &'static Models,
-    pub(crate) pixel_model: &'static Model<PIXEL_EVIDENCE>,
+    pub(crate) pixel_model: &'static SigmaModel<PIXEL_EVIDENCE>,
     pub(crate) support_models: &'static SupportModels,
     pub(crate) has_bars: bool,
 }

@@ -15,8 +15,9 @@
 //! 32 a candidate, and one a support point.
 
 use crate::bars::{Bar, Edge};
-use crate::confidence::{Model, Models};
+use crate::confidence::{Model, Models, Network};
 use crate::evidence::SegmentKind;
+use crate::ground::GroundPlane;
 use crate::image::Dims;
 use crate::lines::Segment;
 use crate::list::List;
@@ -27,6 +28,7 @@ use crate::result::{Counts, Match, Owner, Point, Rejection, Source, Techniques};
 use crate::side_pixels::{SidePixels, ValidPixels};
 use crate::sort::sort_by_key;
 use crate::support::Support;
+use crate::support::context::CONTEXT_EVIDENCE;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use core::ops::Range;
@@ -168,7 +170,12 @@ impl<'r> Report<'r> {
 
     /// Every point of a pair that is fit: those of bars, of segments, most probable sides first,
     /// then support points.
-    pub(crate) fn points(mut self, is_fit: bool) -> Points<'r> {
+    pub(crate) fn points(
+        mut self,
+        is_fit: bool,
+        plane: Option<GroundPlane>,
+        network: &'r Network<CONTEXT_EVIDENCE>,
+    ) -> Points<'r> {
         self.order.clear();
         for (candidate, i) in self.candidates.iter().zip(0..) {
             if let Some(side) = candidate.best(|side| side.probability_q16) {
@@ -185,7 +192,8 @@ impl<'r> Report<'r> {
             least,
             models,
             views,
-            support,
+            support: support.with_plane(plane),
+            network,
             marks,
             bars: if is_fit { bars } else { &[] },
             y: 0,
@@ -210,6 +218,7 @@ pub(crate) struct Points<'a> {
     models: &'a Models,
     views: ValidPixels<'a>,
     support: Support<'a>,
+    network: &'a Network<CONTEXT_EVIDENCE>,
     /// A bit for each pixel that is listed.
     marks: &'a mut [u32],
     /// Bars that are not listed yet; row of the first of them, the columns left there, and their
@@ -250,7 +259,8 @@ impl Points<'_> {
             let (y, d_q6) = (self.y - 1, self.row_q6);
             // Support points there have the bar's disparity, and are listed as such.
             let at = self.support.listed_at(x, y);
-            let is_support = at.is_some_and(|point| point.probability_q16 >= self.least);
+            let is_support =
+                at.is_some_and(|at| self.support.listed_q16(at, self.network) >= self.least);
             if !is_support && self.views.allow(x.into(), y.into(), d_q6) {
                 let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
                 return Some(Point { x, y, disparity, confidence, source: Source::Side });
@@ -276,7 +286,7 @@ impl Points<'_> {
                 continue;
             };
             let at = self.support.listed_at(x, y);
-            if at.is_none_or(|point| point.probability_q16 <= self.probability) {
+            if at.is_none_or(|at| self.support.listed_q16(at, self.network) <= self.probability) {
                 return Some(Point {
                     x,
                     y,
@@ -306,11 +316,17 @@ impl Points<'_> {
     fn of_grid(&mut self) -> Option<Point> {
         loop {
             let ((x, y), point) = self.support.listed(self.index)?;
+            let index = self.index;
             self.index += 1;
-            if point.probability_q16 >= self.least
-                && self.views.allow(x.into(), y.into(), point.disparity_q6.into())
+            if !point.is_matched()
+                || !self.views.allow(x.into(), y.into(), point.disparity_q6.into())
             {
-                let (disparity, confidence) = (point.disparity(), point.confidence());
+                continue;
+            }
+            let probability_q16 = self.support.listed_q16(index, self.network);
+            if probability_q16 >= self.least {
+                let confidence = Confidence::from_bits(probability_q16);
+                let disparity = point.disparity();
                 return Some(Point { x, y, disparity, confidence, source: Source::Support });
             }
         }
@@ -398,8 +414,9 @@ impl Side {
 fn to_match(candidate: &Candidate, params: &Params, models: &Models) -> Option<Match> {
     let side = candidate.edge_side()?;
     let disparity_q6 = side.disparity_q6;
-    let (_, edge_model) = models.of(candidate.segment.near_horizontal);
-    let sigma = disparity_from_q6(edge_model.sigma_q6(side.edge_rated_q8(edge_model)).into());
+    let edge_model = models.edge(candidate.segment.near_horizontal);
+    let score_q8 = side.edge_rated_q8(&edge_model.model);
+    let sigma = disparity_from_q6(edge_model.sigma_q6(score_q8).into());
     let mut found = Match {
         ends: candidate.segment.ends,
         disparity: disparity_q6.map(Disparity::from_bits),

@@ -384,7 +384,7 @@ fn captured_frames_that_the_model_has_not_seen() {
                 .filter(|(i, _)| *i != held)
                 .map(|(_, asked)| asked.as_slice())
                 .collect();
-            PixelScore::new(&pixels[held], &fit_pixels(&others))
+            PixelScore::new(&pixels[held], &fit_pixels(&others).model)
         })
         .collect();
     let (answered, [_, bad2]) =
@@ -417,7 +417,7 @@ fn faults_of_captured_frames_cost_answers_and_not_truth() {
         ("right image 1 px low", Perturbation { row_offset: 1.0, ..Perturbation::default() }),
     ];
     for (name, fault) in faults {
-        let score = |scene: &Scene| PixelScore::new(&asked(scene, &fault), &FITTED_PIXEL);
+        let score = |scene: &Scene| PixelScore::new(&asked(scene, &fault), &FITTED_PIXEL.model);
         let scores: Vec<PixelScore> = scenes.iter().map(score).collect();
         let (answered, [bad1, bad2]) =
             PixelScore::pool(&scores).answered(Params::DEFAULT.min_confidence).unwrap();

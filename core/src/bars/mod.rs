@@ -49,6 +49,7 @@ pub(crate) use points::take_points;
 pub(crate) use region::{depth_of, most_pixels};
 
 use crate::area::Area;
+use crate::confidence::SigmaModel;
 use crate::cores::Cores;
 use crate::image::Gray;
 use crate::lines::Segment;
@@ -414,7 +415,7 @@ pub(crate) fn match_bar(
     bar.set_line(&found);
     evidence::of_cost(bar, &found, &mut evidence);
     evidence::of_edges(bar, band, &mut evidence);
-    let models = [&FITTED_BAR, &FITTED_LEVEL_BAR];
+    let models = [&FITTED_BAR.model, &FITTED_LEVEL_BAR.model];
     if !evidence::is_promising(&evidence, models, least) {
         return None;
     }
@@ -463,7 +464,7 @@ pub(crate) fn rate(
 /// lies behind them, and is not rated.
 fn rate_bar(bar: &mut Bar, support: Support<'_>) -> Option<[i16; 4]> {
     let around = place::around(bar, support);
-    let model = if around.is_in_front { &FITTED_BAR } else { &FITTED_LEVEL_BAR };
+    let SigmaModel { model, .. } = if around.is_in_front { &FITTED_BAR } else { &FITTED_LEVEL_BAR };
     bar.scores_q8 = bar.scores_q8.map(|score| {
         narrow(i32::from(score) + evidence::score_nearby_q8(model, around.evidence_q8))
     });

@@ -1,5 +1,5 @@
-//! Evidence -> probability that a disparity is within 1 px of the truth, and its standard
-//! deviation.
+//! Evidence -> probability that a disparity is within 1 px of the truth, and for answers that carry
+//! one its standard deviation.
 //!
 //! ```text
 //! score       = bias + sum of coefficient * evidence                (log-odds, linear: one multiplication per entry)
@@ -20,8 +20,11 @@
 //! instead of a second sigmoid. The constants are written by `linestereo-lab fit-confidence`.
 
 mod fitted;
+mod network;
 
 pub use fitted::FITTED;
+pub(crate) use network::MOST_EVIDENCE_Q8;
+pub use network::{Network, UNITS, Unit};
 
 use crate::evidence::{NEARBY, SEGMENT_EVIDENCE, SegmentKind};
 
@@ -37,6 +40,13 @@ pub struct Model<const N: usize = SEGMENT_EVIDENCE> {
     pub coefficients_q12: [i32; N],
     /// Probability at each node, Q16.
     pub probability_q16: [u16; NODES],
+}
+
+/// A model whose answers carry a standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SigmaModel<const N: usize = SEGMENT_EVIDENCE> {
+    /// Log-odds and probability.
+    pub model: Model<N>,
     /// Standard deviation at each node, 1/64 px.
     pub sigma_q6: [u16; NODES],
 }
@@ -50,9 +60,9 @@ pub struct Models {
     /// A side of a near-horizontal segment.
     pub near_horizontal: Model,
     /// The edge of a near-vertical segment, given one side's disparity.
-    pub near_vertical_edge: Model,
+    pub near_vertical_edge: SigmaModel,
     /// The edge of a near-horizontal segment, given one side's disparity.
-    pub near_horizontal_edge: Model,
+    pub near_horizontal_edge: SigmaModel,
 }
 
 impl Models {
@@ -60,10 +70,24 @@ impl Models {
     #[must_use]
     pub fn of(&self, near_horizontal: bool) -> (&Model, &Model) {
         if near_horizontal {
-            (&self.near_horizontal, &self.near_horizontal_edge)
+            (&self.near_horizontal, &self.near_horizontal_edge.model)
         } else {
-            (&self.near_vertical, &self.near_vertical_edge)
+            (&self.near_vertical, &self.near_vertical_edge.model)
         }
+    }
+
+    /// The model of the edge for one kind of segment, with its standard deviation.
+    #[must_use]
+    pub fn edge(&self, near_horizontal: bool) -> &SigmaModel {
+        if near_horizontal { &self.near_horizontal_edge } else { &self.near_vertical_edge }
+    }
+}
+
+impl<const N: usize> SigmaModel<N> {
+    /// Standard deviation of a score's disparity, 1/64 px.
+    #[must_use]
+    pub fn sigma_q6(&self, score_q8: i32) -> u16 {
+        interpolate(&self.sigma_q6, score_q8)
     }
 }
 
@@ -81,14 +105,6 @@ impl<const N: usize> Model<N> {
         interpolate(&self.probability_q16, score_q8)
     }
 
-    /// Standard deviation of a score's disparity, 1/64 px.
-    #[must_use]
-    pub fn sigma_q6(&self, score_q8: i32) -> u16 {
-        interpolate(&self.sigma_q6, score_q8)
-    }
-}
-
-impl<const N: usize> Model<N> {
     /// Log-odds by `M` entries from `first` on alone, given as evidence in Q8, Q8.
     pub(crate) fn part_q8<const M: usize>(&self, first: usize, evidence: &[i16; M]) -> i32 {
         let coefficients = self.coefficients_q12.get(first..).and_then(|part| part.first_chunk());
@@ -130,6 +146,7 @@ fn products<const N: usize>(coefficients: &[i32; N], evidence: &[i16; N]) -> i64
     sum
 }
 
+/// The value of a table at a score, between its nodes.
 fn interpolate(table: &[u16; NODES], score_q8: i32) -> u16 {
     let position = (score_q8.clamp(-8 << 8, (8 << 8) - 1) + (8 << 8)) as usize; // half a unit is 128
     let (node, part) = (position >> 7, (position & 127) as i32);

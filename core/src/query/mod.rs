@@ -30,7 +30,7 @@ mod patch;
 mod prior;
 
 use crate::area::Area;
-use crate::confidence::Model;
+use crate::confidence::SigmaModel;
 use crate::evidence::log2_mean_q8;
 use crate::image::{Dims, Gray};
 use crate::matching::{Candidate, MIN_RANGE, Workspace};
@@ -143,7 +143,7 @@ impl PixelRejection {
 /// Inputs and working memory for the depth of one pixel.
 pub(crate) struct Query<'a> {
     pub(crate) params: &'a Params,
-    pub(crate) model: &'a Model<PIXEL_EVIDENCE>,
+    pub(crate) model: &'a SigmaModel<PIXEL_EVIDENCE>,
     /// Left and right image.
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) dims: Dims,
@@ -162,15 +162,15 @@ impl Query<'_> {
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<PixelDepth, PixelRejection> {
-        let (params, model) = (self.params, self.model);
+        let (params, fitted) = (self.params, self.model);
         let (d_q6, evidence) = self.evidence_of(pixel, region)?;
-        let score_q8 = model.score_q8(&evidence.0);
-        let confidence = Confidence::from_bits(model.probability_q16(score_q8));
+        let score_q8 = fitted.model.score_q8(&evidence.0);
+        let confidence = Confidence::from_bits(fitted.model.probability_q16(score_q8));
         if confidence < params.min_confidence {
             return Err(rejection_of(&evidence));
         }
         let disparity = Disparity::from_bits(narrow(d_q6));
-        let sigma = Disparity::from_bits(narrow(model.sigma_q6(score_q8).into()));
+        let sigma = Disparity::from_bits(narrow(fitted.sigma_q6(score_q8).into()));
         Ok(PixelDepth {
             disparity,
             sigma,

@@ -386,7 +386,8 @@ impl Fine<'_> {
         };
         Some(SupportPoint {
             disparity_q6: narrow(disparity_q6 + moved_q6),
-            score_q8: narrow(self.matching.models.fine.score_q8(&evidence.0).max(1 - (1 << 15))),
+            score_q8: narrow(self.matching.models.fine.score_q8(&evidence.0))
+                .clamp(super::LEAST_Q8, super::MOST_Q8),
             probability_q16: 0,
             uniqueness_q8: node.uniqueness_q8,
             place,

@@ -34,14 +34,14 @@ impl<'a> Support<'a> {
         Some((self.grid.pixel(index, point.place.moved(dx, dy)), point))
     }
 
-    /// The matched point that is listed at this pixel, if there is one.
-    pub(crate) fn listed_at(&self, x: u16, y: u16) -> Option<&'a SupportPoint> {
+    /// The index of the matched point that is listed at this pixel, if there is one.
+    pub(crate) fn listed_at(&self, x: u16, y: u16) -> Option<usize> {
         let index = self.grid.index(x, y)?;
         let point = self.points.get(index).filter(|point| point.is_matched())?;
         let (own_x, own_y) = self.grid.pixel(index, point.place);
         let is_near =
             [(x, own_x), (y, own_y)].iter().all(|&(a, b)| i32::from(a.abs_diff(b)) <= STEP);
-        (is_near && self.listed(index)?.0 == (x, y)).then_some(point)
+        (is_near && self.listed(index)?.0 == (x, y)).then_some(index)
     }
 
     /// Distance to the right and downward that a point is moved by, px. A bar is too narrow for
@@ -90,13 +90,12 @@ mod tests {
     /// Where the middle is listed, relative to its texture, and that it is found there alone.
     fn moved(points: &[SupportPoint; 9]) -> (i32, i32) {
         let support = Support::new(&Params::default(), DIMS, points, 0);
-        let middle = &points[MIDDLE];
         let (listed, _) = support.listed(MIDDLE).unwrap();
         for (x, y) in (0..24).flat_map(|y| (0..24).map(move |x| (x, y))) {
-            let is_middle = support.listed_at(x, y).is_some_and(|at| core::ptr::eq(at, middle));
+            let is_middle = support.listed_at(x, y) == Some(MIDDLE);
             assert_eq!(is_middle, (x, y) == listed, "{x} {y}");
         }
-        let (x, y) = support.grid.pixel(MIDDLE, middle.place);
+        let (x, y) = support.grid.pixel(MIDDLE, points[MIDDLE].place);
         (i32::from(listed.0) - i32::from(x), i32::from(listed.1) - i32::from(y))
     }
 

@@ -16,7 +16,8 @@
 //! fine:    images wider than 450 px are matched at half of their size, then around what is known
 //!          from it  (fine)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
-//! list:    2 px off the texture where that is the border of the surface  (listed)
+//! list:    2 px off the texture where that is the border of the surface  (listed), with a
+//!          probability among what the neighbours' log-odds are  (context)
 //! ```
 //!
 //! # Bounds
@@ -32,6 +33,7 @@
 //! Birchfield, Tomasi 1998.
 
 mod codes;
+pub(crate) mod context;
 pub(crate) mod evidence;
 mod fine;
 mod fitted;
@@ -53,7 +55,7 @@ pub(crate) use noise::Noise;
 pub use points::Support;
 
 use crate::area::Area;
-use crate::confidence::Model;
+use crate::confidence::{Model, Network};
 use crate::cores::{Cores, lend};
 use crate::ground::GroundPlane;
 use crate::image::{Gray, Span};
@@ -62,6 +64,7 @@ use crate::list::List;
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
+use context::CONTEXT_EVIDENCE;
 use core::ops::Range;
 use evidence::{Found, SUPPORT_EVIDENCE, SupportEvidence, TYPICAL_DETAIL_Q8, nearby};
 use paths::{MAX_COLUMNS, Paths, PointCosts};
@@ -91,6 +94,9 @@ const REPEATS_Q6: i16 = i16::MIN;
 
 /// In place of the log-odds of a point that has the disparity of a bar, Q8.
 const OF_BAR_Q8: i16 = i16::MAX;
+/// Least and largest log-odds of a point, Q8.
+const LEAST_Q8: i16 = i16::MIN + 1;
+const MOST_Q8: i16 = OF_BAR_Q8 - 1;
 
 /// One point of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,7 +104,8 @@ const OF_BAR_Q8: i16 = i16::MAX;
 pub struct SupportPoint {
     /// Disparity, 1/64 px.
     pub(crate) disparity_q6: i16,
-    /// Log-odds by its own evidence, Q8; [`i16::MIN`] when it has no disparity.
+    /// Log-odds, Q8: by its own evidence, with that by its neighbours once it is rated;
+    /// [`i16::MIN`] when it has no disparity.
     pub(crate) score_q8: i16,
     /// Probability of being within 1 px, Q16, with the evidence by its neighbours.
     pub(crate) probability_q16: u16,
@@ -211,6 +218,9 @@ pub struct SupportModels {
     pub ground: Model<SUPPORT_EVIDENCE>,
     /// At the size of images that are matched at half of it first.
     pub fine: Model<SUPPORT_EVIDENCE>,
+    /// Of points in the list of points, among neighbours that have log-odds by these; not of those
+    /// that are matched at half of the size first.
+    pub context: Network<CONTEXT_EVIDENCE>,
 }
 
 impl SupportModels {
@@ -298,7 +308,7 @@ impl Matching<'_> {
         }
         let detail_q8 = sums.detail.mean_q8();
         if let Some(points) = points.get_mut(..half.columns * half.rows) {
-            add_nearby(points, half, (detail_q8, plane), self.models.of(plane.is_some()));
+            rate(None, points, half, (detail_q8, plane), self.models.of(plane.is_some()));
         }
         fine::Fine { matching: self, half }.run(areas, memory, points, watch);
         (detail_q8, sums.nearer.check.doubled())
@@ -384,9 +394,8 @@ impl Matching<'_> {
         };
         SupportPoint {
             disparity_q6: narrow(found.disparity_q6 + moved_q6),
-            score_q8: narrow(
-                self.models.of(self.plane.is_some()).score_q8(&found.evidence.0).max(1 - (1 << 15)),
-            ),
+            score_q8: narrow(self.models.of(self.plane.is_some()).score_q8(&found.evidence.0))
+                .clamp(LEAST_Q8, MOST_Q8),
             probability_q16: 0,
             uniqueness_q8: found.uniqueness_q8,
             place,
@@ -417,25 +426,8 @@ fn indices(range: Option<&Span>) -> Range<usize> {
     range.map_or(0..0, |range| range.start.into()..range.end.into())
 }
 
-/// Adds the evidence by neighbours to the log-odds of every point.
-fn add_nearby(
-    points: &mut [SupportPoint],
-    grid: Grid,
-    pair: (i16, Option<GroundPlane>),
-    model: &Model<SUPPORT_EVIDENCE>,
-) {
-    for index in 0..points.len() {
-        let nearby = nearby(points, grid, pair, index);
-        if let Some(point) = points.get_mut(index)
-            && point.is_matched()
-        {
-            let score_q8 = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
-            point.score_q8 = narrow(score_q8.max(1 - (1 << 15)));
-        }
-    }
-}
-
-/// Sets the probability of every point by its own evidence and that by its neighbours.
+/// Completes the log-odds of every point with the evidence by its neighbours and by segments, and
+/// sets its probability.
 pub(crate) fn rate(
     cores: Option<&mut dyn Cores>,
     points: &mut [SupportPoint],
@@ -450,6 +442,7 @@ pub(crate) fn rate(
                 && point.is_matched()
             {
                 let score = i32::from(point.score_q8) + evidence::nearby_score_q8(nearby, model);
+                point.score_q8 = narrow(score).clamp(LEAST_Q8, MOST_Q8);
                 point.probability_q16 = model.probability_q16(score);
             }
         }

@@ -18,8 +18,9 @@ pub(super) fn account(pixel: (u16, u16), engine: &mut Engine, params: &Params) -
     let mut steps = Vec::new();
     if let Ok((d_q6, evidence)) = found {
         tests(&evidence, &mut steps);
-        let p =
-            Confidence::from_bits(FITTED_PIXEL.probability_q16(FITTED_PIXEL.score_q8(&evidence.0)));
+        let p = Confidence::from_bits(
+            FITTED_PIXEL.model.probability_q16(FITTED_PIXEL.model.score_q8(&evidence.0)),
+        );
         let (p, least) = (p.to_num::<f64>(), params.min_confidence.to_num::<f64>());
         let words = format!("{p:.3} for {:.2} px, asked for {least:.2}", f64::from(d_q6) / 64.0);
         // The answer may be that of a bar.

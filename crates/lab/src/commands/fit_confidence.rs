@@ -119,7 +119,7 @@ fn leave_pixels_out(queried: &[Vec<QueriedPixel>], least: Confidence) -> Result<
     let score = |(held, pixels): (usize, &Vec<QueriedPixel>)| {
         let others = queried.iter().enumerate().filter(|(i, _)| *i != held);
         let others: Vec<&[QueriedPixel]> = others.map(|(_, pixels)| pixels.as_slice()).collect();
-        PixelScore::new(pixels, &fit_pixels(&others))
+        PixelScore::new(pixels, &fit_pixels(&others).model)
     };
     let scores: Vec<PixelScore> = queried.iter().enumerate().map(score).collect();
     let Some((answered, [bad1, bad2])) = PixelScore::pool(&scores).answered(least) else {

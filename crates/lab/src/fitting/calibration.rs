@@ -19,8 +19,19 @@ const FEWEST_SCENES: usize = 5;
 const SPREAD_PIXELS: usize = 300;
 /// Share of errors within one standard deviation.
 const ONE_SIGMA: f64 = 0.683;
+
 /// A table is never level: the order of answers stays that of their scores.
-const LEAST_STEP: f64 = 0.00003;
+pub(super) struct Rise {
+    /// Least difference between a node and the one before.
+    step: f64,
+    /// Largest probability of the first node; that of each one behind is a step larger.
+    most: f64,
+}
+
+/// Of a line's scores, which seldom reach the last nodes.
+pub(super) const OF_LINES: Rise = Rise { step: 0.00003, most: 0.999 };
+/// Of a network's, which often do.
+pub(super) const OF_NETWORKS: Rise = Rise { step: 0.0001, most: 0.9965 };
 
 /// The two tables of a model.
 pub(super) struct Tables {
@@ -29,7 +40,7 @@ pub(super) struct Tables {
 }
 
 /// The tables of these scores, those of each scene together.
-pub(super) fn tables(scenes: &[Vec<(f64, &Sample)>]) -> Tables {
+pub(super) fn tables(scenes: &[Vec<(f64, &Sample)>], rise: &Rise) -> Tables {
     let held_out = scenes.concat();
     let mut tables = Tables { probability_q16: [0; NODES], sigma_q6: [0; NODES] };
     let found =
@@ -40,7 +51,7 @@ pub(super) fn tables(scenes: &[Vec<(f64, &Sample)>]) -> Tables {
         let (first, least) = found.first().copied().unwrap_or((NODES, 1.0));
         let before = least * (node + 1) as f64 / (first + 1) as f64;
         let here = found.iter().rfind(|(at, _)| *at <= node).map_or(before, |(_, share)| *share);
-        floor = here.clamp(0.0, 0.999 + LEAST_STEP * node as f64).max(floor + LEAST_STEP);
+        floor = here.clamp(0.0, rise.most + rise.step * node as f64).max(floor + rise.step);
         *probability = (floor * 65536.0).round() as u16;
     }
     let mut ceiling = f64::INFINITY;

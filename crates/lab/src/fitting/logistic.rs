@@ -30,17 +30,9 @@ impl Line {
     }
 
     fn standardised(samples: &[&Sample]) -> Self {
-        let kinds = samples.first().map_or(0, |sample| sample.evidence.len());
-        let (mut mean, mut scale) = (vec![0.0; kinds], vec![1.0; kinds]);
-        let count = samples.len().max(1) as f64;
-        for i in 0..kinds {
-            mean[i] = samples.iter().map(|s| s.evidence[i]).sum::<f64>() / count;
-            let variance =
-                samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
-            // Evidence that never varies says nothing; a unit scale leaves its coefficient at zero.
-            scale[i] = if variance > 1e-12 { variance.sqrt() } else { 1.0 };
-        }
-        Self { mean, scale, weights: DVector::zeros(kinds + 1) }
+        let (mean, scale) = standardised(samples);
+        let weights = DVector::zeros(mean.len() + 1);
+        Self { mean, scale, weights }
     }
 
     fn standardise<'a>(&'a self, evidence: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
@@ -63,6 +55,21 @@ impl Line {
         let moved: f64 = coefficients.iter().zip(&self.mean).map(|(c, mean)| c * mean).sum();
         (self.weights[coefficients.len()] - moved, coefficients)
     }
+}
+
+/// Mean and spread of each kind of evidence.
+pub(super) fn standardised(samples: &[&Sample]) -> (Vec<f64>, Vec<f64>) {
+    let kinds = samples.first().map_or(0, |sample| sample.evidence.len());
+    let (mut mean, mut scale) = (vec![0.0; kinds], vec![1.0; kinds]);
+    let count = samples.len().max(1) as f64;
+    for i in 0..kinds {
+        mean[i] = samples.iter().map(|s| s.evidence[i]).sum::<f64>() / count;
+        let variance =
+            samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
+        // Evidence that never varies says nothing; a unit scale leaves its coefficient at zero.
+        scale[i] = if variance > 1e-12 { variance.sqrt() } else { 1.0 };
+    }
+    (mean, scale)
 }
 
 /// Inputs of equal number, with how often each was right and wrong.

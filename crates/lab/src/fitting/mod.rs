@@ -9,6 +9,7 @@
 mod bars;
 mod calibration;
 mod logistic;
+mod network;
 mod pixels;
 mod sample;
 mod source;
@@ -18,9 +19,12 @@ pub use pixels::{fit_pixels, pixel_source_text};
 pub use sample::{EvidenceLog, SceneSamples, add_ground_samples, scene_samples};
 pub use source::{source_text, support_source_text};
 
-use linestereo::unstable::{Model, Models, SEGMENT_EVIDENCE, SegmentKind, SupportModels};
+use linestereo::unstable::{
+    Model, Models, Network, SEGMENT_EVIDENCE, SegmentKind, SigmaModel, SupportModels,
+};
 use linestereo_sim::engine::FittedModels;
 use logistic::Line;
+use network::Layers;
 use rayon::prelude::*;
 use sample::{Sample, SampleKind};
 use std::collections::BTreeMap;
@@ -40,63 +44,91 @@ const SUPPORT_PENALTY: f64 = 3.0;
 pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
     FittedModels {
         segments: Models {
-            near_vertical: fit_kind(pairs, SampleKind::NearVerticalSide),
-            near_horizontal: fit_kind(pairs, SampleKind::NearHorizontalSide),
+            near_vertical: fit_kind(pairs, SampleKind::NearVerticalSide).model,
+            near_horizontal: fit_kind(pairs, SampleKind::NearHorizontalSide).model,
             near_vertical_edge: fit_kind(pairs, SampleKind::NearVerticalEdge),
             near_horizontal_edge: fit_kind(pairs, SampleKind::NearHorizontalEdge),
         },
         support: SupportModels {
-            upright: fit_kind(pairs, SampleKind::Support),
-            ground: fit_kind(pairs, SampleKind::SupportOfGround),
-            fine: fit_kind(pairs, SampleKind::FineSupport),
+            upright: fit_kind(pairs, SampleKind::Support).model,
+            ground: fit_kind(pairs, SampleKind::SupportOfGround).model,
+            fine: fit_kind(pairs, SampleKind::FineSupport).model,
+            context: fit_network(pairs),
         },
     }
 }
 
-fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> Model<N> {
+/// The samples of one kind, those of each scene together.
+fn by_scene<'a>(pairs: &[&'a SceneSamples], kind: SampleKind) -> Vec<Vec<&'a Sample>> {
     let mut scenes: BTreeMap<&str, Vec<&Sample>> = BTreeMap::new();
     for pair in pairs {
         scenes.entry(&pair.scene).or_default().extend(pair.of_kind(kind));
     }
+    scenes.into_values().collect()
+}
+
+/// The network of support points among their neighbours.
+fn fit_network<const N: usize>(pairs: &[&SceneSamples]) -> Network<N> {
+    let scenes = by_scene(pairs, SampleKind::Context);
+    let folds = FOLDS.min(scenes.len());
+    let all = of_scenes(&scenes, &|_| true);
+    let start = network::best_start(&all);
+    let without = |fold: usize| match of_scenes(&scenes, &|i| i % folds != fold) {
+        others if others.is_empty() => Layers::fit(&all, start),
+        others => Layers::fit(&others, start),
+    };
+    let (layers, parts): (Layers, Vec<Layers>) = rayon::join(
+        || Layers::fit(&all, start),
+        || (0..folds).into_par_iter().map(without).collect(),
+    );
+    let held_out = held_out(&scenes, |i, sample| parts[i % folds].score(sample));
+    layers.raw(calibration::tables(&held_out, &calibration::OF_NETWORKS).probability_q16)
+}
+
+/// Samples of each scene with scores of models that have not seen it.
+fn held_out<'a>(
+    scenes: &[Vec<&'a Sample>],
+    score: impl Fn(usize, &Sample) -> f64,
+) -> Vec<Vec<(f64, &'a Sample)>> {
+    let of = |(i, scene): (usize, &Vec<&'a Sample>)| {
+        scene.iter().map(|&sample| (score(i, sample), sample)).collect()
+    };
+    scenes.iter().enumerate().map(of).collect()
+}
+
+/// The samples of some of the scenes.
+fn of_scenes<'a>(scenes: &[Vec<&'a Sample>], is_kept: &dyn Fn(usize) -> bool) -> Vec<&'a Sample> {
+    let kept = scenes.iter().enumerate().filter(|(i, _)| is_kept(*i));
+    kept.flat_map(|(_, scene)| scene.iter().copied()).collect()
+}
+
+fn fit_kind<const N: usize>(pairs: &[&SceneSamples], kind: SampleKind) -> SigmaModel<N> {
     let is_support =
         matches!(kind, SampleKind::Support | SampleKind::SupportOfGround | SampleKind::FineSupport);
     let penalty = if is_support { SUPPORT_PENALTY } else { SIDES_PENALTY };
-    fit_scenes(&scenes.into_values().collect::<Vec<_>>(), penalty)
+    fit_scenes(&by_scene(pairs, kind), penalty)
 }
 
 /// The model of these samples, those of each scene together.
-fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> Model<N> {
-    let of = |is_kept: &dyn Fn(usize) -> bool| -> Vec<&Sample> {
-        let kept = scenes.iter().enumerate().filter(|(i, _)| is_kept(*i));
-        kept.flat_map(|(_, scene)| scene.iter().copied()).collect()
-    };
-    let line = Line::fit(&of(&|_| true), penalty, None);
+fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> SigmaModel<N> {
+    let line = Line::fit(&of_scenes(scenes, &|_| true), penalty, None);
     let folds = FOLDS.min(scenes.len());
-    let without = |fold: usize| match of(&|i| i % folds != fold) {
+    let without = |fold: usize| match of_scenes(scenes, &|i| i % folds != fold) {
         // With one scene there is nothing to hold out: its own scores are all there is.
         others if others.is_empty() => line.clone(),
         others => Line::fit(&others, penalty, Some(&line)),
     };
     let lines: Vec<Line> = (0..folds).into_par_iter().map(without).collect();
-    let held_out: Vec<Vec<(f64, &Sample)>> = scenes
-        .iter()
-        .enumerate()
-        .map(|(i, scene)| {
-            scene.iter().map(|sample| (lines[i % folds].score(sample), *sample)).collect()
-        })
-        .collect();
-    let tables = calibration::tables(&held_out);
+    let held_out = held_out(scenes, |i, sample| lines[i % folds].score(sample));
+    let tables = calibration::tables(&held_out, &calibration::OF_LINES);
     let (bias, coefficients) = line.raw();
     let mut coefficients_q12 = [0; N];
     for (q12, coefficient) in coefficients_q12.iter_mut().zip(coefficients) {
         *q12 = q(coefficient);
     }
-    Model {
-        bias_q12: q(bias),
-        coefficients_q12,
-        probability_q16: tables.probability_q16,
-        sigma_q6: tables.sigma_q6,
-    }
+    let probability_q16 = tables.probability_q16;
+    let model = Model { bias_q12: q(bias), coefficients_q12, probability_q16 };
+    SigmaModel { model, sigma_q6: tables.sigma_q6 }
 }
 
 /// Q12, within what the core's sums are proved for.

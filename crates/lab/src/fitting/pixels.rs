@@ -4,12 +4,12 @@ use super::sample::Sample;
 use super::source::{fields, written_by};
 use super::{SIDES_PENALTY, fit_scenes};
 use crate::evaluate::QueriedPixel;
-use linestereo::unstable::{Model, PIXEL_EVIDENCE, PixelKind};
+use linestereo::unstable::{PIXEL_EVIDENCE, PixelKind, SigmaModel};
 
 /// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of
 /// each scene by a line fitted on the others.
 #[must_use]
-pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> Model<PIXEL_EVIDENCE> {
+pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> SigmaModel<PIXEL_EVIDENCE> {
     let sample = |pixel: &QueriedPixel| {
         let (disparity, evidence) = pixel.found.as_ref().ok()?;
         Some(Sample::pixel(evidence, (disparity - pixel.truth).abs()))
@@ -24,14 +24,14 @@ pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> Model<PIXEL_EVIDENCE> {
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
-pub fn pixel_source_text(model: &Model<PIXEL_EVIDENCE>, origin: &str) -> String {
+pub fn pixel_source_text(model: &SigmaModel<PIXEL_EVIDENCE>, origin: &str) -> String {
     let mut text = written_by("fit-confidence", origin);
     text.push_str(
         "use super::PIXEL_EVIDENCE;\n\
-         use crate::confidence::Model;\n\n\
+         use crate::confidence::{Model, SigmaModel};\n\n\
          /// The model that plans use unless they are given another.\n\
          #[rustfmt::skip]\n\
-         pub const FITTED_PIXEL: Model<PIXEL_EVIDENCE> = Model {\n",
+         pub const FITTED_PIXEL: SigmaModel<PIXEL_EVIDENCE> = SigmaModel {\n",
     );
     fields(&mut text, "    ", model, &PixelKind::NAMES);
     text.push_str("};\n");

@@ -23,6 +23,8 @@ pub(super) enum SampleKind {
     SupportOfGround,
     /// Of images that are matched at half of their size first.
     FineSupport,
+    /// Among neighbours that have log-odds.
+    Context,
     Pixel,
     Bar,
 }
@@ -31,7 +33,7 @@ pub(super) enum SampleKind {
 /// for.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    kind: SampleKind,
+    pub(super) kind: SampleKind,
     pub(super) evidence: Vec<f64>,
     /// `|reported - true|` of the pixels with truth, px.
     pub(super) errors: Vec<f32>,
@@ -124,6 +126,9 @@ pub fn add_ground_samples(
         if support.is_fine() { SampleKind::FineSupport } else { SampleKind::SupportOfGround };
     let points = support_samples(kind, support, log, truth);
     samples.samples.extend(points);
+    if support.plane().is_some() && !support.is_fine() {
+        samples.samples.extend(context_samples(support, log, truth));
+    }
 }
 
 /// Samples every answer of the last run that has truth; `log` watched it.
@@ -142,6 +147,9 @@ pub fn scene_samples(
     } else {
         support_samples(SampleKind::Support, support, log, truth)
     };
+    if !support.is_fine() {
+        samples.extend(context_samples(support, log, truth));
+    }
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
         let (side_kind, edge_kind) = if flat {
@@ -201,6 +209,19 @@ fn support_samples(
         let known = support.with_nearby(place, evidence).0;
         let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
         Some(Sample { kind, evidence, errors: vec![error] })
+    };
+    log.support.iter().filter_map(sample).collect()
+}
+
+/// Support points among their neighbours, by the log-odds of the models that this run had.
+fn context_samples(support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
+    let kind = SampleKind::Context;
+    let sample = |&(place, _): &(usize, SupportEvidence)| {
+        let ((x, y), point) = support.listed(place)?;
+        let error =
+            (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
+        let evidence = support.context(place)?.0.map(|value| f64::from(value) / 256.0).to_vec();
+        (!point.is_of_bar()).then(|| Sample { kind, evidence, errors: vec![error] })
     };
     log.support.iter().filter_map(sample).collect()
 }

@@ -2,22 +2,28 @@
 
 use super::names;
 use core::fmt::Write;
-use linestereo::unstable::{Model, Models, SupportKind, SupportModels};
+use linestereo::unstable::{Model, Models, SigmaModel, SupportKind, SupportModels};
 
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
 pub fn source_text(models: &Models, origin: &str) -> String {
     let mut text = written_by("fit-confidence", origin);
     text.push_str(
-        "use super::{Model, Models};\n\n\
+        "use super::{Model, Models, SigmaModel};\n\n\
          /// The models that plans use unless they are given others.\n\
          #[rustfmt::skip]\n\
          pub const FITTED: Models = Models {\n",
     );
-    model(&mut text, "near_vertical", &models.near_vertical);
-    model(&mut text, "near_horizontal", &models.near_horizontal);
-    model(&mut text, "near_vertical_edge", &models.near_vertical_edge);
-    model(&mut text, "near_horizontal_edge", &models.near_horizontal_edge);
+    model(&mut text, "    ", "near_vertical", &models.near_vertical, &names());
+    model(&mut text, "    ", "near_horizontal", &models.near_horizontal, &names());
+    for (name, model) in [
+        ("near_vertical_edge", &models.near_vertical_edge),
+        ("near_horizontal_edge", &models.near_horizontal_edge),
+    ] {
+        let _ = writeln!(text, "    {name}: SigmaModel {{");
+        fields(&mut text, "        ", model, &names());
+        text.push_str("    },\n");
+    }
     text.push_str("};\n");
     text
 }
@@ -28,7 +34,7 @@ pub fn support_source_text(models: &SupportModels, origin: &str) -> String {
     let mut text = written_by("fit-confidence", origin);
     text.push_str(
         "use super::SupportModels;\n\
-         use crate::confidence::Model;\n\n\
+         use crate::confidence::{Model, Network, Unit};\n\n\
          /// The models that plans use unless they are given others.\n\
          #[rustfmt::skip]\n\
          pub const FITTED_SUPPORT: SupportModels = SupportModels {\n",
@@ -36,10 +42,20 @@ pub fn support_source_text(models: &SupportModels, origin: &str) -> String {
     for (name, model) in
         [("upright", &models.upright), ("ground", &models.ground), ("fine", &models.fine)]
     {
-        let _ = writeln!(text, "    {name}: Model {{");
-        fields(&mut text, "        ", model, &SupportKind::NAMES);
-        text.push_str("    },\n");
+        self::model(&mut text, "    ", name, model, &SupportKind::NAMES);
     }
+    let network = &models.context;
+    text.push_str("    context: Network {\n        units: [\n");
+    for unit in &network.units {
+        let _ = writeln!(
+            text,
+            "            Unit {{ bias_q18: {}, output_q10: {}, weights_q10: {:?} }},",
+            unit.bias_q18, unit.output_q10, unit.weights_q10
+        );
+    }
+    let _ = writeln!(text, "        ],\n        bias_q10: {},", network.bias_q10);
+    table(&mut text, "        ", "probability_q16", &network.probability_q16);
+    text.push_str("    },\n");
     text.push_str("};\n");
     text
 }
@@ -60,32 +76,40 @@ pub(super) fn written_by(command: &str, origin: &str) -> String {
     lines.join("\n") + "\n\n"
 }
 
-fn model(text: &mut String, name: &str, model: &Model) {
-    let _ = writeln!(text, "    {name}: Model {{");
-    fields(text, "        ", model, &names());
-    text.push_str("    },\n");
-}
-
-/// The fields of a model, each line indented.
+/// The fields of a model with a standard deviation, each line indented.
 pub(super) fn fields<const N: usize>(
     text: &mut String,
     indent: &str,
+    model: &SigmaModel<N>,
+    names: &[&str; N],
+) {
+    self::model(text, indent, "model", &model.model, names);
+    table(text, indent, "sigma_q6", &model.sigma_q6);
+}
+
+fn model<const N: usize>(
+    text: &mut String,
+    indent: &str,
+    name: &str,
     model: &Model<N>,
     names: &[&str; N],
 ) {
-    let _ = writeln!(text, "{indent}bias_q12: {},\n{indent}coefficients_q12: [", model.bias_q12);
+    let _ = writeln!(text, "{indent}{name}: Model {{");
+    let inner = &format!("{indent}    ");
+    let _ = writeln!(text, "{inner}bias_q12: {},\n{inner}coefficients_q12: [", model.bias_q12);
     for (coefficient, name) in model.coefficients_q12.iter().zip(names) {
-        let _ = writeln!(text, "{indent}    {coefficient}, // {name}");
+        let _ = writeln!(text, "{inner}    {coefficient}, // {name}");
+    }
+    let _ = writeln!(text, "{inner}],");
+    table(text, inner, "probability_q16", &model.probability_q16);
+    let _ = writeln!(text, "{indent}}},");
+}
+
+fn table(text: &mut String, indent: &str, name: &str, table: &[u16]) {
+    let _ = writeln!(text, "{indent}{name}: [");
+    for row in table.chunks(11) {
+        let row: Vec<String> = row.iter().map(u16::to_string).collect();
+        let _ = writeln!(text, "{indent}    {},", row.join(", "));
     }
     let _ = writeln!(text, "{indent}],");
-    for (name, table) in
-        [("probability_q16", &model.probability_q16), ("sigma_q6", &model.sigma_q6)]
-    {
-        let _ = writeln!(text, "{indent}{name}: [");
-        for row in table.chunks(11) {
-            let row: Vec<String> = row.iter().map(u16::to_string).collect();
-            let _ = writeln!(text, "{indent}    {},", row.join(", "));
-        }
-        let _ = writeln!(text, "{indent}],");
-    }
 }
