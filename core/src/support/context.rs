@@ -3,7 +3,7 @@
 //! In: the grid of a run, each point with its log-odds. Out: evidence for a network, since little
 //! of it means anything without the rest, and a probability.
 //!
-//! What reads the grid itself keeps to the probability by the point's own evidence: of damaged
+//! Stages that read the grid itself keep to the probability by the point's own evidence: of damaged
 //! pairs more objects are wrong where this one weighs them.
 //!
 //! # Cost
@@ -175,7 +175,7 @@ impl ContextEvidence {
 /// both agree with the point, and of those whose mean does.
 fn opposite(all: &[Option<Neighbour>; 9]) -> [i32; 2] {
     let (mut between, mut slope) = (0, 0);
-    // What lies opposite is as far from the end of the list.
+    // The opposite neighbour is as far from the end of the list.
     for pair in all.iter().zip(all.iter().rev()).take(4) {
         let (&Some(a), &Some(b)) = pair else { continue };
         let weight_q8 = a.weight_q8.min(b.weight_q8);

@@ -145,7 +145,7 @@ impl Layers {
             let weights: Vec<f64> =
                 unit.iter().zip(&self.scale).map(|(weight, scale)| weight / scale).collect();
             let moved: f64 = weights.iter().zip(&self.mean).map(|(w, mean)| w * mean).sum();
-            // What a unit's weights lose its output gains.
+            // The output gains the factor that the weights lose.
             let largest = weights.iter().fold(MOST_WEIGHT, |most, weight| most.max(weight.abs()));
             let factor = MOST_WEIGHT / largest;
             to.bias_q18 = q((unit[N] - moved) * factor, 18);
