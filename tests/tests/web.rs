@@ -490,8 +490,8 @@ fn a_visitor_without_mouse_or_eyes_gets_the_same() {
 #[test]
 fn a_camera_is_followed() {
     let Some((page, browser)) = page().zip(browser()) else { return };
-    // Brightness differs from frame to frame: what does not change is a frozen camera. The film is a
-    // second long, so that a slow page does not see one of its frames over and over.
+    // Brightness differs from frame to frame: what does not change is a frozen camera. The film is
+    // a second long, so that a slow page does not see one of its frames over and over.
     let brightness: Vec<u8> = (0..31).map(|frame| 2 * frame).collect();
     let moving = camera(page, &browser, &brightness);
     let summary = moving["summary"].as_str().unwrap();
