@@ -290,6 +290,36 @@ fn three_support_points_that_agree_are_an_obstacle() {
 }
 
 #[test]
+fn support_points_beside_a_sector_help_its_own_hypotheses() {
+    let plan = plan_of(|_| {});
+    let beside = 160 + (FOCAL * 5_f64.to_radians().tan()).round() as u16;
+    let told = |ahead: u16, right: u16, right_disparity: f64| {
+        let point = |x: u16, disparity: f64| {
+            move |n: u16| Point {
+                x,
+                y: 100 + 8 * n,
+                disparity: Disparity::from_num(disparity),
+                confidence: Confidence::from_num(0.999),
+                source: Source::Support,
+            }
+        };
+        let points = (0..ahead).map(point(160, 30.0));
+        let points = points.chain((0..right).map(point(beside, right_disparity)));
+        let mut obstacles = Obstacles::new();
+        obstacles.update(&plan, &[], points, HealthFlags::GOOD, 0);
+        [0, 1].map(|sector| distance(obstacles.sector(&plan, sector, 0)).is_some())
+    };
+    assert_eq!(told(2, 1, 30.0), [true, false], "one point does not tell its own sector");
+    assert_eq!(told(2, 2, 31.0), [true, true]);
+    assert_eq!(told(2, 2, 20.0), [false, false], "another surface");
+    assert_eq!(told(1, 4, 30.0), [false, true]);
+    // A segment is one witness, in however many sectors it stands.
+    let across = segment([[150.0, 120.0], [f64::from(beside), 120.0]], [30.0; 2], 0.95);
+    let obstacles = seen(&plan, &[across]);
+    assert_eq!([0, 1].map(|sector| distance(obstacles.sector(&plan, sector, 0))), [None; 2]);
+}
+
+#[test]
 fn a_bar_is_one_witness() {
     let plan = plan_of(|_| {});
     let ahead = |disparities: &[f64], confidence: f64| {

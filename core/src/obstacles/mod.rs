@@ -16,9 +16,9 @@
 //!       at the lower end of the point
 //! per sector, from the nearest hypothesis on:
 //!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it
-//!       (up to 1 px and 1/16 of the nearness behind it), from
-//!   near to far; the obstacle is where the product falls to the limit: something is at least
-//!       so near, but for that probability
+//!       (up to 1 px and 1/16 of the nearness behind it), from near to far; once it is 1/16, also
+//!       of the support points of both sectors beside it that agree; the obstacle is where the
+//!       product falls to the limit: something is at least so near, but for that probability
 //!   those within the range, and the credible ones up to 5/4 of it, are all wrong with a
 //!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in a
 //!   quarter of the rows, have a product below the limit: free
@@ -229,8 +229,11 @@ impl Obstacles {
     ) {
         let now_ms = milliseconds(time_us);
         self.is_fit = !health.intersects(plan.unfit);
-        let mut found = [Hypotheses::NONE; MAX_IN_VIEW];
-        if self.is_fit {
+        // With a sector on each side of the view, where nothing is seen.
+        let mut found = [Hypotheses::NONE; MAX_IN_VIEW + 2];
+        if self.is_fit
+            && let Some(found) = found.get_mut(1..)
+        {
             for one in matches {
                 let error_q16 = u16::MAX - one.confidence.to_bits();
                 plan.for_each_sector(one, |sector, ray| {
@@ -239,13 +242,15 @@ impl Obstacles {
                     }
                 });
             }
-            plan.add_points(points, &mut found);
+            plan.add_points(points, found);
         }
         let states = self.known.iter_mut().zip(&mut self.drop_offs);
-        for (((known, drop_off), hypotheses), sector) in states.zip(&found).zip(0_u32..) {
+        for (((known, drop_off), near), sector) in states.zip(found.windows(3)).zip(0_u32..) {
+            let [before, hypotheses, after] = near else { return };
             let can_be_free = plan.complete >> sector & 1 == 1;
-            known.update(plan, now_ms, hypotheses.obstacle(plan, can_be_free));
-            let below = hypotheses.below.group(plan.error_q16, drop_agree_q6);
+            let obstacle = hypotheses.obstacle(plan, can_be_free, [before, after]);
+            known.update(plan, now_ms, obstacle);
+            let below = hypotheses.below.group(plan.error_q16, drop_agree_q6, &[]);
             drop_off.update(
                 plan,
                 now_ms,
@@ -374,11 +379,7 @@ impl ObstaclePlan {
     }
 
     /// Adds support points, bars and sides of segments to the hypotheses of their sectors.
-    fn add_points(
-        &self,
-        points: impl IntoIterator<Item = Point>,
-        found: &mut [Hypotheses; MAX_IN_VIEW],
-    ) {
+    fn add_points(&self, points: impl IntoIterator<Item = Point>, found: &mut [Hypotheses]) {
         // Nearness of the last bar or side in each sector; 0 = none.
         let mut sides = [0_u16; MAX_IN_VIEW];
         for point in points {
@@ -391,7 +392,9 @@ impl ObstaclePlan {
             match (point.source, ray) {
                 // Doubtful points may be an obstacle, but make nothing free.
                 (Source::Support, Ray::Passes(_)) if error_q16 > STRONG_Q16 => {}
-                (Source::Support, _) => hypotheses.add(ray, error_q16.max(LEAST_POINT_ERROR_Q16)),
+                (Source::Support, _) => {
+                    hypotheses.add_point(ray, error_q16.max(LEAST_POINT_ERROR_Q16));
+                }
                 (Source::Side, Ray::Ends(nearness_q6) | Ray::Falls(nearness_q6))
                     if nearness_q6 >= self.far_q6 =>
                 {
