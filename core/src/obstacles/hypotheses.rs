@@ -7,9 +7,10 @@ use super::plan::ObstaclePlan;
 
 /// Number of hypotheses kept of a sector, the nearest ones.
 const KEPT: usize = 16;
-/// The same of support points alone, and of drop-offs.
-const KEPT_POINTS: usize = 8;
+/// The same of drop-offs.
 const KEPT_BELOW: usize = 8;
+/// Bit of the error probability of a support point, which stands in one sector alone.
+pub(super) const POINT: u16 = 1;
 /// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
 const AGREE_Q6: i32 = 64;
 /// Least probability that all hypotheses within the range are wrong, for a sector to be free, Q16.
@@ -41,7 +42,7 @@ pub(super) enum Ray {
 }
 
 /// The nearest of many hypotheses, nearest first: nearness (1/64 px, 0 = none) and error
-/// probability (Q16).
+/// probability (Q16, with the bit [`POINT`]).
 #[derive(Clone, Copy)]
 pub(super) struct Nearest<const KEPT: usize>([(u16, u16); KEPT]);
 
@@ -65,18 +66,6 @@ impl<const KEPT: usize> Nearest<KEPT> {
             insert(&mut self.0, hypothesis);
         }
     }
-
-    /// The nearest group whose error probabilities have a product of at most `limit_q16`, with
-    /// those `beside` it where its own are small enough; `agree_q6` says how far behind its nearest
-    /// one hypotheses agree.
-    pub(super) fn group(
-        &self,
-        limit_q16: u16,
-        agree_q6: fn(i32) -> i32,
-        beside: &[&Nearest<KEPT_POINTS>],
-    ) -> Option<Group> {
-        group(&self.0, limit_q16, agree_q6, beside)
-    }
 }
 
 #[inline(never)] // once for lists of each length
@@ -93,12 +82,15 @@ fn iter(list: &[(u16, u16)]) -> impl Iterator<Item = (i32, u16)> + Clone {
     all.take_while(|&(nearness_q6, _)| nearness_q6 > 0)
 }
 
+/// The nearest group whose error probabilities have a product of at most `limit_q16`, with those of
+/// the support points `beside` it where its own are small enough; `agree_q6` says how far behind
+/// its nearest one hypotheses agree.
 #[inline(never)] // once for lists of each length
 fn group(
     list: &[(u16, u16)],
     limit_q16: u16,
     agree_q6: fn(i32) -> i32,
-    beside: &[&Nearest<KEPT_POINTS>],
+    beside: &[&[(u16, u16)]],
 ) -> Option<Group> {
     iter(list).enumerate().find_map(|(first, (nearest_q6, _))| {
         let least_q6 = nearest_q6 - agree_q6(nearest_q6);
@@ -115,8 +107,9 @@ fn group(
             }
         }
         if found.is_none() && with_beside.is_some() {
-            for (nearness_q6, one_error_q16) in beside.iter().flat_map(|points| iter(&points.0)) {
-                if nearness_q6 >= least_q6 && nearness_q6 <= nearest_q6 + AGREE_Q6 {
+            for (nearness_q6, one_error_q16) in beside.iter().flat_map(|list| iter(list)) {
+                let agrees = nearness_q6 >= least_q6 && nearness_q6 <= nearest_q6 + AGREE_Q6;
+                if agrees && one_error_q16 & POINT != 0 {
                     error_q16 = both(error_q16, one_error_q16);
                 }
             }
@@ -131,10 +124,8 @@ fn group(
 pub(super) struct Hypotheses {
     /// Obstacles: those within the range and all behind it.
     near: Nearest<KEPT>,
-    /// Support points among them, which stand in this sector alone.
-    points: Nearest<KEPT_POINTS>,
     /// Drop-offs, by the nearness of the ground that is missing.
-    pub(super) below: Nearest<KEPT_BELOW>,
+    below: Nearest<KEPT_BELOW>,
     /// Probability that all hypotheses behind the range are wrong, Q16.
     clear_error_q16: u16,
     /// Parts of the rows with a hypothesis behind the range, a bit each, by halves of the sector.
@@ -146,7 +137,6 @@ pub(super) struct Hypotheses {
 impl Hypotheses {
     pub(super) const NONE: Self = Self {
         near: Nearest::NONE,
-        points: Nearest::NONE,
         below: Nearest::NONE,
         clear_error_q16: u16::MAX,
         seen_once: [0; 2],
@@ -168,12 +158,9 @@ impl Hypotheses {
         }
     }
 
-    /// Adds the hypothesis of a support point.
-    pub(super) fn add_point(&mut self, ray: Ray, error_q16: u16) {
-        if let Ray::Ends(nearness_q6) = ray {
-            self.points.add(nearness_q6, error_q16);
-        }
-        self.add(ray, error_q16);
+    /// The nearest drop-off.
+    pub(super) fn drop_off(&self, limit_q16: u16) -> Option<Group> {
+        group(&self.below.0, limit_q16, drop_agree_q6, &[])
     }
 
     /// Nearness of the obstacle, 1/64 px, `None` for free, and the error probability, Q16; `None`
@@ -184,9 +171,9 @@ impl Hypotheses {
         can_be_free: bool,
         beside: [&Self; 2],
     ) -> Option<(Option<i32>, u16)> {
-        let beside = beside.map(|sector| &sector.points);
+        let beside = beside.map(|sector| sector.near.0.as_slice());
         if let Some(Group { nearness_q6, error_q16, .. }) =
-            self.near.group(plan.error_q16, agree_q6, &beside)
+            group(&self.near.0, plan.error_q16, agree_q6, &beside)
         {
             return (nearness_q6 >= plan.far_q6).then_some((Some(nearness_q6), error_q16));
         }
@@ -220,7 +207,7 @@ pub(super) fn agree_q6(nearness_q6: i32) -> i32 {
 }
 
 /// The same for drop-offs: the lower floor begins at the edge or behind it.
-pub(super) fn drop_agree_q6(nearness_q6: i32) -> i32 {
+fn drop_agree_q6(nearness_q6: i32) -> i32 {
     AGREE_Q6 + nearness_q6 / 4
 }
 

@@ -67,7 +67,7 @@
 //! f*B in Q16 times 6400 below 2^53; a height in Q16 times a disparity below 2^46.
 //!
 //! # Cost
-//! 600 bytes of state, 5.9 KB of stack. Instructions: `xtask/board-numbers.toml`.
+//! 600 bytes of state, 4.6 KB of stack. Instructions: `xtask/board-numbers.toml`.
 
 mod hypotheses;
 mod plan;
@@ -77,7 +77,7 @@ use crate::health::HealthFlags;
 use crate::result::{ImagePosition, Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
-use hypotheses::{Hypotheses, Ray, STRONG_Q16, agree_q6, drop_agree_q6};
+use hypotheses::{Hypotheses, POINT, Ray, STRONG_Q16, agree_q6};
 use plan::Ground;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan};
 use tilt::Along;
@@ -235,7 +235,7 @@ impl Obstacles {
             && let Some(found) = found.get_mut(1..)
         {
             for one in matches {
-                let error_q16 = u16::MAX - one.confidence.to_bits();
+                let error_q16 = (u16::MAX - one.confidence.to_bits()) & !POINT;
                 plan.for_each_sector(one, |sector, ray| {
                     if let Some(hypotheses) = found.get_mut(sector) {
                         hypotheses.add(ray, error_q16);
@@ -250,7 +250,7 @@ impl Obstacles {
             let can_be_free = plan.complete >> sector & 1 == 1;
             let obstacle = hypotheses.obstacle(plan, can_be_free, [before, after]);
             known.update(plan, now_ms, obstacle);
-            let below = hypotheses.below.group(plan.error_q16, drop_agree_q6, &[]);
+            let below = hypotheses.drop_off(plan.error_q16);
             drop_off.update(
                 plan,
                 now_ms,
@@ -388,12 +388,12 @@ impl ObstaclePlan {
             else {
                 continue;
             };
-            let error_q16 = u16::MAX - point.confidence.to_bits();
+            let error_q16 = (u16::MAX - point.confidence.to_bits()) & !POINT;
             match (point.source, ray) {
                 // Doubtful points may be an obstacle, but make nothing free.
                 (Source::Support, Ray::Passes(_)) if error_q16 > STRONG_Q16 => {}
                 (Source::Support, _) => {
-                    hypotheses.add_point(ray, error_q16.max(LEAST_POINT_ERROR_Q16));
+                    hypotheses.add(ray, error_q16.max(LEAST_POINT_ERROR_Q16) | POINT);
                 }
                 (Source::Side, Ray::Ends(nearness_q6) | Ray::Falls(nearness_q6))
                     if nearness_q6 >= self.far_q6 =>
