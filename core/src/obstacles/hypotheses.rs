@@ -22,10 +22,12 @@ pub(super) const STRONG_Q16: u16 = 6554;
 
 /// Largest probability that all hypotheses of a sector itself are wrong for the support points
 /// beside it to count, Q16: 1/16. Chosen on `robot_world`, where those beside raise the obstacles
-/// told from 57 to 64 % and a ghost before them from 0.8 to 1.5 %; 1/8 tells no more and adds
-/// ghosts. Drives that did not choose it: table legs 62 and 67 %, corridor 56 and 59 %, doorway 60
-/// and 66 %.
+/// told from 57 to 64 %, ghosts before them from 0.8 to 1.5 %, and ghosts in clear sectors from 7
+/// to 8 %; 1/8 tells no more. Drives that did not choose it: table legs 62 and 67 %, corridor 56
+/// and 60 %, doorway 60 and 66 %; on a flight 50 and 51 %, with ghosts before 4 and 15 % of them
+/// and in 10 and 35 % of its clear sectors, most of them just above the band of heights.
 const OWN_Q16: u16 = 1 << 12;
+
 /// Least number of parts with a hypothesis behind the range for a sector to be free.
 const CLEAR_PARTS: u32 = 2;
 /// Result of a match or a support point for one sector: its nearness, or the rows that are free
@@ -50,7 +52,8 @@ pub(super) struct Nearest<const KEPT: usize>([(u16, u16); KEPT]);
 pub(super) struct Group {
     /// Nearness of the first of them, 1/64 px.
     pub(super) nearest_q6: i32,
-    /// Nearness at which the product of the error probabilities falls to the limit, 1/64 px.
+    /// Nearness at which the product of the error probabilities falls to the limit, or with those
+    /// beside it to [`OWN_Q16`], 1/64 px.
     nearness_q6: i32,
     /// Product of all, Q16.
     pub(super) error_q16: u16,

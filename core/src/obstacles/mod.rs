@@ -16,9 +16,10 @@
 //!       at the lower end of the point
 //! per sector, from the nearest hypothesis on:
 //!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it
-//!       (up to 1 px and 1/16 of the nearness behind it), from near to far; once it is 1/16, also
-//!       of the support points of both sectors beside it that agree; the obstacle is where the
-//!       product falls to the limit: something is at least so near, but for that probability
+//!       (up to 1 px and 1/16 of the nearness behind it), from near to far; the obstacle is where
+//!       the product falls to the limit: something is at least so near, but for that probability
+//!   where it does not fall so far, but to 1/16: also of the support points of both sectors beside
+//!       it that agree; the obstacle is where its own product falls to 1/16
 //!   those within the range, and the credible ones up to 5/4 of it, are all wrong with a
 //!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in a
 //!   quarter of the rows, have a product below the limit: free
