@@ -31,13 +31,12 @@ static uint16_t instructions(void *uc, struct clock *c, uint64_t at, uint32_t si
     if (b && b->bytes == size) return b->instructions;
     uint16_t word, count = 0;
     for (uint32_t done = 0; done < size && !c->read(uc, at + done, &word, 2); done += word >> 11 > 28 ? 4 : 2) count++;
-    if (b) *b = (struct block){size, count};
+    if (b) *b = (struct block){size, count}, memset(c->covered + (at - c->first), 1, size);
     return count;
 }
 void on_block(void *uc, uint64_t at, uint32_t size, struct clock *c) {
     uint16_t count = instructions(uc, c, at, size);
     c->now += count * c->step, c->executed += count;
-    if (at - c->first < c->bytes) memset(c->covered + (at - c->first), 1, size);
     if (c->now >= c->due) c->work();
     if (c->now >= c->stop) c->end(uc);
 }

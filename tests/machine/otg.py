@@ -70,7 +70,8 @@ class Otg:
             self.core.raise_interrupt(self.irq)
 
     def _interrupts(self):
-        daint = self._endpoints_flagged() & self.registers.get(0x81C, 0)
+        mask = self.registers.get(0x81C, 0)
+        daint = self._endpoints_flagged() & mask if mask else 0
         ends = (IEPINT if daint & 0xFFFF else 0) | (OEPINT if daint >> 16 else 0)
         is_host = not self.registers.get(0x0C, 0) >> 30 & 1
         return self.flags | ends | (RXFLVL if self.statuses else 0) | is_host

@@ -254,6 +254,7 @@ class Timer:
 
     def restart(self):
         self.start, self.flags, self.wanted, self.compare, self.generation = None, 0, 0, [0] * 4, 0
+        self.looks, self.looked = 0, 0
 
     def count(self):
         return 0 if self.start is None else int(self.core.now - self.start) & 0xFFFF
@@ -278,9 +279,18 @@ class Timer:
             turn = elapsed // 65536 * 65536 + count
             self.core.at(self.start + (turn if turn > elapsed else turn + 65536), lambda flag=flag: every_turn(flag))
 
+    def look(self):
+        """A program that does nothing but look at the clock is let look every 5 us: most of a run's reads are its delays."""
+        executed = self.core.clock.executed
+        self.looks = self.looks + 1 if executed - self.looked < 100 else 0
+        self.looked = executed
+        if self.looks > 8 and self.core.events:
+            self.core.wait(max(0.0, min(5.0, self.core.events[0][0] - self.core.now)))
+
     def read(self, at):
         self.core.wait(0.02)
         if at == 0x24:
+            self.look()
             return self.count()
         if 0x34 <= at <= 0x40:
             return self.compare[(at - 0x34) // 4]
