@@ -1,4 +1,4 @@
-//! The probability with which a point is listed, by what the eight points around it are.
+//! The probability with which a point is listed, by what the points around it are.
 //!
 //! In: the grid of a run, each point with its log-odds. Out: evidence for a network, since little
 //! of it means anything without the rest, and a probability.
@@ -9,7 +9,6 @@
 //! # Cost
 //! Some 1700 instructions a point on a Cortex-M7.
 
-use super::evidence::around;
 use super::{Grid, SUPPORT_PITCH, Support, SupportPoint};
 use crate::confidence::{MOST_EVIDENCE_Q8, Network};
 use crate::evidence::{define_evidence, log2_mean_q8};
@@ -37,7 +36,22 @@ define_evidence! {
     SegmentsConflicting: "log2(1 + hypotheses of segments nearby that contradict)",
     HasPlane: "a pair with a ground plane",
     OnPlane: "label beside the ground plane",
+    WideAgreeing: "weight of the points two columns or rows away that agree",
+    WideNearer: "weight of these that are nearer",
+    WideFarther: "weight of these that are farther",
+    WideBetween: "the lesser weight of two of these that agree on opposite sides, the largest",
+    WideSlope: "the same of two whose mean agrees",
 }
+
+/// Columns and rows of points around one that say what it is.
+const REACH: isize = 2;
+/// Points within these, itself included, row by row.
+const AROUND: usize = 25;
+/// The first of each two places on opposite sides, next to the point; the other is as far from the
+/// end of the list.
+const NEAR: [usize; 4] = [6, 7, 8, 11];
+/// The same two columns or rows away.
+const WIDE: [usize; 8] = [0, 1, 2, 3, 4, 5, 9, 10];
 
 /// Log-odds from which a neighbour has a weight, Q8.
 const LEAST_SCORE_Q8: i32 = -2 << 8;
@@ -81,7 +95,7 @@ impl Neighbour {
     }
 }
 
-/// Sums over the neighbours.
+/// Sums over neighbours.
 #[derive(Default)]
 struct Sums {
     /// Weights of those that agree, are nearer, and are farther, Q8.
@@ -117,34 +131,37 @@ impl ContextEvidence {
         index: usize,
     ) -> Option<Self> {
         let own = points.get(index).filter(|point| point.is_matched())?;
-        let (near, before) = around(points, grid, index);
+        let row = index.checked_div(grid.columns)?;
+        let column = index - row * grid.columns;
         let along = plane.filter(|_| own.place.is_on_plane());
-        let (mut all, mut sums) = ([None; 9], Sums::default());
-        for (points, (dy, row)) in near.into_iter().zip((-1..).zip(all.as_chunks_mut::<3>().0)) {
-            let places = row.iter_mut().skip(usize::from(before == 0));
-            for ((other, dx), place) in points.iter().zip(-before..).zip(places) {
-                if !other.is_matched() || (dx == 0 && dy == 0) {
-                    continue;
-                }
-                let change_q6 = along.map_or(0, |plane| {
-                    let across = grid.across(dx) + other.place.dx() - own.place.dx();
-                    let down = dy * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
-                    plane.change_q6(across, down)
-                });
-                let off_q6 =
-                    i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);
-                let score_q8 = i32::from(other.score_q8) - LEAST_SCORE_Q8;
-                let neighbour =
-                    Neighbour { off_q6, weight_q8: score_q8.clamp(0, MOST_SCORE_Q8) >> 3 };
-                sums.add(neighbour, other.uniqueness_q8);
-                *place = Some(neighbour);
-            }
+        let (mut all, [mut near, mut wide]) = ([None; AROUND], <[Sums; 2]>::default());
+        let offsets = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
+        for (place, (dx, dy)) in all.iter_mut().zip(offsets) {
+            let column = column.checked_add_signed(dx).filter(|&column| column < grid.columns);
+            let other = column.zip(row.checked_add_signed(dy)).and_then(|(column, row)| {
+                points.get(row * grid.columns + column).filter(|other| other.is_matched())
+            });
+            let (Some(other), false) = (other, (dx, dy) == (0, 0)) else { continue };
+            let change_q6 = along.map_or(0, |plane| {
+                let across = grid.across(dx as i32) + other.place.dx() - own.place.dx();
+                let down =
+                    dy as i32 * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
+                plane.change_q6(across, down)
+            });
+            let off_q6 = i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);
+            let score_q8 = i32::from(other.score_q8) - LEAST_SCORE_Q8;
+            let neighbour = Neighbour { off_q6, weight_q8: score_q8.clamp(0, MOST_SCORE_Q8) >> 3 };
+            let sums = if dx.abs().max(dy.abs()) == 1 { &mut near } else { &mut wide };
+            sums.add(neighbour, other.uniqueness_q8);
+            *place = Some(neighbour);
         }
-        let [between, slope] = opposite(&all);
+        let [between, slope] = opposite(&all, &NEAR);
+        let [wide_between, wide_slope] = opposite(&all, &WIDE);
         let disparity_q6 = u32::try_from(own.disparity_q6).unwrap_or(0);
         let [supporting, contradicting] = own.segments.map(|sum| log2_mean_q8(sum.into(), 16));
-        let [agreeing, nearer, farther] = sums.weights_q8;
-        let [unique, conflicting] = sums.unique_q8.map(|sum| log2_mean_q8(sum, 256));
+        let [agreeing, nearer, farther] = near.weights_q8;
+        let [wide_agreeing, wide_nearer, wide_farther] = wide.weights_q8;
+        let [unique, conflicting] = near.unique_q8.map(|sum| log2_mean_q8(sum, 256));
         let one_if = |is: bool| i32::from(is) << 8;
         let mut evidence = Self::new();
         for (kind, value_q8) in [
@@ -152,7 +169,7 @@ impl ContextEvidence {
             (ContextKind::Agreeing, agreeing),
             (ContextKind::Nearer, nearer),
             (ContextKind::Farther, farther),
-            (ContextKind::Unmatched, (8 - sums.matched) << 8),
+            (ContextKind::Unmatched, (8 - near.matched) << 8),
             (ContextKind::Between, between),
             (ContextKind::Slope, slope),
             (ContextKind::Uniqueness, own.uniqueness_q8.into()),
@@ -164,6 +181,11 @@ impl ContextEvidence {
             (ContextKind::SegmentsConflicting, contradicting),
             (ContextKind::HasPlane, one_if(plane.is_some())),
             (ContextKind::OnPlane, one_if(own.place.is_on_plane())),
+            (ContextKind::WideAgreeing, wide_agreeing),
+            (ContextKind::WideNearer, wide_nearer),
+            (ContextKind::WideFarther, wide_farther),
+            (ContextKind::WideBetween, wide_between),
+            (ContextKind::WideSlope, wide_slope),
         ] {
             evidence.set(kind, value_q8.clamp(-MOST_EVIDENCE_Q8, MOST_EVIDENCE_Q8));
         }
@@ -171,13 +193,13 @@ impl ContextEvidence {
     }
 }
 
-/// Of the four pairs of neighbours on opposite sides the largest lesser weight, Q8: of those that
-/// both agree with the point, and of those whose mean does.
-fn opposite(all: &[Option<Neighbour>; 9]) -> [i32; 2] {
+/// Of pairs of neighbours on opposite sides, each by the place of its first, the largest lesser
+/// weight, Q8: of those that both agree with the point, and of those whose mean does.
+fn opposite(all: &[Option<Neighbour>; AROUND], pairs: &[usize]) -> [i32; 2] {
     let (mut between, mut slope) = (0, 0);
-    // The opposite neighbour is as far from the end of the list.
-    for pair in all.iter().zip(all.iter().rev()).take(4) {
-        let (&Some(a), &Some(b)) = pair else { continue };
+    for &first in pairs {
+        let at = |place: usize| all.get(place).copied().flatten();
+        let (Some(a), Some(b)) = (at(first), at(AROUND - 1 - first)) else { continue };
         let weight_q8 = a.weight_q8.min(b.weight_q8);
         if a.agrees() && b.agrees() {
             between = weight_q8.max(between);
