@@ -144,8 +144,7 @@ impl ContextEvidence {
             let (Some(other), false) = (other, (dx, dy) == (0, 0)) else { continue };
             let change_q6 = along.map_or(0, |plane| {
                 let across = grid.across(dx as i32) + other.place.dx() - own.place.dx();
-                let down =
-                    dy as i32 * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
+                let down = dy as i32 * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
                 plane.change_q6(across, down)
             });
             let off_q6 = i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);
@@ -258,6 +257,33 @@ mod tests {
         assert_eq!(context(&points, MIDDLE, ContextKind::Between), 0);
         points[5].disparity_q6 += 97;
         assert_eq!(context(&points, MIDDLE, ContextKind::Slope), 0);
+    }
+
+    #[test]
+    fn points_two_away_count_by_themselves() {
+        const WIDE: Dims = Dims { width: 40, height: 40 };
+        let mut points = [point(640, -2 << 8); 25];
+        let at = |dx: i32, dy: i32| (12 + 5 * dy + dx) as usize;
+        for (dx, dy) in [(-2, -2), (2, 2), (1, 2), (-2, 1)] {
+            points[at(dx, dy)] = point(640, 6 << 8);
+        }
+        points[at(2, -1)] = point(640 + 65, 2 << 8);
+        points[at(0, -2)] = point(640 - 100, 6 << 8);
+        points[at(0, 2)] = point(640 + 100, 0);
+        let support = Support::new(&Params::default(), WIDE, &points, 700);
+        let context = |index, kind| support.context(index).unwrap().get(kind);
+        assert_eq!(context(12, ContextKind::WideAgreeing), 4 * 256);
+        assert_eq!(context(12, ContextKind::WideNearer), 128 + 64);
+        assert_eq!(context(12, ContextKind::WideFarther), 256);
+        assert_eq!(context(12, ContextKind::WideBetween), 256);
+        assert_eq!(context(12, ContextKind::WideSlope), 256);
+        // Those next to it have no weight, and a corner has none across the border.
+        assert_eq!(context(12, ContextKind::Agreeing), 0);
+        assert_eq!(context(0, ContextKind::WideAgreeing), 0);
+        points[at(2, 2)] = point(640, -2 << 8);
+        let support = Support::new(&Params::default(), WIDE, &points, 700);
+        let slope = support.context(12).unwrap().get(ContextKind::WideSlope);
+        assert_eq!(slope, 128);
     }
 
     #[test]
