@@ -7,7 +7,7 @@
 //! pairs more objects are wrong where this one weighs them.
 //!
 //! # Cost
-//! Some 1700 instructions a point on a Cortex-M7.
+//! Some 3400 instructions a point on a Cortex-M7, 1700 of them for the points two away.
 
 use super::{Grid, SUPPORT_PITCH, Support, SupportPoint};
 use crate::confidence::{MOST_EVIDENCE_Q8, Network};
@@ -44,7 +44,7 @@ define_evidence! {
 }
 
 /// Columns and rows of points around one that say what it is.
-const REACH: isize = 2;
+const REACH: usize = 2;
 /// Points within these, itself included, row by row.
 const AROUND: usize = 25;
 /// The first of each two places on opposite sides, next to the point; the other is as far from the
@@ -82,8 +82,9 @@ impl Support<'_> {
     }
 }
 
-/// One neighbour: how much farther it is than the point, 1/64 px, and its weight, Q8.
-#[derive(Clone, Copy)]
+/// One neighbour: how much farther it is than the point, 1/64 px, and its weight, Q8; 0 without a
+/// disparity.
+#[derive(Clone, Copy, Default)]
 struct Neighbour {
     off_q6: i32,
     weight_q8: i32,
@@ -95,29 +96,89 @@ impl Neighbour {
     }
 }
 
-/// Sums over neighbours.
+/// Weights of neighbours, Q8.
 #[derive(Default)]
-struct Sums {
-    /// Weights of those that agree, are nearer, and are farther, Q8.
-    weights_q8: [i32; 3],
-    /// Uniqueness of those that agree and of the others, Q8.
+struct Weights {
+    agreeing: i32,
+    nearer: i32,
+    farther: i32,
+}
+
+impl Weights {
+    fn add(&mut self, neighbour: Neighbour) {
+        let sum = match neighbour.off_q6 {
+            _ if neighbour.agrees() => &mut self.agreeing,
+            0.. => &mut self.nearer,
+            _ => &mut self.farther,
+        };
+        *sum += neighbour.weight_q8;
+    }
+}
+
+/// The points around one.
+#[derive(Default)]
+struct Around {
+    all: [Neighbour; AROUND],
+    /// Of those next to it, and of those two columns or rows away.
+    near: Weights,
+    wide: Weights,
+    /// Uniqueness of those next to it that agree and of the others, Q8.
     unique_q8: [u32; 2],
+    /// Number of those next to it with a disparity.
     matched: i32,
 }
 
-impl Sums {
-    fn add(&mut self, neighbour: Neighbour, uniqueness_q8: u8) {
-        let kind = match neighbour.off_q6 {
-            _ if neighbour.agrees() => 0,
-            0.. => 1,
-            _ => 2,
-        };
-        if let Some(sum) = self.weights_q8.get_mut(kind) {
-            *sum += neighbour.weight_q8;
+impl Around {
+    /// Those around a point; beside the ground plane they agree along it.
+    fn of(
+        points: &[SupportPoint],
+        grid: Grid,
+        along: Option<GroundPlane>,
+        (index, own): (usize, &SupportPoint),
+    ) -> Self {
+        let mut found = Self::default();
+        let row = index.checked_div(grid.columns).unwrap_or(0);
+        let column = index - row * grid.columns;
+        let (first, end) = (column.saturating_sub(REACH), (column + REACH + 1).min(grid.columns));
+        for (down, at) in (0..=2 * REACH).zip((0..AROUND).step_by(2 * REACH + 1)) {
+            // Above the grid it wraps to far beyond its end.
+            let start = (row + down).wrapping_sub(REACH).wrapping_mul(grid.columns);
+            let others = points.get(start.wrapping_add(first)..start.wrapping_add(end));
+            let dy = down as i32 - REACH as i32;
+            let (left, at) = (first as i32 - column as i32, at + first + REACH - column);
+            for ((other, dx), at) in others.unwrap_or(&[]).iter().zip(left..).zip(at..) {
+                let away = dx.abs().max(dy.abs());
+                if away == 0 || !other.is_matched() {
+                    continue;
+                }
+                let change_q6 = along.map_or(0, |plane| {
+                    let across = grid.across(dx) + other.place.dx() - own.place.dx();
+                    let down = dy * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
+                    plane.change_q6(across, down)
+                });
+                let off_q6 =
+                    i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);
+                let score_q8 = i32::from(other.score_q8) - LEAST_SCORE_Q8;
+                let weight_q8 = score_q8.clamp(0, MOST_SCORE_Q8) >> 3;
+                found.add(at, Neighbour { off_q6, weight_q8 }, (away, other.uniqueness_q8));
+            }
         }
-        if let Some(sum) = self.unique_q8.get_mut(kind.min(1)) {
-            *sum += u32::from(uniqueness_q8);
+        found
+    }
+
+    /// Adds the point at a place of [`Around::all`], so many columns or rows away.
+    #[inline(always)] // in the loop over all points
+    fn add(&mut self, place: usize, one: Neighbour, (away, uniqueness_q8): (i32, u8)) {
+        if let Some(place) = self.all.get_mut(place) {
+            *place = one;
         }
+        if away > 1 {
+            self.wide.add(one);
+            return;
+        }
+        self.near.add(one);
+        let [agreeing, others] = &mut self.unique_q8;
+        *if one.agrees() { agreeing } else { others } += u32::from(uniqueness_q8);
         self.matched += 1;
     }
 }
@@ -131,44 +192,22 @@ impl ContextEvidence {
         index: usize,
     ) -> Option<Self> {
         let own = points.get(index).filter(|point| point.is_matched())?;
-        let row = index.checked_div(grid.columns)?;
-        let column = index - row * grid.columns;
         let along = plane.filter(|_| own.place.is_on_plane());
-        let (mut all, [mut near, mut wide]) = ([None; AROUND], <[Sums; 2]>::default());
-        let offsets = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
-        for (place, (dx, dy)) in all.iter_mut().zip(offsets) {
-            let column = column.checked_add_signed(dx).filter(|&column| column < grid.columns);
-            let other = column.zip(row.checked_add_signed(dy)).and_then(|(column, row)| {
-                points.get(row * grid.columns + column).filter(|other| other.is_matched())
-            });
-            let (Some(other), false) = (other, (dx, dy) == (0, 0)) else { continue };
-            let change_q6 = along.map_or(0, |plane| {
-                let across = grid.across(dx as i32) + other.place.dx() - own.place.dx();
-                let down = dy as i32 * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
-                plane.change_q6(across, down)
-            });
-            let off_q6 = i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);
-            let score_q8 = i32::from(other.score_q8) - LEAST_SCORE_Q8;
-            let neighbour = Neighbour { off_q6, weight_q8: score_q8.clamp(0, MOST_SCORE_Q8) >> 3 };
-            let sums = if dx.abs().max(dy.abs()) == 1 { &mut near } else { &mut wide };
-            sums.add(neighbour, other.uniqueness_q8);
-            *place = Some(neighbour);
-        }
+        let Around { all, near, wide, unique_q8, matched } =
+            Around::of(points, grid, along, (index, own));
         let [between, slope] = opposite(&all, &NEAR);
         let [wide_between, wide_slope] = opposite(&all, &WIDE);
         let disparity_q6 = u32::try_from(own.disparity_q6).unwrap_or(0);
         let [supporting, contradicting] = own.segments.map(|sum| log2_mean_q8(sum.into(), 16));
-        let [agreeing, nearer, farther] = near.weights_q8;
-        let [wide_agreeing, wide_nearer, wide_farther] = wide.weights_q8;
-        let [unique, conflicting] = near.unique_q8.map(|sum| log2_mean_q8(sum, 256));
+        let [unique, conflicting] = unique_q8.map(|sum| log2_mean_q8(sum, 256));
         let one_if = |is: bool| i32::from(is) << 8;
         let mut evidence = Self::new();
         for (kind, value_q8) in [
             (ContextKind::Score, own.score_q8.into()),
-            (ContextKind::Agreeing, agreeing),
-            (ContextKind::Nearer, nearer),
-            (ContextKind::Farther, farther),
-            (ContextKind::Unmatched, (8 - near.matched) << 8),
+            (ContextKind::Agreeing, near.agreeing),
+            (ContextKind::Nearer, near.nearer),
+            (ContextKind::Farther, near.farther),
+            (ContextKind::Unmatched, (8 - matched) << 8),
             (ContextKind::Between, between),
             (ContextKind::Slope, slope),
             (ContextKind::Uniqueness, own.uniqueness_q8.into()),
@@ -180,9 +219,9 @@ impl ContextEvidence {
             (ContextKind::SegmentsConflicting, contradicting),
             (ContextKind::HasPlane, one_if(plane.is_some())),
             (ContextKind::OnPlane, one_if(own.place.is_on_plane())),
-            (ContextKind::WideAgreeing, wide_agreeing),
-            (ContextKind::WideNearer, wide_nearer),
-            (ContextKind::WideFarther, wide_farther),
+            (ContextKind::WideAgreeing, wide.agreeing),
+            (ContextKind::WideNearer, wide.nearer),
+            (ContextKind::WideFarther, wide.farther),
             (ContextKind::WideBetween, wide_between),
             (ContextKind::WideSlope, wide_slope),
         ] {
@@ -194,11 +233,10 @@ impl ContextEvidence {
 
 /// Of pairs of neighbours on opposite sides, each by the place of its first, the largest lesser
 /// weight, Q8: of those that both agree with the point, and of those whose mean does.
-fn opposite(all: &[Option<Neighbour>; AROUND], pairs: &[usize]) -> [i32; 2] {
+fn opposite(all: &[Neighbour; AROUND], pairs: &[usize]) -> [i32; 2] {
     let (mut between, mut slope) = (0, 0);
     for &first in pairs {
-        let at = |place: usize| all.get(place).copied().flatten();
-        let (Some(a), Some(b)) = (at(first), at(AROUND - 1 - first)) else { continue };
+        let (Some(a), Some(b)) = (all.get(first), all.get(AROUND - 1 - first)) else { continue };
         let weight_q8 = a.weight_q8.min(b.weight_q8);
         if a.agrees() && b.agrees() {
             between = weight_q8.max(between);
