@@ -6,7 +6,7 @@
 //! ```
 //!
 //! # Bounds
-//! Evidence is limited to 16.0 and weights to 8.0: with 20 kinds of evidence and a bias below 2^27
+//! Evidence is limited to 16.0 and weights to 8.0: with 24 kinds of evidence and a bias below 2^27
 //! a unit's sum is below 2^30.
 //!
 //! # Cost
@@ -90,11 +90,11 @@ mod tests {
 
     #[test]
     fn the_largest_evidence_stays_within_the_sums() {
-        const KINDS: usize = 20;
+        const KINDS: usize = 24;
         let unit =
             Unit { bias_q18: (1 << 27) - 1, weights_q10: [8 << 10; KINDS], output_q10: i16::MAX };
         let most = [MOST_EVIDENCE_Q8 as i16; KINDS];
-        // 511 and 20 * 8 * 16.
+        // 511 and 24 * 8 * 16.
         assert_eq!(unit.value_q8(&most), ((1 << 27) - 1 + KINDS as i32 * (1 << 25)) >> 10);
         let network = Network { units: [unit; UNITS], bias_q10: 0, probability_q16: [1; NODES] };
         assert!(network.score_q8(&most) > 0);
