@@ -50,13 +50,19 @@ define_evidence! {
 /// chose and fitted nothing: `middlebury2003` 0.6 and 1.8 % with both, the pair of `middlebury2001`
 /// 0 and 0, 0 and 0.3 %.
 const REACH: usize = 2;
-/// Points within these, itself included, row by row.
-const AROUND: usize = (2 * REACH + 1).pow(2);
+/// Points in each row of those within these, itself included.
+const SIDE: usize = 2 * REACH + 1;
+/// All of them, row by row.
+const AROUND: usize = SIDE * SIDE;
 /// The first of each two places on opposite sides, next to the point; the other is as far from the
 /// end of the list.
 const NEAR: [usize; 4] = [6, 7, 8, 11];
 /// The same two columns or rows away.
 const WIDE: [usize; 8] = [0, 1, 2, 3, 4, 5, 9, 10];
+/// Place of the point itself.
+const OWN: usize = AROUND / 2;
+/// Bits of the places next to it.
+const NEXT_TO_IT: u32 = 0b1110 << 5 | 0b1010 << 10 | 0b1110 << 15;
 
 /// Log-odds from which a neighbour has a weight, Q8.
 const LEAST_SCORE_Q8: i32 = -2 << 8;
@@ -87,46 +93,25 @@ impl Support<'_> {
     }
 }
 
-/// One neighbour: how much farther it is than the point, 1/64 px, and its weight, Q8; 0 without a
-/// disparity.
+/// A point around another one; 0 without a disparity.
 #[derive(Clone, Copy, Default)]
 struct Neighbour {
+    /// How much nearer it is, 1/64 px.
     off_q6: i32,
     weight_q8: i32,
 }
 
-impl Neighbour {
-    fn agrees(self) -> bool {
-        self.off_q6.abs() <= AGREES_Q6
-    }
-}
-
-/// Weights of neighbours, Q8.
-#[derive(Default)]
-struct Weights {
-    agreeing: i32,
-    nearer: i32,
-    farther: i32,
-}
-
-impl Weights {
-    fn add(&mut self, neighbour: Neighbour) {
-        let sum = match neighbour.off_q6 {
-            _ if neighbour.agrees() => &mut self.agreeing,
-            0.. => &mut self.nearer,
-            _ => &mut self.farther,
-        };
-        *sum += neighbour.weight_q8;
-    }
+/// Whether a neighbour agrees, is nearer or farther.
+fn side(off_q6: i32) -> usize {
+    if off_q6.abs() <= AGREES_Q6 { 0 } else { 1 + usize::from(off_q6 < 0) }
 }
 
 /// The points around one.
 #[derive(Default)]
 struct Around {
     all: [Neighbour; AROUND],
-    /// Of those next to it, and of those two columns or rows away.
-    near: Weights,
-    wide: Weights,
+    /// Weights of those two columns or rows away, and of those next to it, by [`side`], Q8.
+    sums: [[i32; 4]; 2],
     /// Uniqueness of those next to it that agree and of the others, Q8.
     unique_q8: [u32; 2],
     /// Number of those next to it with a disparity.
@@ -145,18 +130,17 @@ impl Around {
         let row = index.checked_div(grid.columns).unwrap_or(0);
         let column = index - row * grid.columns;
         let (first, end) = (column.saturating_sub(REACH), (column + REACH + 1).min(grid.columns));
-        for (down, at) in (0..=2 * REACH).zip((0..AROUND).step_by(2 * REACH + 1)) {
+        for down in 0..SIDE {
             // Above the grid it wraps to far beyond its end.
             let start = (row + down).wrapping_sub(REACH).wrapping_mul(grid.columns);
             let others = points.get(start.wrapping_add(first)..start.wrapping_add(end));
-            let dy = down as i32 - REACH as i32;
-            let (left, at) = (first as i32 - column as i32, at + first + REACH - column);
-            for ((other, dx), at) in others.unwrap_or(&[]).iter().zip(left..).zip(at..) {
-                let away = dx.abs().max(dy.abs());
-                if away == 0 || !other.is_matched() {
+            let before = first + REACH - column;
+            for (other, at) in others.unwrap_or_default().iter().zip(down * SIDE + before..) {
+                if !other.is_matched() || at == OWN {
                     continue;
                 }
                 let change_q6 = along.map_or(0, |plane| {
+                    let [dx, dy] = [at - down * SIDE, down].map(|at| at as i32 - REACH as i32);
                     let across = grid.across(dx) + other.place.dx() - own.place.dx();
                     let down = dy * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
                     plane.change_q6(across, down)
@@ -165,26 +149,51 @@ impl Around {
                     i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);
                 let score_q8 = i32::from(other.score_q8) - LEAST_SCORE_Q8;
                 let weight_q8 = score_q8.clamp(0, MOST_SCORE_Q8) >> 3;
-                found.add(at, Neighbour { off_q6, weight_q8 }, (away, other.uniqueness_q8));
+                found.add(at, Neighbour { off_q6, weight_q8 }, other.uniqueness_q8);
             }
         }
         found
     }
 
-    /// Adds the point at a place of [`Around::all`], so many columns or rows away.
+    /// Adds the point at a place of [`Around::all`].
     #[inline(always)] // in the loop over all points
-    fn add(&mut self, place: usize, one: Neighbour, (away, uniqueness_q8): (i32, u8)) {
+    fn add(&mut self, place: usize, one: Neighbour, uniqueness_q8: u8) {
         if let Some(place) = self.all.get_mut(place) {
             *place = one;
         }
-        if away > 1 {
-            self.wide.add(one);
-            return;
+        let side = side(one.off_q6);
+        let is_near = NEXT_TO_IT >> place & 1;
+        if let Some(sum) = self.sums.as_flattened_mut().get_mut(4 * is_near as usize + side) {
+            *sum += one.weight_q8;
         }
-        self.near.add(one);
-        let [agreeing, others] = &mut self.unique_q8;
-        *if one.agrees() { agreeing } else { others } += u32::from(uniqueness_q8);
-        self.matched += 1;
+        if is_near > 0 {
+            let [agreeing, others] = &mut self.unique_q8;
+            *if side == 0 { agreeing } else { others } += u32::from(uniqueness_q8);
+            self.matched += 1;
+        }
+    }
+
+    /// Of pairs of neighbours on opposite sides, each by the place of its first, the largest lesser
+    /// weight, Q8: of those that both agree with the point, and of those whose mean does.
+    fn opposite(&self, pairs: &[usize]) -> [i32; 2] {
+        let (mut between, mut slope) = (0, 0);
+        for &first in pairs {
+            let (Some(a), Some(b)) = (self.all.get(first), self.all.get(AROUND - 1 - first)) else {
+                continue;
+            };
+            let weight_q8 = a.weight_q8.min(b.weight_q8);
+            if weight_q8 <= between.min(slope) {
+                continue;
+            }
+            if a.off_q6.abs() <= AGREES_Q6 && b.off_q6.abs() <= AGREES_Q6 {
+                between = weight_q8.max(between);
+            }
+            let (sum, difference) = (a.off_q6 + b.off_q6, a.off_q6 - b.off_q6);
+            if sum.abs() <= MEAN_AGREES_Q6 && difference.abs() <= MOST_SLOPE_Q6 {
+                slope = weight_q8.max(slope);
+            }
+        }
+        [between, slope]
     }
 }
 
@@ -198,60 +207,43 @@ impl ContextEvidence {
     ) -> Option<Self> {
         let own = points.get(index).filter(|point| point.is_matched())?;
         let along = plane.filter(|_| own.place.is_on_plane());
-        let Around { all, near, wide, unique_q8, matched } =
-            Around::of(points, grid, along, (index, own));
-        let [between, slope] = opposite(&all, &NEAR);
-        let [wide_between, wide_slope] = opposite(&all, &WIDE);
+        let around = Around::of(points, grid, along, (index, own));
+        let [between, slope] = around.opposite(&NEAR);
+        let [wide_between, wide_slope] = around.opposite(&WIDE);
+        let [[wide_agreeing, wide_nearer, wide_farther, _], [agreeing, nearer, farther, _]] =
+            around.sums;
         let disparity_q6 = u32::try_from(own.disparity_q6).unwrap_or(0);
         let [supporting, contradicting] = own.segments.map(|sum| log2_mean_q8(sum.into(), 16));
-        let [unique, conflicting] = unique_q8.map(|sum| log2_mean_q8(sum, 256));
+        let [unique, conflicting] = around.unique_q8.map(|sum| log2_mean_q8(sum, 256));
         let one_if = |is: bool| i32::from(is) << 8;
+        let limited =
+            |value_q8: i16| i32::from(value_q8).clamp(-MOST_EVIDENCE_Q8, MOST_EVIDENCE_Q8);
+        // Others are within the limits of a network by what they are.
         let mut evidence = Self::new();
-        for (kind, value_q8) in [
-            (ContextKind::Score, own.score_q8.into()),
-            (ContextKind::Agreeing, near.agreeing),
-            (ContextKind::Nearer, near.nearer),
-            (ContextKind::Farther, near.farther),
-            (ContextKind::Unmatched, (8 - matched) << 8),
-            (ContextKind::Between, between),
-            (ContextKind::Slope, slope),
-            (ContextKind::Uniqueness, own.uniqueness_q8.into()),
-            (ContextKind::Disparity, log2_mean_q8(disparity_q6, 64)),
-            (ContextKind::Detail, detail_q8.into()),
-            (ContextKind::UniqueAgreeing, unique),
-            (ContextKind::UniqueConflicting, conflicting),
-            (ContextKind::SegmentsAgreeing, supporting),
-            (ContextKind::SegmentsConflicting, contradicting),
-            (ContextKind::HasPlane, one_if(plane.is_some())),
-            (ContextKind::OnPlane, one_if(own.place.is_on_plane())),
-            (ContextKind::WideAgreeing, wide.agreeing),
-            (ContextKind::WideNearer, wide.nearer),
-            (ContextKind::WideFarther, wide.farther),
-            (ContextKind::WideBetween, wide_between),
-            (ContextKind::WideSlope, wide_slope),
-        ] {
-            evidence.set(kind, value_q8.clamp(-MOST_EVIDENCE_Q8, MOST_EVIDENCE_Q8));
-        }
+        let mut set = |kind: ContextKind, value_q8: i32| evidence.set(kind, value_q8);
+        set(ContextKind::Score, limited(own.score_q8));
+        set(ContextKind::Agreeing, agreeing);
+        set(ContextKind::Nearer, nearer);
+        set(ContextKind::Farther, farther);
+        set(ContextKind::Unmatched, (8 - around.matched) << 8);
+        set(ContextKind::Between, between);
+        set(ContextKind::Slope, slope);
+        set(ContextKind::Uniqueness, own.uniqueness_q8.into());
+        set(ContextKind::Disparity, log2_mean_q8(disparity_q6, 64));
+        set(ContextKind::Detail, limited(detail_q8));
+        set(ContextKind::UniqueAgreeing, unique);
+        set(ContextKind::UniqueConflicting, conflicting);
+        set(ContextKind::SegmentsAgreeing, supporting);
+        set(ContextKind::SegmentsConflicting, contradicting);
+        set(ContextKind::HasPlane, one_if(plane.is_some()));
+        set(ContextKind::OnPlane, one_if(own.place.is_on_plane()));
+        set(ContextKind::WideAgreeing, wide_agreeing);
+        set(ContextKind::WideNearer, wide_nearer);
+        set(ContextKind::WideFarther, wide_farther);
+        set(ContextKind::WideBetween, wide_between);
+        set(ContextKind::WideSlope, wide_slope);
         Some(evidence)
     }
-}
-
-/// Of pairs of neighbours on opposite sides, each by the place of its first, the largest lesser
-/// weight, Q8: of those that both agree with the point, and of those whose mean does.
-fn opposite(all: &[Neighbour; AROUND], pairs: &[usize]) -> [i32; 2] {
-    let (mut between, mut slope) = (0, 0);
-    for &first in pairs {
-        let (Some(a), Some(b)) = (all.get(first), all.get(AROUND - 1 - first)) else { continue };
-        let weight_q8 = a.weight_q8.min(b.weight_q8);
-        if a.agrees() && b.agrees() {
-            between = weight_q8.max(between);
-        }
-        let (sum, difference) = (a.off_q6 + b.off_q6, a.off_q6 - b.off_q6);
-        if sum.abs() <= MEAN_AGREES_Q6 && difference.abs() <= MOST_SLOPE_Q6 {
-            slope = weight_q8.max(slope);
-        }
-    }
-    [between, slope]
 }
 
 #[cfg(test)]

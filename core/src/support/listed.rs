@@ -38,10 +38,11 @@ impl<'a> Support<'a> {
     pub(crate) fn listed_at(&self, x: u16, y: u16) -> Option<usize> {
         let index = self.grid.index(x, y)?;
         let point = self.points.get(index).filter(|point| point.is_matched())?;
+        // Only some pixels around its texture need the votes of its neighbours.
         let (own_x, own_y) = self.grid.pixel(index, point.place);
-        let is_near =
-            [(x, own_x), (y, own_y)].iter().all(|&(a, b)| i32::from(a.abs_diff(b)) <= STEP);
-        (is_near && self.listed(index)?.0 == (x, y)).then_some(index)
+        let away = |to: u16, from: u16| i32::from(to) - i32::from(from);
+        let may_be = point.place.reaches(away(x, own_x), away(y, own_y), STEP);
+        (may_be && self.listed(index)?.0 == (x, y)).then_some(index)
     }
 
     /// Distance to the right and downward that a point is moved by, px. A bar is too narrow for

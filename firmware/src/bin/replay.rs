@@ -42,8 +42,8 @@ fn replay() -> linestereo_boards::Exit {
         None => Session::new(selected::BOARD),
     };
     let report = |event: &Event| match event {
-        Event::Matched { sequence, rectification, costs, objects } => {
-            let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}");
+        Event::Matched { sequence, rectification, costs, objects, points } => {
+            let _ = write!(table, "pair\t{sequence}\t{rectification}\t{objects}\t{points}");
             for cost in costs {
                 let _ = write!(table, "\t{cost}");
             }

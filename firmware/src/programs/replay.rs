@@ -35,6 +35,8 @@ pub enum Event {
         costs: Costs,
         /// Cost of the depths of its objects, on top.
         objects: u64,
+        /// Cost of making each of its points once, on top.
+        points: u64,
     },
     /// It was refused.
     Refused {
@@ -90,8 +92,17 @@ pub fn run<M: Memory>(
                             let from = clock.now();
                             let found = session.objects(&mut matched);
                             let objects = clock.elapsed(from, clock.now());
-                            report(&Event::Matched { sequence, rectification, costs, objects });
-                            write_results(&mut matched, sequence, &head, output);
+                            let from = clock.now();
+                            let count = matched.points().count() as u32; // at most the pixels
+                            let points = clock.elapsed(from, clock.now());
+                            report(&Event::Matched {
+                                sequence,
+                                rectification,
+                                costs,
+                                objects,
+                                points,
+                            });
+                            write_results(&mut matched, count, sequence, &head, output);
                             let _ = send_objects(sequence, &found, &mut packets(output));
                             Outcome::Accepted
                         }
@@ -194,15 +205,15 @@ fn truncated(pixels: usize, given: usize) -> Refusal {
     Refusal::Truncated { needed: 2 * pixels as u32, given: given as u32 }
 }
 
-/// Points are made twice, to count them and to send them: no board has the memory to list them.
+/// Points were made once to count them, and are made again: no board has the memory to list them.
 #[inline(never)] // its head and points are on the stack only while it sends
 fn write_results(
     matched: &mut Matched<'_>,
+    points: u32,
     sequence: u32,
     pair: &PairHead,
     output: &mut impl ByteSink,
 ) {
-    let points = matched.points().count() as u32; // at most the pixels
     let head = FrameHead::new(
         sequence,
         pair.capture_time_us,

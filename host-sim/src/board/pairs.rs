@@ -35,6 +35,8 @@ pub struct BoardResult {
     pub objects: Vec<ObjectRecord>,
     /// Cost of those depths, on top.
     pub objects_cost: u64,
+    /// Cost of making each point of the list once, on top.
+    pub points_cost: u64,
 }
 
 /// Results of a list of pairs on a board.
@@ -298,6 +300,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
                     costs: Costs::default(),
                     objects: Vec::new(),
                     objects_cost: 0,
+                    points_cost: 0,
                 });
             }
             Message::Segments(segments) => {
@@ -327,12 +330,13 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
     let mut matched = replayed.pairs.iter_mut().filter_map(|pair| pair.as_mut().ok());
     for line in table.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
-            ["pair", _, rectification, objects, ref costs @ ..] => {
+            ["pair", _, rectification, objects, points, ref costs @ ..] => {
                 let costs: Vec<u64> =
                     costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
                 let pair = matched.next().context("costs of an unknown pair")?;
                 pair.rectification = rectification.parse()?;
                 pair.objects_cost = objects.parse()?;
+                pair.points_cost = points.parse()?;
                 pair.costs = costs.try_into().ok().context("too few costs")?;
             }
             ["packets", _, bad, _] => replayed.bad_packets = bad.parse()?,

@@ -230,9 +230,9 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
 fn print_objects(board: &Board, frames: &Path) -> Result<()> {
     for &dims in board.sizes {
         let ObjectPairs { names, eight, tenth, one_box } = object_pairs(board, frames, dims)?;
-        let Objects { eight: cost, tenth_permille, one_box_permille, .. } =
+        let Objects { eight: cost, points, tenth_permille, one_box_permille, .. } =
             Objects::new(&eight, &tenth, &one_box);
-        println!("{}, {dims}: eight objects {cost} instructions", board.name);
+        println!("{}, {dims}: eight objects {cost} instructions, all points {points}", board.name);
         for (boxes, permille, parts) in
             [("three boxes", tenth_permille, tenth), ("one box", one_box_permille, one_box)]
         {
@@ -331,11 +331,13 @@ fn print_cores(board: &Board, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Depths of objects, and matching where they are alone: medians over captured scenes.
+/// What is asked of a pair, and matching where objects are alone: medians over captured scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Objects {
     /// Instructions for the depths of eight boxes, on top of the pair.
     pub(crate) eight: u64,
+    /// Instructions for the list of all points, on top of the pair.
+    pub(crate) points: u64,
     /// Instructions of a pair that is matched in and around three boxes with a tenth of its pixels.
     pub(crate) tenth: u64,
     /// The same in permille of the whole pair's.
@@ -391,6 +393,7 @@ impl Objects {
             |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
         Self {
             eight: median(eight.iter().map(|whole| whole.objects_cost).collect()),
+            points: median(eight.iter().map(|whole| whole.points_cost).collect()),
             tenth: median(tenth.iter().map(all).collect()),
             tenth_permille: median(eight.iter().zip(tenth).map(permille).collect()),
             one_box_permille: median(eight.iter().zip(one_box).map(permille).collect()),

@@ -36,8 +36,8 @@ const HEAD: &str = "\
 # captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
 # again only where LINESTEREO_FRAMES names them.
 # rectify: two built-in rigs (firmware/src/programs/rectify.rs), from the rig to both meshes once, and both images of every pair.
-# objects: on the captured pairs, medians: the depths of eight boxes on top of a pair; all of a pair that is matched around three boxes with a
-# tenth of its pixels alone, also in permille of the whole pair's, and around one such box.
+# objects: on the captured pairs, medians: the depths of eight boxes on top of a pair, and the list of all its points; all of a pair that is
+# matched around three boxes with a tenth of its pixels alone, also in permille of the whole pair's, and around one such box.
 # cores: the captured pairs, medians: on one core, and of the busier of two, in permille too; and how often these meet. The program for it
 # (firmware/src/programs/cores.rs) does both halves of each step one after the other.
 # autopilot: the most expensive of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
@@ -324,10 +324,11 @@ fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
             list.insert(format!("{name} raw {size} matching"), *matching);
             list.insert(format!("{name} raw {size} band"), *band);
         }
-        for (size, Objects { eight, tenth, tenth_permille, one_box_permille }) in
+        for (size, Objects { eight, points, tenth, tenth_permille, one_box_permille }) in
             board.objects.iter().filter(|_| with_captured)
         {
             list.insert(format!("{name} objects {size} eight"), *eight);
+            list.insert(format!("{name} objects {size} points"), *points);
             list.insert(format!("{name} objects {size} tenth"), *tenth);
             list.insert(format!("{name} objects {size} tenth_permille"), *tenth_permille);
             list.insert(format!("{name} objects {size} one_box_permille"), *one_box_permille);

@@ -352,6 +352,7 @@ fn boards(stored: &Stored) -> Result<String> {
     let extras = [
         row("match around three boxes alone, a tenth of the pixels", share("tenth_permille")),
         row("match around one such box alone", share("one_box_permille")),
+        row("list of all points", millions(m7(&["objects", "320x240", "points"]))),
         row("depth of eight objects", millions(m7(&["objects", "320x240", "eight"]))),
         row("72 sectors", millions(m7(&["autopilot", "obstacles"]))),
         row("two MAVLink messages", millions(m7(&["autopilot", "mavlink"]))),
