@@ -10,9 +10,10 @@ use core::fmt;
 
 /// Smallest accepted width and height: below this no window fits between the borders.
 pub const MIN_SIDE: u16 = 16;
-/// Largest accepted width: positions carry 1/32 px in 16 bits.
-pub const MAX_WIDTH: u16 = 1280;
-/// Largest accepted height, for the same reason as [`MAX_WIDTH`].
+/// Largest accepted width: positions carry 1/32 px in 16 bits. Without the feature `wide` only
+/// images are accepted that are matched at their own size.
+pub const MAX_WIDTH: u16 = if cfg!(feature = "wide") { 1280 } else { WIDEST };
+/// Largest accepted height: positions carry 1/32 px in 16 bits.
 pub const MAX_HEIGHT: u16 = 1280;
 
 /// Width and height of an image in pixels.
@@ -26,12 +27,12 @@ pub struct Dims {
 
 /// Widest image that is matched, and searched for the ground, at its own size, px. In wider ones a
 /// small window finds its like among twice as many disparities (`docs/experiments.md`).
-const WIDEST: u16 = 450;
+pub(crate) const WIDEST: u16 = 450;
 
 impl Dims {
     /// True for images that are matched at half of their size first.
     pub(crate) const fn is_large(self) -> bool {
-        self.width > WIDEST
+        MAX_WIDTH > WIDEST && self.width > WIDEST
     }
 }
 

@@ -78,7 +78,10 @@
 //!
 //! # Features
 //!
+//! - `wide` (default): images wider than 450 px. Without it they are refused, and a program on a
+//!   board is 7 KB smaller.
 //! - `dsp`: the kernels for Cortex-M33 and above. Cortex-M4 and M7 always have them.
+//! - `helium`: those for Cortex-M55 and M85.
 //! - `defmt`: parameters, errors, health, depths and results implement `defmt::Format`.
 //! - `serde`: matches, points, numbers of health, margins and parts can be serialized.
 //! - `unstable`: inner loops, models and stages, for fits, tests and comparisons. What it shows may

@@ -180,7 +180,7 @@ impl<'a> Matched<'a> {
     /// most one per pixel.
     ///
     /// # Cost
-    /// Some 40 instructions a point; 2000 a support point, of which 300 in images that are matched
+    /// Some 280 instructions a point; 3000 a support point, of which 300 in images that are matched
     /// at half of their size first.
     pub fn points(&mut self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.is_fit();

@@ -13,7 +13,7 @@
 
 use crate::cores::Cores;
 use crate::curve::MAX_DISPARITIES;
-use crate::image::{Dims, Gray, MAX_WIDTH, halve_rows};
+use crate::image::{Dims, Gray, MAX_WIDTH, WIDEST, halve_rows};
 use crate::kernel::{LANES, STRIP, Strip, limited_steps, sad_curve};
 use crate::units::quotient;
 
@@ -22,7 +22,8 @@ pub(super) const WIDTH: usize = 64;
 /// Rows from one with strips to the next.
 pub(super) const STEP: i32 = 4;
 /// Most strips of a row.
-pub(super) const MOST_STRIPS: usize = MAX_WIDTH as usize / 2 / WIDTH;
+pub(super) const MOST_STRIPS: usize =
+    if MAX_WIDTH / 2 > WIDEST { MAX_WIDTH / 2 } else { WIDEST } as usize / WIDTH;
 /// Distance of the pixels that a step compares from its own, px.
 const REACH: usize = 3;
 /// Largest step, grey levels.

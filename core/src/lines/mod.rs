@@ -274,7 +274,7 @@ pub(crate) fn keep_prominent(
     let before = list.len();
     let mut cell = cell;
     keep_one_per_square(list, cell, width, marks);
-    while list.len() > most && cell < i32::from(MAX_WIDTH) {
+    while list.len() > most && cell < i32::from(MAX_HEIGHT) {
         cell += cell / 2;
         keep_one_per_square(list, cell, width, marks);
     }

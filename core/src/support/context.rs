@@ -7,7 +7,7 @@
 //! pairs more objects are wrong where this one weighs them.
 //!
 //! # Cost
-//! Some 3400 instructions a point on a Cortex-M7, 1700 of them for the points two away.
+//! Some 2600 instructions a point on a Cortex-M7, 600 of them for the network.
 
 use super::{Grid, SUPPORT_PITCH, Support, SupportPoint};
 use crate::confidence::{MOST_EVIDENCE_Q8, Network};

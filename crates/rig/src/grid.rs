@@ -8,8 +8,9 @@ use crate::nodes::{
     BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces,
     fine_mesh_nodes, is_behind, is_seen, node_at, nodes_along,
 };
+use crate::rectification::MAX_SIDE;
 use crate::remap::Remap;
-use linestereo::image::{Dims, MAX_WIDTH, Span};
+use linestereo::image::{Dims, Span};
 use linestereo::unstable::kernel::{X_ROUNDING, columns, weigh_knots};
 
 /// Largest distance of a position from the outermost raw pixels, px in Q16, to count as inside:
@@ -66,7 +67,7 @@ impl Grid {
         let mut cubic = grid.cubic_error(nodes);
         if cubic > ONE / 64
             && fine_mesh_nodes(grid.dims) <= nodes.len()
-            && grid.dims.width <= MAX_WIDTH / 2
+            && grid.dims.width <= MAX_SIDE / 2
         {
             grid = Self::with_nodes(remap, eye, FINE, nodes);
             cubic = grid.cubic_error(nodes);

@@ -11,7 +11,8 @@
 //! Lagrange's interpolation. A bilinear mesh of 16 px has an error of 0.16 px on a common lens;
 //! Catmull-Rom's cubic is one order worse.
 
-use linestereo::image::{Dims, MAX_WIDTH};
+use crate::rectification::MAX_SIDE;
+use linestereo::image::Dims;
 use linestereo::unstable::kernel::{Knot, X_ROUNDING, weigh_knots};
 
 /// Distance of nodes, log2 of px.
@@ -109,7 +110,7 @@ pub(crate) const CUBIC: [[i32; 4]; 16] = {
 const QUARTER: [i32; 4] = CUBIC[4];
 
 /// Most nodes along a row: a mesh is not fine above half of the largest width.
-pub(crate) const MOST_COLUMNS: usize = nodes_along(MAX_WIDTH, COARSE) as usize;
+pub(crate) const MOST_COLUMNS: usize = nodes_along(MAX_SIDE, COARSE) as usize;
 
 /// Memory for the nodes along one row.
 pub(crate) type Knots = [Node; MOST_COLUMNS];

@@ -12,10 +12,12 @@
 
 use crate::calibration::{Calibration, CameraSide};
 use crate::camera::{Camera, MAX_TANGENT};
-use linestereo::image::{Dims, MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
+use linestereo::image::{Dims, MAX_HEIGHT, MIN_SIDE};
 use linestereo::{Rig, params::RigError};
 use nalgebra::{Matrix3, Vector3};
 
+/// Largest side of a rectified image, px, whether or not `linestereo` is built for wide ones.
+pub(crate) const MAX_SIDE: u16 = MAX_HEIGHT;
 /// Number of stretches of each border of the raw image between sampled points.
 const STRETCHES: u16 = 16;
 /// Number of times that the stretches around the outermost and innermost points are halved.
@@ -49,9 +51,7 @@ impl Default for View {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RectifyError {
     /// The rectified size is outside the core's limits.
-    #[error(
-        "rectified images of {0} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}"
-    )]
+    #[error("rectified images of {0} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_SIDE}x{MAX_SIDE}")]
     Dims(Dims),
     /// Alpha is outside 0 ..= 1.
     #[error("alpha is {0} but must be 0 to 1")]
@@ -378,9 +378,7 @@ impl Rectification {
 
 /// Checks the size of rectified images against the core's limits.
 pub(crate) fn check_dims(dims: Dims) -> Result<(), RectifyError> {
-    if (MIN_SIDE..=MAX_WIDTH).contains(&dims.width)
-        && (MIN_SIDE..=MAX_HEIGHT).contains(&dims.height)
-    {
+    if (MIN_SIDE..=MAX_SIDE).contains(&dims.width) && (MIN_SIDE..=MAX_SIDE).contains(&dims.height) {
         Ok(())
     } else {
         Err(RectifyError::Dims(dims))

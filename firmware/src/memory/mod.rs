@@ -10,7 +10,7 @@ mod rectifier;
 pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use core::ops::DerefMut;
-use linestereo::image::{Span, ViewError};
+use linestereo::image::{MAX_WIDTH, Span, ViewError};
 use linestereo::{Capacity, Cores, Dims, Gray, Matched, Matcher, MemorySlice, Options};
 use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
@@ -18,6 +18,7 @@ use linestereo_rig::{CameraSide, Remap, RowError};
 /// Capacity of the core's memory on a board.
 #[must_use]
 pub const fn capacity(board: &Board) -> Capacity {
+    assert!(board.largest.width <= MAX_WIDTH, "wide frames need the feature `linestereo/wide`");
     Capacity {
         segments: board.segments as u16,
         two_cores: board.two_cores,
