@@ -26,7 +26,7 @@ const HEAD: &str = "\
 # Cost of a pair on the boards. Written by `cargo xtask measure --bless`, compared by `cargo xtask measure`: a loss of more than 1 % is
 # an error, a gain of more than 1 % asks for a new blessing.
 #
-# Instructions are those that QEMU executed, from two rectified frames to the lists; QEMU models no cycles, caches or wait states. Cycles of
+# Instructions are those that QEMU executed, to match two rectified frames; QEMU models no cycles, caches or wait states. Cycles of
 # real boards are in xtask/silicon, a file a board as its owner sent it.
 # All pairs: default parameters, 64 disparities; \"worst_case\" ones: parameters that find and report as much as any can.
 # built_in: frames painted on the board (crates/boards/src/built_in), the same everywhere; all but blocks and rows_off are worst cases.

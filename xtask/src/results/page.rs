@@ -366,9 +366,9 @@ fn boards(stored: &Stored) -> Result<String> {
         "\
 ## Cost of a pair on a board
 
-`cargo xtask measure`, {date}. Million instructions from two rectified frames to the list of
-results, 64 disparities. *Captured*: Middlebury scenes cut to the size. *Built-in*: painted
-patterns, most of them worst cases.
+`cargo xtask measure`, {date}. Million instructions to match two rectified frames, 64
+disparities; what is asked of a pair comes on top. *Captured*: Middlebury scenes cut to the size.
+*Built-in*: painted patterns, most of them worst cases.
 
 {pairs}
 By stage, median of the captured scenes:
