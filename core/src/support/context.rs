@@ -9,7 +9,7 @@
 //! # Cost
 //! Some 2600 instructions a point on a Cortex-M7, 600 of them for the network.
 
-use super::{Grid, SUPPORT_PITCH, Support, SupportPoint};
+use super::{Grid, Support, SupportPoint};
 use crate::confidence::{MOST_EVIDENCE_Q8, Network};
 use crate::evidence::{define_evidence, log2_mean_q8};
 use crate::ground::GroundPlane;
@@ -141,9 +141,7 @@ impl Around {
                 }
                 let change_q6 = along.map_or(0, |plane| {
                     let [dx, dy] = [at - down * SIDE, down].map(|at| at as i32 - REACH as i32);
-                    let across = grid.across(dx) + other.place.dx() - own.place.dx();
-                    let down = dy * i32::from(SUPPORT_PITCH) + other.place.dy() - own.place.dy();
-                    plane.change_q6(across, down)
+                    grid.change_q6(plane, [own.place, other.place], (dx, dy))
                 });
                 let off_q6 =
                     i32::from(other.disparity_q6) - change_q6 - i32::from(own.disparity_q6);

@@ -7,11 +7,11 @@
 //! Three passes over the costs of a point, some 600 instructions at 64 disparities; its eight
 //! neighbours another 250.
 
+use super::SupportPoint;
 use super::grid::Grid;
 use super::paths::PLANE_LABELS as LABELS;
 use super::paths::PointCosts;
 use super::plane::PlaneLabel;
-use super::{SUPPORT_PITCH, SupportPoint};
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
 use crate::evidence::{define_evidence, log2_mean_q8};
@@ -420,10 +420,7 @@ pub(super) fn nearby(
         None => plain_weights(near, d_q6),
         // Beside the plane neighbours agree along it.
         Some(plane) => weights(near, d_q6, |point, row, at| {
-            let columns = at as i32 - before;
-            let dx = grid.across(columns) + point.place.dx() - own.place.dx();
-            let dy = (row - 1) * i32::from(SUPPORT_PITCH) + point.place.dy() - own.place.dy();
-            plane.change_q6(dx, dy)
+            grid.change_q6(plane, [own.place, point.place], (at as i32 - before, row - 1))
         }),
     };
     let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);

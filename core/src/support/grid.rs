@@ -3,6 +3,7 @@
 use super::place::Place;
 use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
 use crate::area::Area;
+use crate::ground::GroundPlane;
 use crate::image::Dims;
 use crate::kernel::CODE_ROWS;
 use crate::params::Params;
@@ -117,9 +118,17 @@ impl Grid {
         i32::from(self.pitch / 2) + (column * usize::from(self.pitch)) as i32
     }
 
-    /// Pixels between columns of points that are so many apart.
-    pub(super) fn across(&self, columns: i32) -> i32 {
-        columns * i32::from(self.pitch)
+    /// Change of the ground's disparity from a point to one so many columns and rows away, 1/64 px.
+    #[inline(always)] // in loops over all points
+    pub(super) fn change_q6(
+        &self,
+        plane: GroundPlane,
+        [from, to]: [Place; 2],
+        (columns, rows): (i32, i32),
+    ) -> i32 {
+        let across = columns * i32::from(self.pitch) + to.dx() - from.dx();
+        let down = rows * i32::from(SUPPORT_PITCH) + to.dy() - from.dy();
+        plane.change_q6(across, down)
     }
 
     /// First pixel column of the window of a column of points: around it, but not on the two pixels
@@ -162,11 +171,13 @@ impl Grid {
         [down, Axis { step: 1, pitch: self.pitch.into(), count: self.columns }]
     }
 
-    /// Index in the list of the point in whose square this pixel lies, if there is one.
-    pub(crate) fn index(&self, x: u16, y: u16) -> Option<usize> {
+    /// Index in the list of the point in whose square this pixel lies, if there is one, and how far
+    /// right of and below its place in the grid the pixel is, px.
+    pub(super) fn square(&self, x: u16, y: u16) -> Option<(usize, [i32; 2])> {
         let column = usize::from(x.checked_div(self.pitch)?);
         let row = usize::from(y / SUPPORT_PITCH);
-        (column < self.columns && row < self.rows).then(|| row * self.columns + column)
+        let offset = [i32::from(x) - self.x(column), i32::from(y) - Self::y(row)];
+        (column < self.columns && row < self.rows).then(|| (row * self.columns + column, offset))
     }
 
     /// Columns and rows of points around an area of pixels: those in it, and its surroundings on

@@ -36,13 +36,15 @@ impl<'a> Support<'a> {
 
     /// The index of the matched point that is listed at this pixel, if there is one.
     pub(crate) fn listed_at(&self, x: u16, y: u16) -> Option<usize> {
-        let index = self.grid.index(x, y)?;
+        let (index, offset) = self.grid.square(x, y)?;
         let point = self.points.get(index).filter(|point| point.is_matched())?;
-        // Only some pixels around its texture need the votes of its neighbours.
-        let (own_x, own_y) = self.grid.pixel(index, point.place);
-        let away = |to: u16, from: u16| i32::from(to) - i32::from(from);
-        let may_be = point.place.reaches(away(x, own_x), away(y, own_y), STEP);
-        (may_be && self.listed(index)?.0 == (x, y)).then_some(index)
+        // Few pixels need the votes of its neighbours.
+        if !point.place.may_reach(offset, STEP) {
+            return None;
+        }
+        let [dx, dy] = self.step_of(index, point);
+        let listed = point.place.moved(dx, dy);
+        ([listed.dx(), listed.dy()] == offset).then_some(index)
     }
 
     /// Distance to the right and downward that a point is moved by, px. A bar is too narrow for

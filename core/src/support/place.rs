@@ -60,11 +60,10 @@ impl Place {
         Self(Self::new(self.dx() + dx, self.dy() + dy).0 | self.0 & ON_PLANE)
     }
 
-    /// True when a point that is moved by nothing or by so many px in both directions, as by
-    /// [`Place::moved`], may be this far from its place.
-    pub(super) fn reaches(self, dx: i32, dy: i32, step: i32) -> bool {
-        [(self.dx(), dx), (self.dy(), dy)].into_iter().all(|(from, by)| {
-            [from, (from + step).min(MOST), (from - step).max(LEAST)].contains(&(from + by))
+    /// True when it may be `moved` by nothing or `step` in each direction to this offset.
+    pub(super) fn may_reach(self, [x, y]: [i32; 2], step: i32) -> bool {
+        [(self.dx(), x), (self.dy(), y)].into_iter().all(|(from, to)| {
+            [from, (from + step).min(MOST), (from - step).max(LEAST)].contains(&to)
         })
     }
 
