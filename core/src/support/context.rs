@@ -181,7 +181,7 @@ impl Around {
             };
             let weight_q8 = a.weight_q8.min(b.weight_q8);
             if weight_q8 <= between.min(slope) {
-                continue;
+                continue; // neither would grow
             }
             if a.off_q6.abs() <= AGREES_Q6 && b.off_q6.abs() <= AGREES_Q6 {
                 between = weight_q8.max(between);
@@ -317,6 +317,23 @@ mod tests {
         let support = Support::new(&Params::default(), WIDE, &points, 700);
         let slope = support.context(12).unwrap().get(ContextKind::WideSlope);
         assert_eq!(slope, 128);
+    }
+
+    #[test]
+    fn all_evidence_is_within_the_limits_of_a_network() {
+        const WIDE: Dims = Dims { width: 40, height: 40 };
+        for (score_q8, detail_q8) in [(super::super::MOST_Q8, i16::MAX), (i16::MIN + 1, i16::MIN)] {
+            let most = SupportPoint {
+                uniqueness_q8: u8::MAX,
+                segments: [u8::MAX; 2],
+                ..point(i16::MAX, score_q8)
+            };
+            let points = [most; 25];
+            let support = Support::new(&Params::default(), WIDE, &points, detail_q8);
+            let ContextEvidence(evidence) = support.context(12).unwrap();
+            assert!(evidence.iter().all(|&value| i32::from(value).abs() <= MOST_EVIDENCE_Q8));
+            assert_eq!(evidence[0].abs(), MOST_EVIDENCE_Q8 as i16);
+        }
     }
 
     #[test]

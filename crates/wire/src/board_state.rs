@@ -44,15 +44,6 @@ impl Reset {
     pub const fn of(cause: ResetCause) -> Self {
         Self { cause, location: 0 }
     }
-
-    /// Did it come out of a fault of the supply or of the program?
-    #[must_use]
-    pub const fn is_fault(&self) -> bool {
-        !matches!(
-            self.cause,
-            ResetCause::PowerOn | ResetCause::Pin | ResetCause::Software | ResetCause::Unknown
-        )
-    }
 }
 
 impl fmt::Display for Reset {

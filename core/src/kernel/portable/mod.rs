@@ -91,8 +91,6 @@ pub(super) fn census_of(
     bit(a, 0) | bit(b, 1) | bit(c, 2) | bit(d, 3) | bit(e, 4) | bit(f, 5) | bit(g, 6) | bit(h, 7)
 }
 
-/// Rank of a pixel without neighbours: half of the largest.
-pub const RANK_FLAT: u8 = 2;
 /// Adds the sum of absolute differences of all strips to each entry of `curve` (whole blocks of
 /// [`LANES`], entries beyond stay; every strip's `other` holds `curve.len() + STRIP - 1` pixels,
 /// strips with fewer are left out).
