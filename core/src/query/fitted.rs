@@ -9,28 +9,28 @@ use crate::confidence::{Model, SigmaModel};
 #[rustfmt::skip]
 pub const FITTED_PIXEL: SigmaModel<PIXEL_EVIDENCE> = SigmaModel {
     model: Model {
-        bias_q12: 18069,
+        bias_q12: 18075,
         coefficients_q12: [
-            -3101, // census: cost at the disparity / best cost elsewhere
-            -5884, // windows and census together: cost at the disparity / best cost elsewhere
-            -6661, // the same, elsewhere being what features nearby allow
+            -3110, // census: cost at the disparity / best cost elsewhere
+            -5880, // windows and census together: cost at the disparity / best cost elsewhere
+            -6666, // the same, elsewhere being what features nearby allow
             -1166, // |searched back - answer|, px
-            -1679, // log2(1 + mean gradient around the pixel)
-            755, // log2(1 + features nearby that agree)
-            -2802, // log2(1 + surfaces that end at an edge before the pixel and agree)
+            -1680, // log2(1 + mean gradient around the pixel)
+            751, // log2(1 + features nearby that agree)
+            -2805, // log2(1 + surfaces that end at an edge before the pixel and agree)
             -2365, // outside of what features nearby span, px
-            2231, // log2(1 + support points nearby that agree)
-            -5416, // share of support points nearby that contradict
+            2236, // log2(1 + support points nearby that agree)
+            -5410, // share of support points nearby that contradict
         ],
         probability_q16: [
-            3, 7, 10, 13, 17, 20, 23, 277, 593, 1312, 3175,
-            4551, 7149, 11632, 17624, 24708, 31597, 39184, 46288, 51178, 54799, 58455,
-            61370, 63355, 64633, 65233, 65484, 65524, 65526, 65527, 65529, 65531, 65533,
+            3, 7, 10, 13, 17, 20, 23, 276, 593, 1314, 3176,
+            4557, 7153, 11637, 17608, 24662, 31568, 39190, 46317, 51172, 54798, 58465,
+            61369, 63355, 64632, 65232, 65485, 65524, 65526, 65527, 65529, 65531, 65533,
         ],
     },
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 512, 512, 451, 283, 163, 93, 53, 39, 30, 23,
+        512, 512, 512, 450, 284, 164, 93, 52, 39, 30, 23,
         19, 15, 14, 12, 12, 11, 11, 11, 11, 11, 11,
     ],
 };
