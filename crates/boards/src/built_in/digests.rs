@@ -28,8 +28,8 @@ pub const QVGA: [Digests; 22] = [
     ],
     // bricks_320x240
     [
-        0xbf7e_c3c8, 0x44be_6e87, 0x1b03_e38d, 0x6c79_0f3a, 0xb10b_2b0f, 0x6060_9c54, 0x30c1_41c8,
-        0x9bf5_6fc8, 0xa889_c376, 0xd0a6_a62d,
+        0xbf7e_c3c8, 0x44be_6e87, 0x1b03_e38d, 0x6c79_0f3a, 0xb10b_2b0f, 0x18c5_da76, 0xccd0_13b5,
+        0x2067_8ae4, 0xa889_c376, 0xd0a6_a62d,
     ],
     // contrast_320x240
     [
@@ -38,8 +38,8 @@ pub const QVGA: [Digests; 22] = [
     ],
     // noise_320x240
     [
-        0x4716_bc15, 0x5e8f_8077, 0xb224_c754, 0xfa39_fe70, 0x71f0_e606, 0x7ef6_7f8c, 0x5d74_1b35,
-        0x60d4_70f0, 0x0f87_2aa2, 0x5c96_0061,
+        0x4716_bc15, 0x5e8f_8077, 0xb224_c754, 0xfa39_fe70, 0x71f0_e606, 0x3441_ecf8, 0x9776_25a6,
+        0xa43e_ae1e, 0x0f87_2aa2, 0xd930_1557,
     ],
     // checkerboard_320x240
     [
@@ -68,8 +68,8 @@ pub const QVGA: [Digests; 22] = [
     ],
     // noise_320x240_worst_case
     [
-        0x6e9a_003c, 0x5e8f_8077, 0xa776_927b, 0xfa39_fe70, 0x71f0_e606, 0x050c_6d25, 0xbe7d_4667,
-        0x2244_d419, 0x22a2_0d41, 0x5c96_0061,
+        0x6e9a_003c, 0x5e8f_8077, 0xa776_927b, 0xfa39_fe70, 0x71f0_e606, 0x8205_3f62, 0xafaa_ed52,
+        0xd533_6ead, 0x22a2_0d41, 0xd930_1557,
     ],
     // blocks_128x96
     [
@@ -93,8 +93,8 @@ pub const QVGA: [Digests; 22] = [
     ],
     // noise_128x96
     [
-        0x1c10_236e, 0x811c_9dc5, 0x40c6_1b69, 0xd45d_b1af, 0x8481_b187, 0x7ebc_f192, 0xd896_64e9,
-        0xdbfb_f990, 0xcc52_6dfb, 0x9b5c_7b9d,
+        0x1c10_236e, 0x811c_9dc5, 0x40c6_1b69, 0xd45d_b1af, 0x8481_b187, 0x8599_e4da, 0x0904_be8b,
+        0x8c3a_7490, 0xcc52_6dfb, 0xe33f_02cd,
     ],
     // checkerboard_128x96
     [
@@ -123,8 +123,8 @@ pub const QVGA: [Digests; 22] = [
     ],
     // noise_128x96_worst_case
     [
-        0x1c10_236e, 0x811c_9dc5, 0xf36e_86a1, 0xd45d_b1af, 0x72d0_a98b, 0xcf1e_47ce, 0xb6ae_d6fc,
-        0x9dea_0670, 0x35be_5638, 0x9b5c_7b9d,
+        0x1c10_236e, 0x811c_9dc5, 0xf36e_86a1, 0xd45d_b1af, 0x72d0_a98b, 0x1ae1_6b67, 0xb14b_9cd6,
+        0x86ab_188a, 0x35be_5638, 0x4643_85fd,
     ],
 ];
 
@@ -143,8 +143,8 @@ pub const QQVGA: [Digests; 22] = [
     ],
     // bricks_160x120
     [
-        0x416e_866a, 0xd087_6f4d, 0xdb37_3de7, 0x6311_da89, 0x31fc_ce7d, 0x7279_2f61, 0x120c_09eb,
-        0xc0d1_8321, 0x874d_2a50, 0xc286_896c,
+        0x416e_866a, 0xd087_6f4d, 0xdb37_3de7, 0x6311_da89, 0x31fc_ce7d, 0x833b_18eb, 0xa87d_2204,
+        0x1a7a_d8ea, 0x874d_2a50, 0xc286_896c,
     ],
     // contrast_160x120
     [
@@ -153,8 +153,8 @@ pub const QQVGA: [Digests; 22] = [
     ],
     // noise_160x120
     [
-        0x1d94_a6f7, 0xebc8_bcfb, 0x8611_700d, 0x618b_2a00, 0xe830_cf2b, 0x0981_836e, 0xb31a_f10f,
-        0x256f_b2cf, 0x93e7_4713, 0x8b74_20fa,
+        0x1d94_a6f7, 0xebc8_bcfb, 0x8611_700d, 0x618b_2a00, 0xe830_cf2b, 0x559d_ce44, 0xe2b0_f2de,
+        0x3b4e_2414, 0x93e7_4713, 0xe526_2c0a,
     ],
     // checkerboard_160x120
     [
@@ -183,8 +183,8 @@ pub const QQVGA: [Digests; 22] = [
     ],
     // noise_160x120_worst_case
     [
-        0x1d94_a6f7, 0xebc8_bcfb, 0x33b1_de2a, 0x618b_2a00, 0x236e_f1b1, 0x95f4_4dcc, 0x60de_d9d5,
-        0x28b3_abfb, 0x32fb_8f12, 0x8b74_20fa,
+        0x1d94_a6f7, 0xebc8_bcfb, 0x33b1_de2a, 0x618b_2a00, 0x236e_f1b1, 0x568c_f8e8, 0xb692_909c,
+        0x5255_0d1e, 0x32fb_8f12, 0x5cdb_0d8a,
     ],
     // blocks_128x96
     [
@@ -208,8 +208,8 @@ pub const QQVGA: [Digests; 22] = [
     ],
     // noise_128x96
     [
-        0x1c10_236e, 0x811c_9dc5, 0x40c6_1b69, 0xd45d_b1af, 0x8481_b187, 0x7ebc_f192, 0xd896_64e9,
-        0xdbfb_f990, 0xcc52_6dfb, 0x9b5c_7b9d,
+        0x1c10_236e, 0x811c_9dc5, 0x40c6_1b69, 0xd45d_b1af, 0x8481_b187, 0x8599_e4da, 0x0904_be8b,
+        0x8c3a_7490, 0xcc52_6dfb, 0xe33f_02cd,
     ],
     // checkerboard_128x96
     [
@@ -238,7 +238,7 @@ pub const QQVGA: [Digests; 22] = [
     ],
     // noise_128x96_worst_case
     [
-        0x1c10_236e, 0x811c_9dc5, 0xf36e_86a1, 0xd45d_b1af, 0x72d0_a98b, 0xcf1e_47ce, 0xb6ae_d6fc,
-        0x9dea_0670, 0x35be_5638, 0x9b5c_7b9d,
+        0x1c10_236e, 0x811c_9dc5, 0xf36e_86a1, 0xd45d_b1af, 0x72d0_a98b, 0x1ae1_6b67, 0xb14b_9cd6,
+        0x86ab_188a, 0x35be_5638, 0x4643_85fd,
     ],
 ];
