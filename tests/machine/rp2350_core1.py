@@ -95,8 +95,12 @@ class Core1(CortexM33):
             self.board.core.at(self.board.core.now + 10, lambda: self.at_work(call))
 
     def fill_stack(self):
-        """The next register that is pushed does not fit."""
-        self.uc.reg_write(UC_ARM_REG_SP, self.limit + 2)
+        """The next register that is pushed does not fit; one is pushed at once: what is popped would be none of its own."""
+        code = self.uc.mem_read(self.uc.reg_read(UC_ARM_REG_PC) & ~1, 2)
+        if int.from_bytes(code, "little") & 0xFE00 == 0xB400 or bytes(code) == b"\x2d\xe9":
+            self.uc.reg_write(UC_ARM_REG_SP, self.limit + 2)
+        else:
+            self.board.core.at(self.board.core.now + 10, lambda: self.at_work(self.fill_stack))
 
     @property
     def limit(self):
