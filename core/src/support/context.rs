@@ -96,12 +96,12 @@ impl Support<'_> {
 /// A point around another one; 0 without a disparity.
 #[derive(Clone, Copy, Default)]
 struct Neighbour {
-    /// How much nearer it is, 1/64 px.
+    /// Its disparity less that of the other, 1/64 px.
     off_q6: i32,
     weight_q8: i32,
 }
 
-/// Whether a neighbour agrees, is nearer or farther.
+/// Index of its sum: 0 for a neighbour that agrees, 1 for a nearer one, 2 for a farther one.
 fn side(off_q6: i32) -> usize {
     if off_q6.abs() <= AGREES_Q6 { 0 } else { 1 + usize::from(off_q6 < 0) }
 }

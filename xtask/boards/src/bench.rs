@@ -331,7 +331,8 @@ fn print_cores(board: &Board, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is asked of a pair, and matching where objects are alone: medians over captured scenes.
+/// Depths of objects, the list of points, and matching where objects are alone: medians over
+/// captured scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Objects {
     /// Instructions for the depths of eight boxes, on top of the pair.
