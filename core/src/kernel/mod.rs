@@ -9,8 +9,8 @@
 //! thumbv8m.main (Cortex-M33 and above)  dsp       with the feature `dsp`, or compiled for such a processor
 //! the same (Cortex-M55, M85)            helium    with the feature `helium`, or compiled for such a processor:
 //!                                                 rows, codes and their windows, strips, paths; others as dsp
-//! x86_64                                sse2      sad_curve, code_costs, path_step
-//! wasm32 with simd128                   simd128   sad_curve, code_costs, path_step
+//! x86_64                                sse2      sad_curve, code_columns, code_costs, path_step
+//! wasm32 with simd128                   simd128   sad_curve, code_columns, code_costs, path_step
 //! riscv32, thumbv7m (Cortex-M3),
 //! thumbv8m.main without DSP             swar      codes and their windows, strips and points, paths, gradients
 //! any other                             portable
@@ -79,14 +79,14 @@ pub use portable::{
     crossing, largest_step, limited_steps, lower_curve, lower_sum_curve, lowest, place_of_byte,
     reverse_row, row_difference, second_differences, sum_curve, weigh_knots,
 };
-#[cfg(not(any(dsp, swar)))]
-pub use portable::{code_columns, gradient_row, hamming_curve, lowest_byte, sum_paths};
 #[cfg(not(any(dsp, swar, target_arch = "x86_64", target_feature = "simd128")))]
-pub use portable::{code_costs, path_step, sad_curve};
+pub use portable::{code_columns, code_costs, path_step, sad_curve};
+#[cfg(not(any(dsp, swar)))]
+pub use portable::{gradient_row, hamming_curve, lowest_byte, sum_paths};
 #[cfg(target_feature = "simd128")]
-pub use simd128::{code_costs, path_step, sad_curve};
+pub use simd128::{code_columns, code_costs, path_step, sad_curve};
 #[cfg(target_arch = "x86_64")]
-pub use sse2::{code_costs, path_step, sad_curve};
+pub use sse2::{code_columns, code_costs, path_step, sad_curve};
 #[cfg(swar)]
 pub use swar::{
     code_columns, code_costs, gradient_row, hamming_curve, lowest_byte, path_step, sad_curve,

@@ -1,4 +1,5 @@
-//! Cost curves with the sum-of-absolute-differences instruction of x86-64.
+//! Cost curves with the sum-of-absolute-differences instruction of x86-64; codes and paths of
+//! support points with its saturating sums of bytes.
 //!
 //! In and out as the [`portable`](super::portable) versions, the same bits.
 //!
@@ -6,11 +7,15 @@
 //! 12 strips over 64 disparities: 0.19 us against 0.41 us of the portable version as vectorised for
 //! x86-64.
 
-use super::portable::{CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip};
+use super::portable::{
+    CODE_FLAT, CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip,
+};
 use core::arch::x86_64::{
-    __m128i, _mm_add_epi16, _mm_cvtsi128_si32, _mm_max_epu8, _mm_min_epu8, _mm_or_si128,
-    _mm_sad_epu8, _mm_set_epi64x, _mm_set1_epi8, _mm_setzero_si128, _mm_slli_si128, _mm_srli_si128,
-    _mm_storeu_si128, _mm_sub_epi8, _mm_subs_epu8,
+    __m128i, _mm_add_epi16, _mm_adds_epi8, _mm_and_si128, _mm_avg_epu8, _mm_cvtsi128_si32,
+    _mm_max_epu8, _mm_min_epu8, _mm_or_si128, _mm_sad_epu8, _mm_set_epi64x, _mm_set1_epi8,
+    _mm_setzero_si128, _mm_slli_si128, _mm_srli_si128, _mm_storeu_si128, _mm_sub_epi8,
+    _mm_subs_epi8, _mm_subs_epu8, _mm_unpackhi_epi8, _mm_unpackhi_epi16, _mm_unpacklo_epi8,
+    _mm_unpacklo_epi16, _mm_xor_si128,
 };
 
 /// Number of disparities whose sums are held in registers.
@@ -72,6 +77,81 @@ fn add_pair(
         let other = _mm_set_epi64x(eight(window_b), eight(window_a));
         *sum = _mm_add_epi16(*sum, _mm_sad_epu8(reference, other));
     }
+}
+
+/// See [`portable::code_columns`](super::portable::code_columns).
+pub fn code_columns(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &mut [CodeColumn]) {
+    // SAFETY: SSE2 is part of every x86-64 target; it takes a sixth of the portable version's
+    // time, which is a fifth of a pair's.
+    unsafe { code_columns_sse2(rows, doublings, columns) }
+}
+
+#[target_feature(enable = "sse2")]
+fn code_columns_sse2(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &mut [CodeColumn]) {
+    /// Columns at a time: each reads the sums of the next one.
+    const BLOCK: usize = LANES - 1;
+    columns.fill([CODE_FLAT; CODE_ROWS]);
+    let width = columns.len();
+    let Some(columns) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else {
+        return;
+    };
+    if rows.iter().any(|row| row.len() < width) {
+        return;
+    }
+    for (start, columns) in (0..).step_by(BLOCK).zip(columns.chunks_mut(BLOCK)) {
+        // Around 0, so that differences are of signed bytes: two columns before, and there.
+        let of = |row: &[u8], at: usize| {
+            let pixels = row.get(at..width).unwrap_or(&[]);
+            _mm_xor_si128(load(pixels), _mm_set1_epi8(i8::MIN))
+        };
+        let here = rows.map(|row| of(row, start + 2));
+        let mut along = [_mm_setzero_si128(); CODE_ROWS + 1];
+        let pairs = rows.as_chunks::<2>().0.iter().zip(here.as_chunks::<2>().0).skip(1);
+        for (sums, ([upper, lower], here)) in along.iter_mut().zip(pairs) {
+            *sums = _mm_adds_epi8(
+                _mm_subs_epi8(here[0], of(upper, start)),
+                _mm_subs_epi8(here[1], of(lower, start)),
+            );
+        }
+        let mut codes = [_mm_setzero_si128(); CODE_ROWS];
+        for (codes, (six, along)) in
+            codes.iter_mut().zip(here.windows(6).step_by(2).zip(along.windows(2)))
+        {
+            let (&[above, next, _, _, third, fourth], &[upper, lower]) = (six, along) else {
+                continue;
+            };
+            let down = _mm_adds_epi8(_mm_subs_epi8(third, above), _mm_subs_epi8(fourth, next));
+            let h = full_scale(_mm_adds_epi8(upper, lower), doublings);
+            let v = full_scale(down, doublings);
+            // The mean of both, rounded down: `_mm_avg_epu8` rounds up.
+            let odd = _mm_and_si128(_mm_xor_si128(h, v), _mm_set1_epi8(1));
+            *codes = _mm_sub_epi8(_mm_avg_epu8(h, v), odd);
+        }
+        let [a, b, c, d] = codes;
+        let low = (_mm_unpacklo_epi8(a, b), _mm_unpacklo_epi8(c, d));
+        let high = (_mm_unpackhi_epi8(a, b), _mm_unpackhi_epi8(c, d));
+        let fours = [
+            _mm_unpacklo_epi16(low.0, low.1),
+            _mm_unpackhi_epi16(low.0, low.1),
+            _mm_unpacklo_epi16(high.0, high.1),
+            _mm_unpackhi_epi16(high.0, high.1),
+        ];
+        for (four, columns) in fours.into_iter().zip(columns.chunks_mut(LANES / CODE_ROWS)) {
+            store(four, columns.as_flattened_mut());
+        }
+    }
+}
+
+/// Sums of each entry and the next one, doubled so many times, from 0 on instead of around it; the
+/// last one is not summed.
+#[inline]
+#[target_feature(enable = "sse2")]
+fn full_scale(sums: __m128i, doublings: u32) -> __m128i {
+    let mut sums = _mm_adds_epi8(sums, _mm_srli_si128::<1>(sums));
+    for _ in 0..doublings {
+        sums = _mm_adds_epi8(sums, sums);
+    }
+    _mm_xor_si128(sums, _mm_set1_epi8(i8::MIN))
 }
 
 /// See [`portable::code_costs`](super::portable::code_costs).
