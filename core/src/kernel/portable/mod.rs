@@ -12,7 +12,7 @@
 //! A pass over the slice given, whatever is in it; `programs/kernels` counts each on boards,
 //! `xtask/board-numbers.toml` lists them.
 
-mod support;
+pub(super) mod support;
 
 pub use support::{
     CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, JUMP_PENALTY, RUN_PIXELS, STEP_PENALTY,

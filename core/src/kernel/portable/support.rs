@@ -16,7 +16,7 @@ pub const JUMP_PENALTY: u8 = 20;
 pub type CodeColumn = [u8; CODE_ROWS];
 
 /// Columns that are coded at a time: one less than vectors hold, since each reads the next one.
-const BLOCK: usize = LANES - 1;
+pub(in crate::kernel) const CODED_AT_ONCE: usize = LANES - 1;
 
 /// Codes of the texture of twelve adjacent rows, column by column: code row `k` is of rows `2 k ..=
 /// 2 k + 5`, whose middle ones are `a` and `b` below.
@@ -29,15 +29,9 @@ const BLOCK: usize = LANES - 1;
 /// `doublings` is n: what a code's full scale is in grey levels. The first and last two columns are
 /// [`CODE_FLAT`], and all where a row has fewer pixels than there are columns.
 pub fn code_columns(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &mut [CodeColumn]) {
-    columns.fill([CODE_FLAT; CODE_ROWS]);
     let width = columns.len();
-    let Some(columns) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else {
-        return;
-    };
-    if rows.iter().any(|row| row.len() < width) {
-        return;
-    }
-    for (start, columns) in (0..).step_by(BLOCK).zip(columns.chunks_mut(BLOCK)) {
+    let coded = flat_but_coded(&rows, columns);
+    for (start, columns) in (0..).step_by(CODED_AT_ONCE).zip(coded.chunks_mut(CODED_AT_ONCE)) {
         // Around 0, so that differences are of signed bytes.
         let mut pixels = [[0_i8; LANES + 2]; 2 * CODE_ROWS + 4];
         for (pixels, row) in pixels.iter_mut().zip(rows) {
@@ -65,6 +59,18 @@ pub fn code_columns(rows: [&[u8]; 2 * CODE_ROWS + 4], doublings: u32, columns: &
             }
         }
     }
+}
+
+/// Sets all columns to [`CODE_FLAT`]; returns those that have codes.
+pub(in crate::kernel) fn flat_but_coded<'c>(
+    rows: &[&[u8]; 2 * CODE_ROWS + 4],
+    columns: &'c mut [CodeColumn],
+) -> &'c mut [CodeColumn] {
+    columns.fill([CODE_FLAT; CODE_ROWS]);
+    let width = columns.len();
+    let are_whole = rows.iter().all(|row| row.len() >= width);
+    let coded = width.checked_sub(2).filter(|_| are_whole);
+    coded.and_then(|end| columns.get_mut(2..end)).unwrap_or(&mut [])
 }
 
 /// `of(a, b)` of each two entries.
