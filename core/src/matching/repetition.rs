@@ -14,7 +14,7 @@
 //! pixels and a wrong one on a whole pixel, the wrong one costs less.
 //!
 //! # Cost
-//! Three strips over 193 places, and runs among them: 4500 instructions.
+//! Three strips over 193 places, and runs among them: 7000 instructions.
 
 use super::band::{Band, REPEAT_REACH as REACH, SampledRows};
 use super::feature::SteepLine;
