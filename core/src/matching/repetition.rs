@@ -85,11 +85,16 @@ impl Places {
     fn of<const KINDS: usize>(curve: &Curve, most: [u32; KINDS]) -> [Self; KINDS] {
         let mut places = [Self::default(); KINDS];
         let Some((first, costs)) = curve.listed() else { return places };
+        // One test for most minima: the compiler makes a place's bit before it compares.
+        let largest = most.into_iter().max().unwrap_or(0);
         let around = costs.windows(3).filter_map(|around| around.first_chunk());
         for (around, offset) in around.zip(first + 1..) {
             let &[before, here, after] = around;
             if here <= before && here < after && offset.abs() >= NEAREST {
                 let low = low_of(around);
+                if low > largest {
+                    continue;
+                }
                 for (places, _) in places.iter_mut().zip(most).filter(|(_, most)| low <= *most) {
                     places.add(offset);
                 }
@@ -115,9 +120,11 @@ impl Places {
     /// True where the edge is one of so many places at equal distances.
     fn repeat(self, run: i32) -> bool {
         // Most edges have hardly any.
+        if ((self.before.count_ones() + self.after.count_ones()) as i32) < run - 1 {
+            return false;
+        }
         let mut distances = self.before | self.after;
-        let places = (self.before.count_ones() + self.after.count_ones()) as i32;
-        while places >= run - 1 && distances != 0 {
+        while distances != 0 {
             let distance = distances.trailing_zeros() as i32;
             distances &= distances - 1;
             let length =
