@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! interruption, output, programs   Ctrl-C; files written whole; other programs of this machine
-//! registry, scene, engine          pairs that registries carry; scenes rendered; the core run
+//! registry, scene_folder, engine   pairs that registries carry; rendered ones as files; the core run
 //! results, monitor, explain        what a pair gave; what a board reports of it; why a pixel has a
 //!                                  depth, or none
 //! board, quality, planning         boards driven; depths of a wall; rig planning
@@ -33,8 +33,10 @@ pub mod quality;
 pub mod registry;
 pub mod report;
 pub mod results;
-pub mod scene;
+pub mod scene_folder;
 pub mod serve;
+
+pub use linestereo_scenes as scene;
 
 /// The example of the package's page.
 #[cfg(doctest)]

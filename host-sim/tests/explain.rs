@@ -14,7 +14,7 @@ fn room() -> (Rendering, Params) {
     let rendering =
         scene::render(&scene, DIMS, &Sensor { noise: 1.0, seed: 1, ..Sensor::default() });
     let params = Params {
-        max_disparity: scene::search_range(&rendering),
+        max_disparity: rendering.search_range(),
         rig: Some(scene.pair.rig().unwrap()),
         ..Params::default()
     };

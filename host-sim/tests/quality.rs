@@ -7,6 +7,7 @@ use linestereo::units::{Confidence, Disparity};
 use linestereo::{Area, Dims, Rig};
 use linestereo_sim::quality::Wall;
 use linestereo_sim::scene::{self, Pair, Pattern, Scene, Sensor, Surface, Texture};
+use linestereo_sim::scene_folder;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -27,7 +28,7 @@ fn wall(tangent: f64, texture: Texture, pairs: u64) -> TempDir {
     for number in 1..=pairs {
         let sensor = Sensor { noise: 1.5, seed: number, ..Sensor::default() };
         let rendering = scene::render(&scene, DIMS, &sensor);
-        for (name, contents) in scene::files("wall", &pair, &rendering).unwrap() {
+        for (name, contents) in scene_folder::files("wall", &pair, &rendering).unwrap() {
             let name = match name {
                 "left.png" | "right.png" => format!("{number:04}_{name}"),
                 "scene.json" => name.to_owned(),

@@ -5,6 +5,7 @@ use linestereo_frames::load_scene;
 use linestereo_sim::scene::{
     self, DisparityPlane, EdgeCase, Kind, Pair, Pattern, Rendering, Scene, Sensor, Texture,
 };
+use linestereo_sim::scene_folder;
 use std::collections::BTreeSet;
 
 const DIMS: Dims = Dims { width: 64, height: 32 };
@@ -247,7 +248,7 @@ fn a_folder_reads_back_as_it_was_rendered() {
     let dims = Dims { width: 80, height: 60 };
     let built = scene::build(Kind::Demo, dims, 1);
     let rendering = scene::render(&built, dims, &Sensor::default());
-    for (name, contents) in scene::files("demo", &built.pair, &rendering).unwrap() {
+    for (name, contents) in scene_folder::files("demo", &built.pair, &rendering).unwrap() {
         std::fs::write(folder.path().join(name), contents).unwrap();
     }
     let read = load_scene(folder.path(), None).unwrap();

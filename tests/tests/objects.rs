@@ -213,7 +213,7 @@ fn built_in_scenes() {
             let scene = scene::build(kind, DIMS, seed);
             let drawn =
                 scene::render(&scene, DIMS, &Sensor { noise: 2.0, seed, ..Sensor::default() });
-            let max_disparity = scene::search_range(&drawn).min(128);
+            let max_disparity = drawn.search_range().min(128);
             let mut engine =
                 Engine::new(&Params { max_disparity, ..Params::default() }, DIMS).unwrap();
             engine.run(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();

@@ -16,7 +16,7 @@ fn matched(seed: u64) -> (Scene, Rendering, Truth, Vec<Match>) {
     let pair = scene::render(&room, DIMS, &Sensor { noise: 1.0, seed, ..Sensor::default() });
     let truth = Truth::new(DIMS, pair.disparity.clone(), pair.visible.clone());
     let params = Params {
-        max_disparity: scene::search_range(&pair),
+        max_disparity: pair.search_range(),
         rig: Some(room.pair.rig().unwrap()),
         ..Params::default()
     };

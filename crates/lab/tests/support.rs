@@ -1,6 +1,7 @@
 //! The program as it is called, for every test.
 
 use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_sim::scene_folder;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -54,7 +55,7 @@ pub(crate) fn scenes() -> TempDir {
         let built = scene::build(Kind::Boxes, dims, seed);
         let rendering = scene::render(&built, dims, &Sensor { seed, ..Sensor::default() });
         fs::create_dir(folder.path().join(name)).unwrap();
-        for (file, contents) in scene::files(name, &built.pair, &rendering).unwrap() {
+        for (file, contents) in scene_folder::files(name, &built.pair, &rendering).unwrap() {
             fs::write(folder.path().join(name).join(file), contents).unwrap();
         }
     }

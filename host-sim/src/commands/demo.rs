@@ -94,7 +94,7 @@ impl Demonstration {
         let room = scene::build(Kind::Demo, DIMS, seed);
         let sensor = Sensor { noise: NOISE, seed, ..Sensor::default() };
         let rendering = scene::render(&room, DIMS, &sensor);
-        let max_disparity = scene::search_range(&rendering);
+        let max_disparity = rendering.search_range();
         let rig = room.pair.rig()?;
         let mut engine = engine_for(max_disparity, Some(rig), DIMS)?;
         let result = engine.run(rendering.left.view()?, rendering.right.view()?)?;

@@ -2,6 +2,7 @@
 
 use crate::output::{OutputFiles, print};
 use crate::scene::{self, Kind, Sensor};
+use crate::scene_folder;
 use anyhow::Context;
 use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
@@ -55,7 +56,7 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
     let sensor = Sensor { noise: args.noise, seed: args.seed, ..Sensor::default() };
     let scene = scene::build(kind, args.size, args.seed);
     let rendering = scene::render(&scene, args.size, &sensor);
-    let files = scene::files(kind.name(), &scene.pair, &rendering)?;
+    let files = scene_folder::files(kind.name(), &scene.pair, &rendering)?;
     std::fs::create_dir_all(folder).with_context(|| {
         format!("cannot make the folder {}; choose one that can be written to", folder.display())
     })?;

@@ -31,6 +31,7 @@ pub(super) fn unit(a: Vector) -> Vector {
 /// Two equal pinhole cameras side by side, rectified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
+    /// Focal length in pixels.
     pub focal_px: f64,
     /// Distance of the right camera from the left one in metres.
     pub baseline_m: f64,
@@ -48,10 +49,12 @@ impl Pair {
         Self { focal_px, baseline_m, centre, disparity_offset_px: 0.0 }
     }
 
+    /// Disparity in pixels at a depth in metres.
     pub fn disparity(&self, depth: f64) -> f64 {
         self.focal_px * self.baseline_m / depth - self.disparity_offset_px
     }
 
+    /// Depth in metres at a disparity in pixels.
     pub fn depth(&self, disparity: f64) -> f64 {
         self.focal_px * self.baseline_m / (disparity + self.disparity_offset_px)
     }
@@ -74,10 +77,13 @@ impl Pair {
 pub struct Surface {
     /// Where the texture's coordinates start.
     pub origin: Vector,
+    /// First axis.
     pub u: Vector,
+    /// Second axis.
     pub v: Vector,
     /// First and last coordinate along `u` and along `v` in metres.
     pub extent: [[f64; 2]; 2],
+    /// Its greys.
     pub texture: Texture,
     /// Object it belongs to, from 1.
     pub label: u8,

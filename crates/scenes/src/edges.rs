@@ -63,6 +63,7 @@ pub struct EdgeCase {
     pub greys: [f64; 2],
     /// Largest deviation of the grain from these greys.
     pub grain: f64,
+    /// Seed of the grain and of the sensor's noise.
     pub seed: u64,
 }
 

@@ -9,16 +9,16 @@
 //! on f64 and integer hashes are used, never sines or other functions whose last bit belongs to a
 //! platform's library.
 
+#![forbid(unsafe_code)]
+
 mod builtin;
 mod edges;
-mod folder;
 mod geometry;
 mod render;
 mod texture;
 
 pub use builtin::{Kind, build};
 pub use edges::{DisparityPlane, EdgeCase};
-pub use folder::{files, search_range};
 pub use geometry::{Pair, Surface, Vector};
 pub use render::{Rendering, Sensor, render};
 pub use texture::{Pattern, Texture};
@@ -26,6 +26,7 @@ pub use texture::{Pattern, Texture};
 /// Surfaces in front of a pair of cameras.
 #[derive(Clone, Debug)]
 pub struct Scene {
+    /// The cameras.
     pub pair: Pair,
     /// Surfaces that they see; where nothing is hit the image is black and has no truth.
     pub surfaces: Vec<Surface>,

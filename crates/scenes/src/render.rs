@@ -18,6 +18,7 @@ const LATTICE: (u32, u32) = (55, 21);
 pub struct Sensor {
     /// Standard deviation of the noise of either image in grey levels.
     pub noise: f64,
+    /// Seed of the noise.
     pub seed: u64,
     /// The right image's brightness is multiplied by this.
     pub gain: f64,
@@ -38,6 +39,7 @@ impl Default for Sensor {
 pub struct Rendering {
     /// Left image, the reference.
     pub left: GrayImage,
+    /// Right image.
     pub right: GrayImage,
     /// Disparity in pixels; NaN where no surface is.
     pub disparity: Vec<f32>,
@@ -52,6 +54,15 @@ impl Rendering {
     pub fn label(&self, (x, y): (i32, i32)) -> Option<u8> {
         let (width, x) = (usize::from(self.left.dims.width), usize::try_from(x).ok()?);
         self.labels.get(usize::try_from(y).ok()? * width + x).filter(|_| x < width).copied()
+    }
+
+    /// Disparities to search, for [`linestereo::Params::max_disparity`]: above everything in the
+    /// scene, in steps of 16, within the core's limits.
+    pub fn search_range(&self) -> u16 {
+        // NaN loses against any number.
+        let largest = self.disparity.iter().copied().fold(0.0_f32, f32::max);
+        let range = (largest as u16 + 2).next_multiple_of(16);
+        range.min(256).min(self.left.dims.width - 1)
     }
 }
 
@@ -134,6 +145,9 @@ impl Camera {
     }
 }
 
+/// The pair that the cameras of a scene see, and its truth.
+///
+/// Cost: 55 rays a pixel, some 0.3 s for 320x240; both images at the same time.
 pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let Scene { pair, surfaces, .. } = scene;
     let eye = [pair.baseline_m, 0.0, 0.0];

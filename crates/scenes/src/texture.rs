@@ -7,12 +7,14 @@ pub enum Pattern {
     Blank(f64),
     /// Two greys in turn across the first surface axis.
     Stripes {
+        /// Both greys.
         greys: [f64; 2],
         /// Width of a pair of stripes in metres.
         period: f64,
     },
     /// Squares of two greys.
     Checker {
+        /// Both greys.
         greys: [f64; 2],
         /// Side of a square in metres.
         side: f64,
@@ -29,6 +31,7 @@ pub enum Pattern {
     Edge([f64; 2]),
     /// A band around the first surface axis: the first grey outside, the second inside.
     Band {
+        /// Outside and inside.
         greys: [f64; 2],
         /// Width of the band in metres.
         width: f64,
@@ -38,19 +41,23 @@ pub enum Pattern {
 /// A pattern with grain on top.
 #[derive(Clone, Copy, Debug)]
 pub struct Texture {
+    /// The regular part.
     pub pattern: Pattern,
     /// Largest deviation of the grain from the pattern, in grey levels; 0 for none.
     pub grain: f64,
     /// Size of the coarsest grain in metres; two finer octaves are added.
     pub grain_size: f64,
+    /// Seed of the grain and of a mosaic.
     pub seed: u64,
 }
 
 impl Texture {
+    /// A pattern without grain.
     pub fn plain(pattern: Pattern) -> Self {
         Self { pattern, grain: 0.0, grain_size: 1.0, seed: 0 }
     }
 
+    /// A pattern with grain: its largest deviation in grey levels and its size in metres.
     pub fn grained(pattern: Pattern, grain: f64, grain_size: f64, seed: u64) -> Self {
         Self { pattern, grain, grain_size, seed }
     }

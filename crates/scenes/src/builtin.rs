@@ -5,8 +5,9 @@ use super::geometry::{Pair, Surface, Vector};
 use super::texture::{Pattern, Texture, hash, unit_from};
 use linestereo::Dims;
 
-/// A built-in scene.
+/// A built-in scene; [`summary`](Self::summary) describes each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "`summary` describes each, and the program prints it")]
 pub enum Kind {
     Demo,
     Cards,
@@ -18,6 +19,7 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Every built-in scene.
     pub const ALL: [Self; 7] = [
         Self::Demo,
         Self::Cards,

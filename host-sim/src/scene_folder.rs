@@ -1,8 +1,8 @@
 //! A rendering as the files of a scene folder, the layout that `linestereo eval` reads.
 
-use super::{Pair, Rendering};
 use crate::output::png_file;
 use image::{ExtendedColorType, ImageResult};
+use linestereo_scenes::{Pair, Rendering};
 use serde_json::json;
 
 /// Steps of the stored truth per pixel of disparity.
@@ -25,7 +25,7 @@ pub fn files(
         "scene": name,
         "from": format!("linestereo scene, version {}", env!("CARGO_PKG_VERSION")),
         "size": [dims.width, dims.height],
-        "max_disparity": search_range(rendering),
+        "max_disparity": rendering.search_range(),
         "ground_truth": { "file": "gt.png", "disparity_scale": SCALE as u32, "note": note },
         "visible": "visible.png: 255 where the true match is visible in the right image",
         "objects": "objects.png: label of the object, 0 = none",
@@ -45,14 +45,6 @@ pub fn files(
         ("objects.png", png(&rendering.labels, ExtendedColorType::L8)?),
         ("scene.json", format!("{description:#}\n").into_bytes()),
     ])
-}
-
-/// The disparity range a search needs: above everything in the scene, in steps of 16, within the
-/// core's limits.
-pub fn search_range(rendering: &Rendering) -> u16 {
-    let largest = rendering.disparity.iter().copied().fold(0.0_f32, f32::max); // NaN loses against any number
-    let range = (largest as u16 + 2).next_multiple_of(16);
-    range.min(256).min(rendering.left.dims.width - 1)
 }
 
 fn stored(disparity: f32) -> u16 {
