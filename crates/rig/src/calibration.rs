@@ -18,6 +18,14 @@ pub enum CameraSide {
 impl CameraSide {
     /// Both, the reference first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// This side's of a left and a right one.
+    pub(crate) fn of<T>(self, [left, right]: &[T; 2]) -> &T {
+        match self {
+            Self::Left => left,
+            Self::Right => right,
+        }
+    }
 }
 
 impl fmt::Display for CameraSide {
@@ -33,8 +41,7 @@ impl fmt::Display for CameraSide {
 /// one's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Calibration {
-    left: Camera,
-    right: Camera,
+    cameras: [Camera; 2],
     rotation: [f64; 4],
     translation: [f64; 3],
 }
@@ -94,7 +101,7 @@ impl Calibration {
         if !(0.0001..=10.0).contains(&baseline) {
             return Err(CalibrationError::Baseline(baseline));
         }
-        let calibration = Self { left, right, rotation, translation };
+        let calibration = Self { cameras: [left, right], rotation, translation };
         let [x, ..] = calibration.direction();
         if x < -0.7 {
             return Err(CalibrationError::Swapped);
@@ -108,10 +115,7 @@ impl Calibration {
     /// One of the cameras.
     #[must_use]
     pub fn camera(&self, eye: CameraSide) -> &Camera {
-        match eye {
-            CameraSide::Left => &self.left,
-            CameraSide::Right => &self.right,
-        }
+        eye.of(&self.cameras)
     }
 
     /// Rotation from left to right coordinates, unit quaternion `[w, x, y, z]`, w >= 0.

@@ -43,17 +43,9 @@ impl Grid {
     /// A grid without rows.
     pub(crate) const EMPTY: Self = {
         const NOTHING: Dims = Dims { width: 0, height: 0 };
-        let (columns, band_rows, error_q16) = (0, 0, 0);
-        Self {
-            dims: NOTHING,
-            raw: NOTHING,
-            columns,
-            cell: 0,
-            piece: 0,
-            band_rows,
-            is_inner: false,
-            error_q16,
-        }
+        let (dims, raw) = (NOTHING, NOTHING);
+        let (columns, cell, piece, band_rows, error_q16) = (0, 0, 0, 0, 0);
+        Self { dims, raw, columns, cell, piece, band_rows, is_inner: false, error_q16 }
     };
 
     /// Computes the nodes and rows of one camera; `None` when no rectified pixel has a source.
@@ -89,7 +81,7 @@ impl Grid {
                 *node = node_at(remap.source(eye, [x, y]));
             }
         }
-        Self { dims, raw, columns, cell, piece: cell, band_rows: 0, is_inner: false, error_q16: 0 }
+        Self { dims, raw, columns, cell, piece: cell, ..Self::EMPTY }
     }
 
     /// The rows of nodes.

@@ -90,11 +90,11 @@ impl Calibration {
         let inner = left.inner.common(right.inner).ok_or(RectifyError::NoCommonView)?;
         match view {
             View::Alpha(alpha) if (0.0..=1.0).contains(&alpha) => {
-                let mut narrow = inner.filling(dims);
+                let mut narrow = inner.fitted(dims, f64::max);
                 if !(left.is_closed && right.is_closed) {
                     narrow = found.shrunk(inner, narrow.0).ok_or(RectifyError::NoCommonView)?;
                 }
-                let wide = left.outer.around(right.outer).holding(dims);
+                let wide = left.outer.around(right.outer).fitted(dims, f64::min);
                 let mix = |a: f64, b: f64| a + (b - a) * alpha;
                 found.focal = mix(narrow.0, wide.0);
                 found.centre = [mix(narrow.1[0], wide.1[0]), mix(narrow.1[1], wide.1[1])];
@@ -180,11 +180,7 @@ impl Rectification {
     /// The camera behind one of the rectified images.
     #[must_use]
     pub fn camera(&self, eye: CameraSide) -> &Camera {
-        let [left, right] = &self.cameras;
-        match eye {
-            CameraSide::Left => left,
-            CameraSide::Right => right,
-        }
+        eye.of(&self.cameras)
     }
 
     /// Rotations from left and right camera coordinates to common ones, by rows, as
@@ -196,11 +192,7 @@ impl Rectification {
     }
 
     fn turn(&self, eye: CameraSide) -> &Matrix3<f64> {
-        let [left, right] = &self.to_camera;
-        match eye {
-            CameraSide::Left => left,
-            CameraSide::Right => right,
-        }
+        eye.of(&self.to_camera)
     }
 
     /// Raw position of a rectified one, px; may lie outside the raw image. `None` outside of the
@@ -338,10 +330,7 @@ impl Rectification {
         let (mut fits, mut low) = (None, focal);
         let mut high = focal;
         for _ in 0..16 {
-            let middle = match fits {
-                None => high,
-                Some(_) => (low + high) / 2.0,
-            };
+            let middle = if fits.is_some() { (low + high) / 2.0 } else { high };
             self.focal = middle;
             self.centre = window.centred(self.dims, middle);
             match (self.is_filled(), fits) {
@@ -484,23 +473,12 @@ impl Window {
         both
     }
 
-    /// Least focal length, px, at which the image lies inside of the window, and its centre.
-    fn filling(self, dims: Dims) -> (f64, [f64; 2]) {
-        let [fx, fy] = self.focals(dims);
-        let focal = fx.max(fy);
-        (focal, self.centred(dims, focal))
-    }
-
-    /// Largest focal length, px, at which the image contains the window, and its centre.
-    fn holding(self, dims: Dims) -> (f64, [f64; 2]) {
-        let [fx, fy] = self.focals(dims);
-        let focal = fx.min(fy);
-        (focal, self.centred(dims, focal))
-    }
-
-    fn focals(self, dims: Dims) -> [f64; 2] {
+    /// Focal length, px, and centre of an image that fits the window in one direction: by
+    /// `f64::max` it lies inside of the window, by `f64::min` it contains it.
+    fn fitted(self, dims: Dims, pick: fn(f64, f64) -> f64) -> (f64, [f64; 2]) {
         let [x, y] = [self.high[0] - self.low[0], self.high[1] - self.low[1]];
-        [f64::from(dims.width - 1) / x, f64::from(dims.height - 1) / y]
+        let focal = pick(f64::from(dims.width - 1) / x, f64::from(dims.height - 1) / y);
+        (focal, self.centred(dims, focal))
     }
 
     /// The centre that puts the window's middle into the image's middle.

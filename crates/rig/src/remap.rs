@@ -86,11 +86,7 @@ impl Remap {
     /// Raw camera of one side.
     #[must_use]
     pub fn camera(&self, side: CameraSide) -> &RemapCamera {
-        let [left, right] = &self.cameras;
-        match side {
-            CameraSide::Left => left,
-            CameraSide::Right => right,
-        }
+        side.of(&self.cameras)
     }
 
     /// The rig that converts disparities to depths, and pixels to positions in space.
