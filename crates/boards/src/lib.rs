@@ -87,28 +87,6 @@ const fn qvga(
     }
 }
 
-/// A board with memory for pairs of 160x120: 144 KiB with frames and rectifiers, beside the stack.
-const fn qqvga(
-    name: &'static str,
-    processor: &'static str,
-    target: &'static str,
-    device: Device,
-) -> Board {
-    let (segments, raw_width, band) = (256, 640, 24 * 1024);
-    Board {
-        name,
-        processor,
-        target,
-        device,
-        largest: QQVGA,
-        segments,
-        two_cores: false,
-        raw_width,
-        band,
-        sizes: &[QQVGA, SMALL],
-    }
-}
-
 /// A machine of `qemu-system-arm`.
 const fn arm(arguments: &'static [&'static str; 2]) -> Device {
     Device::Qemu { program: "qemu-system-arm", arguments }
@@ -118,9 +96,16 @@ impl Board {
     /// QEMU's machine with a Cortex-M7.
     pub const MPS2_AN500: Self =
         qvga("mps2-an500", "Cortex-M7", ARMV7, arm(&["-machine", "mps2-an500"]));
-    /// QEMU's machine with a Cortex-M4.
-    pub const MPS2_AN386: Self =
-        qqvga("mps2-an386", "Cortex-M4", ARMV7, arm(&["-machine", "mps2-an386"]));
+    /// QEMU's machine with a Cortex-M4, and memory for pairs of 160x120: 144 KiB with frames and
+    /// rectifiers, beside the stack.
+    pub const MPS2_AN386: Self = Self {
+        largest: QQVGA,
+        segments: 256,
+        raw_width: 640,
+        band: 24 * 1024,
+        sizes: &[QQVGA, SMALL],
+        ..qvga("mps2-an386", "Cortex-M4", ARMV7, arm(&["-machine", "mps2-an386"]))
+    };
     /// QEMU's machine with a Cortex-M33.
     pub const MPS2_AN505: Self =
         qvga("mps2-an505", "Cortex-M33", ARMV8, arm(&["-machine", "mps2-an505"]));
