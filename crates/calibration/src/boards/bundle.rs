@@ -20,9 +20,9 @@
 //! # Source
 //! The solver is the crate `levenberg-marquardt`, MINPACK's method (Moré, 1978).
 
-use super::model::{FY, Intrinsics, NUMBERS, Pose};
+use super::model::{FY, Intrinsics, NUMBERS, Pose, Sighting};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::{DMatrix, DVector, Dyn, U1, VecStorage, Vector3};
+use nalgebra::{DMatrix, DVector, Dyn, U1, VecStorage};
 
 /// Numbers of a pose.
 const POSE: usize = 6;
@@ -36,8 +36,8 @@ const PATIENCE: usize = 3;
 /// One board in one or two cameras.
 #[derive(Clone, Debug)]
 pub(super) struct BoardView {
-    /// For each camera: place on the board in m, place in the image in px.
-    pub(super) seen: [Vec<([f64; 2], [f64; 2])>; 2],
+    /// By each camera.
+    pub(super) seen: [Vec<Sighting>; 2],
     /// In the left camera's coordinates (or the only one's).
     pub(super) pose: Pose,
 }
@@ -101,11 +101,7 @@ impl Bundle {
         let in_right = if view.seen[1].is_empty() { view.pose } else { view.pose.then(&self.rig) };
         for ((camera, seen), pose) in self.cameras.iter().zip(&view.seen).zip([view.pose, in_right])
         {
-            let (turn, shift) = (pose.rotation(), pose.translation());
-            for ([x, y], [u, v]) in seen {
-                let [pu, pv] = camera.project(turn * Vector3::new(*x, *y, 0.0) + shift);
-                errors.extend([pu - u, pv - v]);
-            }
+            errors.extend(camera.errors(pose, seen).flatten());
         }
         errors
     }
@@ -162,20 +158,18 @@ impl Bundle {
         free.chain(self.views.iter().flat_map(|view| view.pose.0)).collect()
     }
 
-    fn set_numbers(&mut self, numbers: &[f64]) {
-        for (position, index) in self.free.clone().into_iter().enumerate() {
-            self.set_shared(index, numbers[position]);
-        }
-        for (view, pose) in self.views.iter_mut().zip(numbers[self.free.len()..].chunks_exact(POSE))
-        {
-            view.pose.0.copy_from_slice(pose);
+    /// Changes one of [`Bundle::numbers`].
+    fn set_number(&mut self, position: usize, value: f64) {
+        match position.checked_sub(self.free.len()) {
+            None => self.set_shared(self.free[position], value),
+            Some(rest) => self.views[rest / POSE].pose.0[rest % POSE] = value,
         }
     }
 
     fn linearised(&self) -> Rows {
         let shared = self.free.len();
         let columns = shared + POSE * self.views.len();
-        let blocks: Vec<Block> = self.views.iter().map(|view| self.block(view)).collect();
+        let blocks: Vec<Rows> = self.views.iter().map(|view| self.block(view)).collect();
         let height =
             blocks.iter().map(|block| block.error.len()).sum::<usize>() + self.beliefs.len();
         let (mut jacobian, mut error) = (DMatrix::zeros(height, columns), DVector::zeros(height));
@@ -204,42 +198,28 @@ impl Bundle {
     }
 
     /// One view's derivatives and errors, turned into as few rows as there are columns.
-    fn block(&self, view: &BoardView) -> Block {
+    fn block(&self, view: &BoardView) -> Rows {
         let error = self.errors(view);
-        let shared = self.free.len();
-        let mut whole = DMatrix::zeros(error.len(), shared + POSE + 1);
-        let mut moved = Self {
-            views: Vec::new(),
-            free: Vec::new(),
-            beliefs: Vec::new(),
-            cameras: self.cameras,
-            rig: self.rig,
-            square_pixels: self.square_pixels,
-        };
-        let mut moved_view = view.clone();
-        let start = self.shared();
-        for (column, &index) in self.free.iter().enumerate() {
-            let step = step(start[index]);
-            moved.set_shared(index, start[index] + step);
-            let above = moved.errors(view);
-            moved.set_shared(index, start[index] - step);
-            let below = moved.errors(view);
-            moved.set_shared(index, start[index]);
-            set_difference(&mut whole, column, &above, &below, step);
+        let columns = self.free.len() + POSE;
+        let mut whole = DMatrix::zeros(error.len(), columns + 1);
+        let (views, free) = (vec![view.clone()], self.free.clone());
+        let mut moved = Self { views, free, beliefs: Vec::new(), ..*self };
+        for (column, number) in moved.numbers().into_iter().enumerate() {
+            let step = step(number);
+            let mut errors_at = |number: f64| {
+                moved.set_number(column, number);
+                moved.errors(&moved.views[0])
+            };
+            let (above, below) = (errors_at(number + step), errors_at(number - step));
+            moved.set_number(column, number);
+            for (row, (above, below)) in above.iter().zip(below).enumerate() {
+                whole[(row, column)] = (above - below) / (2.0 * step);
+            }
         }
-        for number in 0..POSE {
-            let step = step(view.pose.0[number]);
-            moved_view.pose.0[number] = view.pose.0[number] + step;
-            let above = self.errors(&moved_view);
-            moved_view.pose.0[number] = view.pose.0[number] - step;
-            let below = self.errors(&moved_view);
-            moved_view.pose.0[number] = view.pose.0[number];
-            set_difference(&mut whole, shared + number, &above, &below, step);
-        }
-        whole.column_mut(shared + POSE).copy_from_slice(&error);
+        whole.column_mut(columns).copy_from_slice(&error);
         let turned = if whole.nrows() > whole.ncols() { whole.qr().r() } else { whole };
-        let jacobian = turned.columns(0, shared + POSE).into_owned();
-        Block { jacobian, error: turned.column(shared + POSE).into_owned() }
+        let jacobian = turned.columns(0, columns).into_owned();
+        Rows { jacobian, error: turned.column(columns).into_owned() }
     }
 }
 
@@ -249,23 +229,7 @@ fn step(value: f64) -> f64 {
     1e-6 * value.abs().max(1.0)
 }
 
-fn set_difference(
-    whole: &mut DMatrix<f64>,
-    column: usize,
-    above: &[f64],
-    below: &[f64],
-    step: f64,
-) {
-    for (row, (above, below)) in above.iter().zip(below).enumerate() {
-        whole[(row, column)] = (above - below) / (2.0 * step);
-    }
-}
-
-struct Block {
-    jacobian: DMatrix<f64>,
-    error: DVector<f64>,
-}
-
+/// Errors, and their derivatives by the numbers that are estimated.
 struct Rows {
     jacobian: DMatrix<f64>,
     error: DVector<f64>,
@@ -290,7 +254,9 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem {
     type ParameterStorage = VecStorage<f64, Dyn, U1>;
 
     fn set_params(&mut self, numbers: &DVector<f64>) {
-        self.bundle.set_numbers(numbers.as_slice());
+        for (position, &number) in numbers.iter().enumerate() {
+            self.bundle.set_number(position, number);
+        }
         self.rows = self.bundle.linearised();
     }
 

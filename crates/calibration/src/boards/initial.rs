@@ -15,7 +15,8 @@
 //! roots of numbers that a strongly distorted image makes negative, and knows no fisheye; a search
 //! over one number has neither trouble.
 
-use super::model::{Intrinsics, LensModel, Pose};
+use super::model::{Intrinsics, Pose, Sighting};
+use crate::interchange::LensModel;
 use linestereo::Dims;
 use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, SymmetricEigen, Vector3};
 
@@ -27,10 +28,8 @@ pub(super) const LEAST_POINTS: usize = 8;
 /// Errors above this say only "wrong", px.
 const FAR_OFF: f64 = 20.0;
 
-/// Corners of one board in one image: place on the board in m, and in the image in px.
+/// Corners of one board in one image.
 pub(super) type Sightings = Vec<Sighting>;
-/// One of them.
-type Sighting = ([f64; 2], [f64; 2]);
 
 /// Focal lengths in px, the most promising first.
 pub(super) fn focals(model: LensModel, dims: Dims, views: &[Sightings]) -> Vec<f64> {
@@ -55,12 +54,8 @@ pub(super) fn focals(model: LensModel, dims: Dims, views: &[Sightings]) -> Vec<f
 
 /// Mean of squared distances, each of them limited.
 fn error(camera: &Intrinsics, pose: &Pose, view: &Sightings) -> f64 {
-    let (turn, shift) = (pose.rotation(), pose.translation());
-    let squared = |&([x, y], [u, v]): &([f64; 2], [f64; 2])| {
-        let [pu, pv] = camera.project(turn * Vector3::new(x, y, 0.0) + shift);
-        ((pu - u).powi(2) + (pv - v).powi(2)).min(FAR_OFF * FAR_OFF)
-    };
-    view.iter().map(squared).sum::<f64>() / view.len().max(1) as f64
+    let squared = |[x, y]: [f64; 2]| (x.powi(2) + y.powi(2)).min(FAR_OFF * FAR_OFF);
+    camera.errors(*pose, view).map(squared).sum::<f64>() / view.len().max(1) as f64
 }
 
 /// Where the board stands, in the camera's coordinates.
@@ -97,7 +92,7 @@ pub(super) fn facing(camera: &Intrinsics, view: &Sightings) -> Pose {
 }
 
 /// The plane-to-plane map, by the least eigenvector of normalised equations.
-pub(super) fn homography(pairs: &[([f64; 2], [f64; 2])]) -> Option<Matrix3<f64>> {
+pub(super) fn homography(pairs: &[Sighting]) -> Option<Matrix3<f64>> {
     let from = normaliser(pairs.iter().map(|pair| pair.0))?;
     let to = normaliser(pairs.iter().map(|pair| pair.1))?;
     let mut normal = SMatrix::<f64, 9, 9>::zeros();

@@ -25,6 +25,7 @@ mod quality;
 mod reader;
 mod summary;
 
+pub use crate::interchange::LensModel;
 pub use board::{Board, BoardCorners, BoardError};
 pub use estimate::{
     BoardPair, CornerError, Dropped, Estimate, EstimateError, LEAST_CORNERS, LEAST_VIEWS, Options,
@@ -33,7 +34,6 @@ pub use estimate::{
 pub use finder::{BoardFinder, JunctionFinder};
 pub use grid::NotFound;
 pub use markers::{Dictionary, Pattern};
-pub use model::LensModel;
 pub use photos::{PhotoError, PhotoPair, find_pairs};
 pub use printed::Rectangle;
 pub use quality::{Assessment, Coverage, Finding, Rectified, Verdict, assess};

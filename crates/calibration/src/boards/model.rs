@@ -2,19 +2,10 @@
 //!
 //! The lens is the core's own [`Lens`]: one definition for estimating and for rectifying.
 
+use crate::interchange::LensModel;
 use linestereo::Dims;
 use linestereo_rig::{Camera, CameraError, Lens};
 use nalgebra::{Rotation3, Vector3};
-
-/// Which family a lens belongs to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LensModel {
-    /// Radial and tangential distortion of a lens that keeps straight lines nearly straight.
-    #[default]
-    BrownConrady,
-    /// A wide lens whose image grows with the angle.
-    Fisheye,
-}
 
 impl LensModel {
     /// Names of a camera's numbers, in their order.
@@ -33,6 +24,9 @@ pub(super) const FX: usize = 0;
 pub(super) const FY: usize = 1;
 pub(super) const SKEW: usize = 4;
 pub(super) const K1: usize = 5;
+
+/// A corner of a board in an image: its place on the board in m, and in the image in px.
+pub(super) type Sighting = ([f64; 2], [f64; 2]);
 
 /// A camera as numbers: fx, fy, cx, cy, skew, then the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +64,15 @@ impl Intrinsics {
         let [x, y] = self.lens().distort([point.x / z, point.y / z]);
         let [fx, fy, cx, cy, skew, ..] = self.numbers;
         [fx * x + skew * y + cx, fy * y + cy]
+    }
+
+    /// Predicted less seen, px, of each corner of a board that stands here.
+    pub(super) fn errors(&self, pose: Pose, seen: &[Sighting]) -> impl Iterator<Item = [f64; 2]> {
+        let (turn, shift) = (pose.rotation(), pose.translation());
+        seen.iter().map(move |&([x, y], [u, v])| {
+            let [pu, pv] = self.project(turn * Vector3::new(x, y, 0.0) + shift);
+            [pu - u, pv - v]
+        })
     }
 }
 

@@ -10,10 +10,11 @@ use linestereo::Dims;
 use linestereo_rig::{Camera, CameraSide, Lens};
 
 /// Meaning of the coefficients of a lens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum LensModel {
     /// Radial and tangential (OpenCV's default, `radtan`, `plumb_bob`).
+    #[default]
     BrownConrady,
     /// Equidistant (OpenCV's `fisheye`, Kalibr's `equidistant`).
     Fisheye,

@@ -3,13 +3,12 @@
 use super::super::board::Board;
 use super::super::initial::{self, Sightings};
 use super::super::markers::Pattern;
-use super::super::model::{Intrinsics, Pose};
+use super::super::model::{Intrinsics, Pose, Sighting};
 use super::outcome::{Dropped, EstimateError, LEAST_VIEWS};
-use super::residuals::{median, root_mean_square};
 use super::single::Single;
+use super::{median, root_mean_square};
 use linestereo::Dims;
 use linestereo_rig::CameraSide;
-use nalgebra::Vector3;
 
 /// Views that may differ in what they say of the cameras' pose before it is refined, in widths of
 /// the image.
@@ -77,13 +76,8 @@ fn nearest_rig(
 ) -> (Pose, Vec<f64>) {
     let off = |rig: &Pose| -> Vec<f64> {
         let one = |(pose, seen): (&Pose, &&Sightings)| {
-            let right = pose.then(rig);
-            let (turn, shift) = (right.rotation(), right.translation());
-            let apart = |&([x, y], [u, v]): &([f64; 2], [f64; 2])| {
-                let [pu, pv] = camera.project(turn * Vector3::new(x, y, 0.0) + shift);
-                [pu - u, pv - v]
-            };
-            root_mean_square(&seen.iter().flat_map(apart).collect::<Vec<_>>())
+            let errors = camera.errors(pose.then(rig), seen);
+            root_mean_square(&errors.flatten().collect::<Vec<_>>())
         };
         from.iter().zip(seen).map(one).collect()
     };
@@ -104,7 +98,7 @@ fn unmirrored(board: &Board, dims: Dims, seen: &Sightings, rows: bool) -> Sighti
             index / cols * cols + cols - 1 - index % cols
         }
     };
-    let turned = |(index, &(place, _)): (usize, &([f64; 2], [f64; 2]))| {
+    let turned = |(index, &(place, _)): (usize, &Sighting)| {
         let [u, v] = seen[other(index)].1;
         (place, [f64::from(dims.width - 1) - u, v])
     };

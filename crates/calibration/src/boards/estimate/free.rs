@@ -1,7 +1,8 @@
 //! Which numbers are estimated, and what is believed of them beforehand.
 
 use super::super::bundle::{Belief, RIG, camera_numbers};
-use super::super::model::{FX, FY, Intrinsics, K1, LensModel, SKEW};
+use super::super::model::{FX, FY, Intrinsics, K1, SKEW};
+use crate::interchange::LensModel;
 use linestereo::Dims;
 
 /// Prior standard deviation of k1, k2, k3 (k1 to k4 of a fisheye) and p1, p2, as the share of the

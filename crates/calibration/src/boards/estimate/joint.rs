@@ -3,7 +3,7 @@
 
 use super::super::bundle::Bundle;
 use super::outcome::{Dropped, EstimateError, LEAST_VIEWS};
-use super::residuals::{BAD_VIEW, ROUNDS, median, view_errors};
+use super::{BAD_VIEW, ROUNDS, median, view_errors};
 
 /// A corner further off than this many standard deviations, and than this in px, is dropped.
 const BAD_CORNER: (f64, f64) = (8.0, 0.5);

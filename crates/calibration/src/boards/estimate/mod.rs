@@ -29,7 +29,6 @@ mod free;
 mod joint;
 mod outcome;
 mod report;
-mod residuals;
 mod single;
 
 pub use free::Options;
@@ -39,16 +38,22 @@ pub use outcome::{
 };
 
 use super::board::Board;
-use super::bundle::{BoardView, Bundle};
+use super::bundle::Bundle;
 use super::initial::Sightings;
 use agreement::agreed_rig;
 use free::{beliefs, shared_numbers};
 use joint::robust;
 use linestereo::Dims;
+use linestereo_frames::statistics::upper_median;
 use linestereo_rig::CameraSide;
 use report::report;
 use single::single;
 use std::thread;
+
+/// A view whose error is above this many times the median of all views is dropped.
+const BAD_VIEW: f64 = 3.0;
+/// Rounds of dropping and estimating again.
+const ROUNDS: usize = 6;
 
 /// Estimates both cameras and their pose from boards that both saw.
 pub fn estimate(
@@ -79,25 +84,32 @@ pub fn estimate(
     let mut dropped: Vec<Option<Dropped>> =
         left.dropped.iter().zip(&right.dropped).map(|(left, right)| left.or(*right)).collect();
     let rig = agreed_rig(board, dims, &sightings, [&left, &right], &mut dropped)?;
-    let mut joint = Bundle {
-        cameras: [left.bundle.cameras[0], right.bundle.cameras[0]],
+    let cameras = [left.bundle.cameras[0], right.bundle.cameras[0]];
+    let mut views = left.bundle.views;
+    let [_, seen_right] = sightings;
+    views.iter_mut().zip(seen_right).for_each(|(view, right)| view.seen[1] = right);
+    let joint = Bundle {
+        cameras,
         rig,
-        views: left
-            .bundle
-            .views
-            .iter()
-            .zip(&sightings[1])
-            .map(|(view, right)| with_right(view, right))
-            .collect(),
+        views,
         free: shared_numbers(options, true),
         square_pixels: options.square_pixels,
-        beliefs: Vec::new(),
+        beliefs: beliefs(&cameras, dims),
     };
-    joint.beliefs = beliefs(&joint.cameras, dims);
     let (bundle, used) = robust(joint, &mut dropped)?;
     report(dims, &places, pairs, &bundle, &used, &dropped)
 }
 
-fn with_right(left: &BoardView, right: &Sightings) -> BoardView {
-    BoardView { seen: [left.seen[0].clone(), right.clone()], pose: left.pose }
+/// Root mean square distance of each view's corners, px.
+fn view_errors(bundle: &Bundle) -> Vec<f64> {
+    bundle.views.iter().map(|view| root_mean_square(&bundle.errors(view))).collect()
+}
+
+/// Of distances, from their coordinates one after the other.
+fn root_mean_square(errors: &[f64]) -> f64 {
+    (errors.iter().map(|e| e * e).sum::<f64>() / (errors.len() / 2).max(1) as f64).sqrt()
+}
+
+fn median(values: &[f64]) -> f64 {
+    upper_median(values.to_vec(), f64::total_cmp).unwrap_or(f64::INFINITY)
 }

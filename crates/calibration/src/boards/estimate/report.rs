@@ -6,7 +6,7 @@ use super::super::model::{FX, FY};
 use super::outcome::{
     BoardPair, CornerError, Dropped, Estimate, EstimateError, Parameter, ViewReport,
 };
-use super::residuals::root_mean_square;
+use super::root_mean_square;
 use crate::rig_file::quaternion;
 use linestereo::Dims;
 use linestereo_rig::{Calibration, CameraSide};

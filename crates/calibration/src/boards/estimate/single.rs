@@ -6,7 +6,7 @@ use super::super::initial::{self, Sightings};
 use super::super::model::{FX, Intrinsics, K1, Pose};
 use super::free::{Options, beliefs, shared_numbers};
 use super::outcome::{Dropped, LEAST_VIEWS};
-use super::residuals::{BAD_VIEW, ROUNDS, median, view_errors};
+use super::{BAD_VIEW, ROUNDS, median, view_errors};
 use linestereo::Dims;
 
 /// An error above which a first guess was a wrong one, px.
@@ -49,22 +49,12 @@ pub(super) fn single(dims: Dims, sightings: &[Sightings], options: &Options) -> 
         for view in bad {
             dropped[view] = Some(Dropped::Error(errors[view]));
         }
-        let views = bundle.views.clone();
-        bundle.views = (0..views.len())
-            .filter(|&view| dropped[view].is_none())
-            .map(|view| views[view].clone())
-            .collect();
+        let mut views = bundle.views.clone();
+        let good: Vec<usize> = kept.into_iter().filter(|&view| dropped[view].is_none()).collect();
+        bundle.views = good.iter().map(|&view| views[view].clone()).collect();
         bundle.solve();
-        let mut solved = core::mem::take(&mut bundle.views).into_iter();
-        bundle.views = views
-            .into_iter()
-            .zip(&dropped)
-            .map(
-                |(view, dropped)| {
-                    if dropped.is_none() { solved.next().unwrap_or(view) } else { view }
-                },
-            )
-            .collect();
+        good.into_iter().zip(bundle.views).for_each(|(view, solved)| views[view] = solved);
+        bundle.views = views;
     }
     Some(Single { bundle, dropped })
 }
