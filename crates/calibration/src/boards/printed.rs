@@ -13,9 +13,7 @@ impl Board {
         match self.pattern() {
             Pattern::Chessboard => Vec::new(),
             Pattern::Charuco { .. } => {
-                let squares =
-                    (0..=self.rows()).flat_map(|row| (0..=self.cols()).map(move |col| [col, row]));
-                squares.filter(|&square| !self.is_black(square)).collect()
+                self.squares().filter(|&square| !self.is_black(square)).collect()
             }
             Pattern::AprilGrid { .. } => {
                 let (cols, rows) = (self.cols() / 2, self.rows() / 2);
@@ -24,9 +22,13 @@ impl Board {
         }
     }
 
+    /// All squares of a chessboard, column and row from the upper left: one more than corners.
+    fn squares(&self) -> impl Iterator<Item = [usize; 2]> {
+        grid(self.cols() + 1, self.rows() + 1)
+    }
+
     /// Is this square, column and row from the upper left, one of the black ones?
     fn is_black(&self, [col, row]: [usize; 2]) -> bool {
-        // Squares are one more than corners.
         let from_white =
             matches!(self.pattern(), Pattern::Charuco { legacy: true, .. }) && self.rows() % 2 == 1;
         (col + row + usize::from(from_white)).is_multiple_of(2)
@@ -51,51 +53,38 @@ impl Board {
     pub fn black(&self) -> Vec<Rectangle> {
         let side = self.square();
         let place = |at: usize| (at as f64 - 1.0) * side;
-        let squares =
-            (0..=self.rows()).flat_map(|row| (0..=self.cols()).map(move |col| [col, row]));
-        let squares = squares.filter(|&square| self.is_black(square));
+        let squares = self.squares().filter(|&square| self.is_black(square));
         let squares = squares.map(|[col, row]| [place(col), place(row), side, side]);
-        let marked = |markers: &mut dyn Iterator<Item = Vec<Rectangle>>| {
-            markers.flatten().collect::<Vec<_>>()
-        };
         let markers = self.markers().into_iter().enumerate();
         match self.pattern() {
             Pattern::Chessboard => squares.collect(),
             Pattern::Charuco { dictionary, marker, .. } => {
                 let rim = side * (1.0 - marker) / 2.0;
                 let drawn = |(id, [col, row]): (usize, [usize; 2])| {
-                    marker_cells(
-                        dictionary,
-                        id,
-                        RIMS[0],
-                        false,
-                        [place(col) + rim, place(row) + rim],
-                        marker * side,
-                    )
+                    let origin = [place(col) + rim, place(row) + rim];
+                    marker_cells(dictionary, id, RIMS[0], false, origin, marker * side)
                 };
-                squares.chain(marked(&mut markers.map(drawn))).collect()
+                squares.chain(markers.flat_map(drawn)).collect()
             }
             Pattern::AprilGrid { spacing } => {
                 let Some(dictionary) = self.pattern().dictionary() else { return Vec::new() };
                 let (gap, step) = (spacing * side, (1.0 + spacing) * side);
                 let drawn = |(id, [col, row]): (usize, [usize; 2])| {
-                    marker_cells(
-                        dictionary,
-                        id,
-                        RIMS[1],
-                        true,
-                        [col as f64 * step, row as f64 * step],
-                        side,
-                    )
+                    let origin = [col as f64 * step, row as f64 * step];
+                    marker_cells(dictionary, id, RIMS[1], true, origin, side)
                 };
                 let corner = |i: usize| i as f64 * step - gap;
-                let between = (0..=self.rows() / 2)
-                    .flat_map(|row| (0..=self.cols() / 2).map(move |col| (col, row)));
-                let between = between.map(|(col, row)| [corner(col), corner(row), gap, gap]);
-                between.chain(marked(&mut markers.map(drawn))).collect()
+                let between = grid(self.cols() / 2 + 1, self.rows() / 2 + 1)
+                    .map(|[col, row]| [corner(col), corner(row), gap, gap]);
+                between.chain(markers.flat_map(drawn)).collect()
             }
         }
     }
+}
+
+/// Columns and rows of a rectangle, row by row.
+fn grid(cols: usize, rows: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..rows).flat_map(move |row| (0..cols).map(move |col| [col, row]))
 }
 
 /// A marker's black cells, neighbours in a row as one; `turned` by half a turn, as Kalibr prints
