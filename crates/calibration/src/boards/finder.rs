@@ -20,9 +20,10 @@
 use super::board::{Board, BoardCorners};
 use super::grid::{Grid, NotFound, more_telling};
 use super::markers::Pattern;
+use super::reader::view;
 use super::{april, charuco, corner};
 use calib_targets_chessboard::{
-    ChessboardDetector, ChessboardParams, DetectorConfig, GrayImageView, detect_corners,
+    ChessboardDetector, ChessboardParams, DetectorConfig, detect_corners,
 };
 use chess_corners::{ChessRing, ImageRefiner, OnRefinerReject, UpscaleConfig};
 use linestereo_frames::GrayImage;
@@ -110,14 +111,6 @@ fn marked(image: &GrayImage, board: &Board) -> Result<BoardCorners, NotFound> {
         };
     }
     best
-}
-
-fn view(image: &GrayImage) -> GrayImageView<'_> {
-    GrayImageView {
-        width: image.dims.width.into(),
-        height: image.dims.height.into(),
-        data: &image.pixels,
-    }
 }
 
 /// Ways of looking with their least responses, cheap before dear.

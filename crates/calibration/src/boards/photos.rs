@@ -134,8 +134,8 @@ fn numbered(folder: &Path, side: usize) -> Result<BTreeMap<Key, PathBuf>, PhotoE
 fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoError> {
     let mut found = Vec::new();
     for path in listed(folder)? {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
         if path.is_dir() {
+            let stem = stem_of(&path);
             if SIDES.iter().any(|names| names[side] == stem) {
                 let below = path.join("data");
                 let inside = listed(if below.is_dir() { &below } else { &path })?;

@@ -3,6 +3,7 @@
 use super::markers::Dictionary;
 use calib_targets_aruco::{MarkerCell, Matcher, ScanDecodeConfig, decode_marker_in_cell};
 use calib_targets_core::{Coord, GrayImageView};
+use linestereo::Dims;
 use linestereo_frames::GrayImage;
 
 /// Resolution at which a cell is read: positions are relative to it, so that it only has to be
@@ -10,6 +11,12 @@ use linestereo_frames::GrayImage;
 const CELL_PX: f32 = 64.0;
 /// Bits of a marker that may be wrong; fewer where markers of the dictionary differ less.
 const WRONG_BITS: u8 = 2;
+
+/// As the detectors take it.
+pub(super) fn view(image: &GrayImage) -> GrayImageView<'_> {
+    let Dims { width, height } = image.dims;
+    GrayImageView { width: width.into(), height: height.into(), data: &image.pixels }
+}
 
 /// Reads markers of one dictionary.
 pub(super) struct Reader<'a> {
@@ -61,11 +68,7 @@ impl<'a> Reader<'a> {
         };
         let config = ScanDecodeConfig::default().with_border_bits(rim).with_inset_frac(0.0);
         Self {
-            view: GrayImageView {
-                width: image.dims.width.into(),
-                height: image.dims.height.into(),
-                data: &image.pixels,
-            },
+            view: view(image),
             matcher: Matcher::new(dictionary, wrong.min(WRONG_BITS)),
             config: config.with_marker_size_rel(share as f32),
         }
