@@ -143,21 +143,11 @@ pub struct Exported {
 
 /// Reads a rig from one or more files of one format, which is told from what they hold.
 pub fn load_rig(paths: &[PathBuf], options: &Options) -> Result<Imported, InterchangeError> {
-    let first = paths.first().cloned().unwrap_or_default();
     let is_toml = |path: &PathBuf| {
         path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
     };
-    let name = |Fault { place, problem }: Fault| InterchangeError {
-        path: place.and_then(|place| paths.get(place.file)).unwrap_or(&first).clone(),
-        line: place.map(|place| place.line).filter(|&line| line > 0),
-        problem,
-    };
-    let texts = paths
-        .iter()
-        .enumerate()
-        .map(|(file, path)| read_text(path, file))
-        .collect::<Result<Vec<_>, _>>();
-    let texts = texts.map_err(name)?;
+    let texts = paths.iter().enumerate().map(|(file, path)| read_text(path, file));
+    let texts = texts.collect::<Result<Vec<_>, _>>().map_err(|fault| named(paths, fault))?;
     let is_own = paths.first().is_some_and(is_toml)
         || texts.first().is_some_and(|text| looks_like_toml(text));
     let read = if options.from == Some(Format::RigToml) || (options.from.is_none() && is_own) {
@@ -165,7 +155,13 @@ pub fn load_rig(paths: &[PathBuf], options: &Options) -> Result<Imported, Interc
     } else {
         foreign(&texts, options)
     };
-    read.map_err(name)
+    read.map_err(|fault| named(paths, fault))
+}
+
+fn named(paths: &[PathBuf], Fault { place, problem }: Fault) -> InterchangeError {
+    let path = place.and_then(|place| paths.get(place.file)).or(paths.first());
+    let line = place.map(|place| place.line).filter(|&line| line > 0);
+    InterchangeError { path: path.cloned().unwrap_or_default(), line, problem }
 }
 
 /// The same, of texts that are no files of their own too.
@@ -175,14 +171,9 @@ pub fn load_rig_texts(rig: &[RigText], options: &Options) -> Result<Imported, In
     else {
         return load_rig(&paths, options);
     };
-    foreign(&texts, options).map_err(|Fault { place, problem }| {
-        let path = place
-            .and_then(|place| paths.get(place.file))
-            .or(paths.first())
-            .cloned()
-            .unwrap_or_default();
-        InterchangeError { path, line: None, problem } // its lines are in no file
-    })
+    // Its lines are in no file.
+    let unlined = |fault| InterchangeError { line: None, ..named(&paths, fault) };
+    foreign(&texts, options).map_err(unlined)
 }
 
 /// Refuses cameras whose numbers are not of their images, or not in px. The images of ROS may be

@@ -74,15 +74,12 @@ impl Node {
         };
         let text = self.text().ok_or_else(|| wrong("a list"))?.trim();
         let plain = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-        if [".inf", ".nan"].contains(&plain.as_str()) {
-            return Err(Problem::NotFinite(name.to_owned()).at(self.place));
-        }
-        let value: f64 = text.parse().map_err(|_| wrong(text))?;
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Problem::NotFinite(name.to_owned()).at(self.place))
-        }
+        let value: f64 = match plain.as_str() {
+            ".inf" | ".nan" => f64::NAN,
+            _ => text.parse().map_err(|_| wrong(text))?,
+        };
+        let finite = value.is_finite().then_some(value);
+        finite.ok_or_else(|| Problem::NotFinite(name.to_owned()).at(self.place))
     }
 
     /// A side of an image or matrix.

@@ -105,17 +105,10 @@ pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
     let [left, right] = names
         .pair("camera matrices (M1 and M2, K1 and K2, cameraMatrix1 and 2 ...)", CAMERA)?
         .ok_or_else(|| {
-            Problem::Missing(
-                "there are no two camera matrices (M1 and M2, camera_matrix in two files ...)"
-                    .to_owned(),
-            )
-            .anywhere()
+            missing("there are no two camera matrices (M1 and M2, camera_matrix in two files ...)")
         })?;
     let lenses = names.pair("distortion coefficients", LENS)?.ok_or_else(|| {
-        Problem::Missing(
-            "there are no two lists of distortion coefficients (D1 and D2 ...)".to_owned(),
-        )
-        .anywhere()
+        missing("there are no two lists of distortion coefficients (D1 and D2 ...)")
     })?;
     let (left, right) = (left.node.matrix(&left.name)?, right.node.matrix(&right.name)?);
     let dims = dims(&names, options, intrinsics(&left)?.1)?;
@@ -138,6 +131,10 @@ pub(super) fn read(files: &[Node], options: &Options) -> Result<Read, Fault> {
     let stored =
         rectified.filter(|_| !options.swap).and_then(|found| found.stored(&pose, &mut notes));
     Ok(Read { calibration, stored, notes })
+}
+
+fn missing(what: &str) -> Fault {
+    Problem::Missing(what.to_owned()).anywhere()
 }
 
 fn dims(names: &Names<'_>, options: &Options, centre: [f64; 2]) -> Result<Dims, Fault> {
@@ -196,11 +193,10 @@ fn pose(
             notes.push("there are no R and T: the pose is taken from R1, R2, P1 and P2".to_owned());
             Ok((pose, None))
         }
-        _ => Err(Problem::Missing(
-            "there is no pose between the cameras (R and T, or R1, R2, P1 and P2); give the file of the extrinsics too"
-                .to_owned(),
-        )
-        .anywhere()),
+        _ => Err(missing(
+            "there is no pose between the cameras (R and T, or R1, R2, P1 and P2); give the file \
+             of the extrinsics too",
+        )),
     }
 }
 
