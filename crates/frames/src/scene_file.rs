@@ -39,15 +39,15 @@ pub(crate) fn stored(folder: &Path) -> Result<StoredPair, FrameError> {
     };
     let truth = stored_truth(folder, &info)?;
     let rig = info.rectified_rig();
+    let name = printable(&info.scene.clone().unwrap_or_else(|| folder_name(folder))).into_owned();
+    let images = PairFiles::Two([image("left")?, image("right")?]);
     Ok(StoredPair {
-        name: printable(&info.scene.clone().unwrap_or_else(|| folder_name(folder))).into_owned(),
-        number: None,
         layout: Layout::SceneJson,
         folder: folder.to_path_buf(),
-        images: PairFiles::Two([image("left")?, image("right")?]),
         truth,
         rig: rig.map_or(StoredRig::Unknown, |rig| StoredRig::Rectified(info_path, rig)),
         max_disparity: info.max_disparity,
+        ..StoredPair::alone(name, images)
     })
 }
 

@@ -29,14 +29,10 @@ pub(crate) fn find(folder: &Listing) -> Result<Vec<StoredPair>, FrameError> {
         ));
     }
     let pairs = Sequence::here(cameras)?.0.pairs.into_iter().map(|pair| StoredPair {
-        name: pair.name,
-        number: None,
         layout: Layout::Euroc,
         folder: folder.path.clone(),
-        images: pair.files,
-        truth: None,
         rig: StoredRig::Raw(files.clone().map(RigText::from).to_vec()),
-        max_disparity: None,
+        ..StoredPair::alone(pair.name, pair.files)
     });
     Ok(pairs.collect())
 }

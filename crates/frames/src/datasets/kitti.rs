@@ -30,6 +30,13 @@ struct Variant {
     calibration: &'static str,
 }
 
+const GREY_2012: Variant = Variant {
+    images: ["image_0", "image_1"],
+    cameras: [0, 1],
+    layout: Layout::Kitti2012,
+    truth: ["disp_occ", "disp_noc"],
+    calibration: "calib",
+};
 const VARIANTS: [Variant; 3] = [
     Variant {
         images: ["image_2", "image_3"],
@@ -38,20 +45,8 @@ const VARIANTS: [Variant; 3] = [
         truth: ["disp_occ_0", "disp_noc_0"],
         calibration: "calib_cam_to_cam",
     },
-    Variant {
-        images: ["image_0", "image_1"],
-        cameras: [0, 1],
-        layout: Layout::Kitti2012,
-        truth: ["disp_occ", "disp_noc"],
-        calibration: "calib",
-    },
-    Variant {
-        images: ["colored_0", "colored_1"],
-        cameras: [2, 3],
-        layout: Layout::Kitti2012,
-        truth: ["disp_occ", "disp_noc"],
-        calibration: "calib",
-    },
+    GREY_2012,
+    Variant { images: ["colored_0", "colored_1"], cameras: [2, 3], ..GREY_2012 },
 ];
 
 /// The frames of the first kind of images that is there; nothing where names are not those of the
@@ -110,14 +105,12 @@ fn frame(
         scale: Scale::SixteenBit,
         visibility: in_folder(visible).map_or(Visibility::Truth, |path| Visibility::Mask(path, 0)),
     });
+    let images = PairFiles::Two(images.map(|listing| listing.path.join(file)));
     Ok(StoredPair {
-        name: file.trim_end_matches(".png").to_owned(),
-        number: None,
         layout: variant.layout,
         folder: folder.path.clone(),
-        images: PairFiles::Two(images.map(|listing| listing.path.join(file))),
         truth,
         rig: StoredRig::Rectified(path, rig),
-        max_disparity: None,
+        ..StoredPair::alone(file.trim_end_matches(".png").to_owned(), images)
     })
 }

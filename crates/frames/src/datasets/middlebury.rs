@@ -180,14 +180,6 @@ fn pair(
     images: [PathBuf; 2],
     truth: Option<StoredTruth>,
 ) -> StoredPair {
-    StoredPair {
-        name: String::new(),
-        number: None,
-        layout,
-        folder: folder.path.clone(),
-        images: PairFiles::Two(images),
-        truth,
-        rig: StoredRig::Unknown,
-        max_disparity: None,
-    }
+    let alone = StoredPair::alone(String::new(), PairFiles::Two(images));
+    StoredPair { layout, folder: folder.path.clone(), truth, ..alone }
 }

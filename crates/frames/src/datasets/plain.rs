@@ -72,16 +72,14 @@ fn stored(
     let scale = info.and_then(SceneInfo::disparity_scale).map_or(Scale::SixteenBit, Scale::Steps);
     let rig = info.and_then(SceneInfo::rectified_rig);
     StoredPair {
-        name: pair.name.clone(),
-        number: None,
         layout,
         folder: folder.path.clone(),
-        images: pair.files.clone(),
         truth: file.map(|file| StoredTruth { file, scale, visibility: Visibility::Truth }),
         rig: rig.map_or(StoredRig::Unknown, |rig| {
             StoredRig::Rectified(folder.path.join("scene.json"), rig)
         }),
         max_disparity: info.and_then(|info| info.max_disparity),
+        ..StoredPair::alone(pair.name.clone(), pair.files.clone())
     }
 }
 
