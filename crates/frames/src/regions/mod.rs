@@ -133,43 +133,35 @@ pub struct Skipped {
 }
 
 impl Skipped {
-    /// Number of objects that were left out.
-    #[must_use]
-    pub fn objects(&self) -> usize {
-        self.outside
-            + self.empty
-            + self.unreadable
-            + self.broken_mask
-            + self.mask_size
-            + self.too_many
-    }
-
-    /// One line that says what was left out and why; empty when nothing was.
-    #[must_use]
-    pub fn summary(&self) -> String {
-        let reasons = [
+    fn reasons(&self) -> [(usize, &'static str); 6] {
+        [
             (self.outside, "outside of the image"),
             (self.empty, "without area"),
             (self.unreadable, "unreadable"),
             (self.broken_mask, "with broken run lengths"),
             (self.mask_size, "with a mask of another size"),
             (self.too_many, "beyond 4096 objects or 4 million runs"),
-        ];
-        let list: Vec<String> = reasons
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, why)| format!("{count} {why}"))
-            .collect();
+        ]
+    }
+
+    /// Number of objects that were left out.
+    #[must_use]
+    pub fn objects(&self) -> usize {
+        self.reasons().iter().map(|(count, _)| count).sum()
+    }
+
+    /// One line that says what was left out and why; empty when nothing was.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let reasons = self.reasons().into_iter().filter(|(count, _)| *count > 0);
+        let list: Vec<String> = reasons.map(|(count, why)| format!("{count} {why}")).collect();
         let mut text = String::new();
         if !list.is_empty() {
             let _ = writeln!(text, "objects skipped: {}", list.join(", "));
         }
-        if self.unknown_class > 0 {
-            let _ = writeln!(
-                text,
-                "objects of unknown classes, without a name: {}",
-                self.unknown_class
-            );
+        let unknown = self.unknown_class;
+        if unknown > 0 {
+            let _ = writeln!(text, "objects of unknown classes, without a name: {unknown}");
         }
         text
     }

@@ -14,17 +14,11 @@ pub(crate) fn check(parts: &[Vec<[f64; 2]>], dims: Dims) -> Result<(), Why> {
     if parts.iter().all(|part| part.len() < 3) {
         return Err(Why::Empty);
     }
-    let (width, height) = (f64::from(dims.width), f64::from(dims.height));
-    let all =
-        |test: fn(&[f64; 2], f64, f64) -> bool| corners().all(|corner| test(corner, width, height));
-    if all(|c, _, _| c[0] <= 0.0)
-        || all(|c, _, _| c[1] <= 0.0)
-        || all(|c, w, _| c[0] >= w)
-        || all(|c, _, h| c[1] >= h)
-    {
-        return Err(Why::Outside);
-    }
-    Ok(())
+    let is_beside = |axis: usize, side: u16| {
+        corners().all(|corner| corner[axis] <= 0.0)
+            || corners().all(|corner| corner[axis] >= f64::from(side))
+    };
+    if is_beside(0, dims.width) || is_beside(1, dims.height) { Err(Why::Outside) } else { Ok(()) }
 }
 
 /// Rows that the edges of an outline cross: the work that it takes to fill it.
