@@ -169,24 +169,17 @@ mod tests {
     use super::*;
 
     fn file(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
-        let length = header.len() as u32;
-        let length = if version == 1 {
-            (length as u16).to_le_bytes().to_vec()
-        } else {
-            length.to_le_bytes().to_vec()
-        };
-        [b"\x93NUMPY".as_slice(), &[version, 0], &length, header.as_bytes(), data].concat()
+        let length = (header.len() as u32).to_le_bytes();
+        let length = &length[..if version == 1 { 2 } else { 4 }];
+        [b"\x93NUMPY".as_slice(), &[version, 0], length, header.as_bytes(), data].concat()
     }
 
     #[test]
     fn every_type_order_and_version_is_read() {
         let dims = Dims { width: 2, height: 1 };
         let two = |kind: &str, data: &[u8]| {
-            file(
-                1,
-                &format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (1, 2), }}"),
-                data,
-            )
+            let rest = "'fortran_order': False, 'shape': (1, 2), ";
+            file(1, &format!("{{'descr': '{kind}', {rest}}}"), data)
         };
         for (kind, data) in [
             ("<f4", [1.0_f32.to_le_bytes(), 3.0_f32.to_le_bytes()].concat()),
@@ -219,31 +212,23 @@ mod tests {
 
     #[test]
     fn what_is_no_image_is_named() {
-        let of = |header: &str| array(&*file(1, header, &[0; 64])).unwrap_err();
         let order = "'fortran_order': False, 'shape': (2, 2)";
-        assert!(matches!(
-            of(&format!("{{'descr': [('x', '<f4')], {order}}}")),
-            DisparityFault::ElementType(_)
-        ));
-        assert_eq!(
-            of(&format!("{{'descr': '<c8', {order}}}")),
-            DisparityFault::ElementType("c8".to_owned())
-        );
-        for header in [
-            "{'descr': '<f4', 'shape': (2, 2)}",
-            "{'descr': '<f4', 'fortran_order': 1, 'shape': (2, 2)}",
+        let element = |kind: &str| DisparityFault::ElementType(kind.to_owned());
+        for (header, fault) in [
+            (&*format!("{{'descr': [('x', '<f4')], {order}}}"), element("records")),
+            (&format!("{{'descr': '<c8', {order}}}"), element("c8")),
+            ("{'descr': '<f4', 'shape': (2, 2)}", broken("its header tells no fortran_order")),
+            (
+                "{'descr': '<f4', 'fortran_order': 1, 'shape': (2, 2)}",
+                broken("its header tells no fortran_order"),
+            ),
+            (&format!("{{{order}}}"), broken("its header tells no descr")),
+            ("{'descr': '<f4', 'fortran_order': False}", broken("its header tells no shape")),
         ] {
-            assert_eq!(of(header), broken("its header tells no fortran_order"));
+            assert_eq!(array(&*file(1, header, &[0; 64])), Err(fault), "{header}");
         }
-        assert_eq!(of(&format!("{{{order}}}")), broken("its header tells no descr"));
-        assert_eq!(
-            of("{'descr': '<f4', 'fortran_order': False}"),
-            broken("its header tells no shape")
-        );
-        assert_eq!(array(&b"\x93NUMPY\x01\x00\x40"[..]), Err(broken("its header is cut off")));
-        assert_eq!(
-            array(&b"\x93NUMPY\x01\x00\x40\x00{'descr'"[..]),
-            Err(broken("its header is cut off"))
-        );
+        for cut in [&b"\x93NUMPY\x01\x00\x40"[..], b"\x93NUMPY\x01\x00\x40\x00{'descr'"] {
+            assert_eq!(array(cut), Err(broken("its header is cut off")));
+        }
     }
 }

@@ -127,19 +127,6 @@ mod tests {
         assert!(open(folder.path(), 99).is_err());
     }
 
-    #[cfg(unix)]
-    #[test]
-    fn a_device_without_an_end_is_refused() {
-        assert_eq!(
-            read(Path::new("/dev/zero"), 1 << 20).unwrap_err().to_string(),
-            "it is larger than 1 MiB"
-        );
-        assert_eq!(
-            open(Path::new("/dev/zero"), 1 << 20).unwrap_err().kind(),
-            ErrorKind::NotSeekable
-        );
-    }
-
     #[test]
     fn a_panic_is_an_error() {
         assert_eq!(guarded(|| 3), Some(3));
