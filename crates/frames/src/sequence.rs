@@ -54,17 +54,6 @@ pub enum PairFiles {
     Source(Arc<dyn PairSource>),
 }
 
-impl PartialEq for PairFiles {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Two(a), Self::Two(b)) => a == b,
-            (Self::SideBySide(a), Self::SideBySide(b)) => a == b,
-            (Self::Source(a), Self::Source(b)) => Arc::ptr_eq(a, b),
-            _ => false,
-        }
-    }
-}
-
 impl PairFiles {
     /// The files, left first: of both views in one file that one twice.
     #[must_use]
@@ -97,7 +86,7 @@ impl PairFiles {
 }
 
 /// A pair of a folder.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct SequencePair {
     /// Name of its files without the side; empty for the only pair of a folder.
     pub(crate) name: String,
@@ -106,7 +95,7 @@ pub(crate) struct SequencePair {
 }
 
 /// The pairs of a folder.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Sequence {
     /// In the order of their numbers, then of their names.
     pub(crate) pairs: Vec<SequencePair>,
@@ -279,9 +268,10 @@ fn matched(left: ByName, mut right: ByName) -> (Sequence, [ByName; 2]) {
 mod tests {
     use super::*;
 
-    fn folder(files: &[&str]) -> tempfile::TempDir {
+    /// A folder with these files, whose names are separated by blanks.
+    fn folder(files: &str) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
-        for file in files {
+        for file in files.split(' ') {
             let path = folder.path().join(file);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, b"").unwrap();
@@ -289,7 +279,7 @@ mod tests {
         folder
     }
 
-    fn names(files: &[&str]) -> (Vec<String>, usize) {
+    fn names(files: &str) -> (Vec<String>, usize) {
         let folder = folder(files);
         let (sequence, _) = Sequence::here(&Listing::read(folder.path()).unwrap()).unwrap();
         (sequence.pairs.into_iter().map(|pair| pair.name).collect(), sequence.alone)
@@ -298,60 +288,22 @@ mod tests {
     #[test]
     fn every_layout_is_found_in_order() {
         for files in [
-            [
-                "2_left.png",
-                "2_right.png",
-                "10_left.png",
-                "10_right.png",
-                "11_left.png",
-                "scene.json",
-            ],
-            [
-                "left2.png",
-                "right2.png",
-                "left_10.png",
-                "right_10.png",
-                "right_11.png",
-                "frames.csv",
-            ],
-            [
-                "left/2.png",
-                "right/2.png",
-                "left/10.png",
-                "right/10.png",
-                "left/11.png",
-                "left/x.txt",
-            ],
-            [
-                "cam0/data/2.png",
-                "cam1/data/2.png",
-                "cam0/data/10.png",
-                "cam1/data/10.png",
-                "cam1/data/9.png",
-                "a.yaml",
-            ],
+            "2_left.png 2_right.png 10_left.png 10_right.png 11_left.png scene.json",
+            "left2.png right2.png left_10.png right_10.png right_11.png frames.csv",
+            "left/2.png right/2.png left/10.png right/10.png left/11.png left/x.txt",
+            "cam0/data/2.png cam1/data/2.png cam0/data/10.png cam1/data/10.png cam1/data/9.png a.yaml",
+            "Left/2.png Right/2.png Left/10.png Right/10.png Left/11.png",
+            "L/2.png R/2.png L/10.png R/10.png R/11.png",
+            "infra1/2.png infra2/2.png infra1/10.png infra2/10.png infra2/11.png",
+            "cam_left/2.png cam_right/2.png cam_left/10.png cam_right/10.png cam_left/11.png",
+            "2_L.png 2_R.png 10_L.png 10_R.png 11_L.png",
+            "infra1_2.png infra2_2.png infra1_10.png infra2_10.png infra1_11.png",
         ] {
-            assert_eq!(names(&files), (vec!["2".to_owned(), "10".to_owned()], 1), "{files:?}");
+            assert_eq!(names(files), (vec!["2".to_owned(), "10".to_owned()], 1), "{files}");
         }
-        for files in [
-            ["Left/2.png", "Right/2.png", "Left/10.png", "Right/10.png", "Left/11.png"],
-            ["L/2.png", "R/2.png", "L/10.png", "R/10.png", "R/11.png"],
-            ["infra1/2.png", "infra2/2.png", "infra1/10.png", "infra2/10.png", "infra2/11.png"],
-            [
-                "cam_left/2.png",
-                "cam_right/2.png",
-                "cam_left/10.png",
-                "cam_right/10.png",
-                "cam_left/11.png",
-            ],
-            ["2_L.png", "2_R.png", "10_L.png", "10_R.png", "11_L.png"],
-            ["infra1_2.png", "infra2_2.png", "infra1_10.png", "infra2_10.png", "infra1_11.png"],
-        ] {
-            assert_eq!(names(&files), (vec!["2".to_owned(), "10".to_owned()], 1), "{files:?}");
-        }
-        assert_eq!(names(&["im0.png", "im1.png", "calib.txt"]), (vec![String::new()], 0));
-        assert_eq!(names(&["leftmost.png", "right.png"]), (vec![], 1));
-        assert_eq!(names(&["model.png", "tower.png"]), (vec![], 0));
+        assert_eq!(names("im0.png im1.png calib.txt"), (vec![String::new()], 0));
+        assert_eq!(names("leftmost.png right.png"), (vec![], 1));
+        assert_eq!(names("model.png tower.png"), (vec![], 0));
     }
 
     #[test]
@@ -362,8 +314,7 @@ mod tests {
         // Frame 2 has no right image, frame 4 no left one.
         let left = [0, 50, 100, 150].map(|ms| time("left", ms));
         let right = [3, 54, 149, 203].map(|ms| time("right", ms));
-        let files: Vec<&str> = left.iter().chain(&right).map(String::as_str).collect();
-        let folder = folder(&files);
+        let folder = folder(&[left, right].concat().join(" "));
         let (sequence, _) = Sequence::here(&Listing::read(folder.path()).unwrap()).unwrap();
         let skews = sequence.pairs.iter().map(|pair| pair.files.times_us().unwrap());
         let skews: Vec<i64> = skews.map(|[left, right]| right as i64 - left as i64).collect();

@@ -47,7 +47,7 @@ pub struct Scene {
 }
 
 /// A pair on disk with everything that is known of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct StoredPair {
     /// Its path below the folder that was searched, with the frame's name where a folder holds
     /// several.
