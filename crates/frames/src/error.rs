@@ -72,8 +72,8 @@ pub enum FrameError {
         value: u8,
     },
     /// The asked width is not smaller than the image, or 0.
-    #[error("{0}")]
-    Width(WidthError),
+    #[error(transparent)]
+    Width(#[from] WidthError),
     /// `scene.json` is not what it should be.
     #[error("{0} is not a scene file ({1}); correct it")]
     SceneFile(PathBuf, String),
@@ -107,12 +107,6 @@ fn remedy_of_size(error: &ViewError) -> &'static str {
     let too_large =
         matches!(error, ViewError::Dims(dims) if dims.width.max(dims.height) > MAX_WIDTH);
     if too_large { "reduce it with --width" } else { "give a larger one" }
-}
-
-impl From<WidthError> for FrameError {
-    fn from(error: WidthError) -> Self {
-        Self::Width(error)
-    }
 }
 
 /// Why a folder of a known layout cannot be used.

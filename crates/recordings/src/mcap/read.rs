@@ -43,7 +43,7 @@ pub struct Place {
 pub enum McapFault {
     /// The file system says so.
     #[error("it cannot be read ({0}); check the path")]
-    Read(io::Error),
+    Read(#[from] io::Error),
     /// It does not begin as it has to.
     #[error("it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`")]
     NoMcap,
@@ -72,12 +72,6 @@ pub enum McapFault {
 }
 
 const AGAIN: &str = "copy it again, or repair it with `mcap recover`";
-
-impl From<io::Error> for McapFault {
-    fn from(error: io::Error) -> Self {
-        Self::Read(error)
-    }
-}
 
 impl Reader {
     /// Opens a file that begins as one.

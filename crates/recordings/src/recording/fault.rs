@@ -8,8 +8,8 @@ use linestereo_frames::untrusted::printable;
 #[non_exhaustive]
 pub enum RecordingFault {
     /// The file is damaged, or another one.
-    #[error("{0}")]
-    File(McapFault),
+    #[error(transparent)]
+    File(#[from] McapFault),
     /// A folder, or a file that is packed, which is not read as it is.
     #[error("{}", printable(.0))]
     Folder(String),
@@ -36,10 +36,4 @@ pub enum RecordingFault {
     /// An image that is not taken: its topic, and why.
     #[error("an image of {}: {}", printable(.0), printable(.1))]
     Image(String, String),
-}
-
-impl From<McapFault> for RecordingFault {
-    fn from(fault: McapFault) -> Self {
-        Self::File(fault)
-    }
 }
