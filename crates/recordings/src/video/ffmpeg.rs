@@ -16,7 +16,7 @@
 //! `-fps_mode` since; version 9 knows the former no more.
 
 use super::y4m::Header;
-use super::{Luma, MOST_FRAMES, VideoFault};
+use super::{Luma, MOST_FRAMES, Source, VideoFault};
 use core::time::Duration;
 use linestereo_frames::untrusted::{self, PIXELS};
 use std::collections::VecDeque;
@@ -357,28 +357,44 @@ impl Decoder {
         Ok(())
     }
 
-    pub(super) fn frames(&self) -> Option<usize> {
+    /// The next frame from the pipe.
+    fn take(&mut self) -> Result<(), VideoFault> {
+        let Some((program, from)) = &mut self.running else {
+            return Err(VideoFault::EndsEarly(self.next, self.said.clone()));
+        };
+        match next(from, self.stop)? {
+            Some(Ok((luma, time_ns))) => {
+                self.last = Some((self.next, luma, time_ns));
+                self.next += 1;
+                Ok(())
+            }
+            Some(Err(fault)) => Err(fault),
+            None => {
+                self.said = program.end();
+                let (frames, said) = (self.next, self.said.clone());
+                Err(if frames == 0 {
+                    VideoFault::Ffmpeg(said)
+                } else {
+                    VideoFault::EndsEarly(frames, said)
+                })
+            }
+        }
+    }
+}
+
+impl Source for Decoder {
+    fn frames(&self) -> Option<usize> {
         self.count
     }
 
-    pub(super) fn time_ns(&self, index: usize) -> Option<u64> {
+    fn time_ns(&self, index: usize) -> Option<u64> {
         match &self.times {
             Some(times) => times.get(index).copied(),
             None => self.last.as_ref().filter(|last| self.count.is_none() && last.0 == index)?.2,
         }
     }
 
-    pub(super) fn ended(&self) -> Option<usize> {
-        self.ended
-    }
-
-    pub(super) fn note(&self) -> Option<String> {
-        let now = || self.running.as_ref().map_or(String::new(), |(program, _)| program.said());
-        let said = if self.said.is_empty() { now() } else { self.said.clone() };
-        (!said.is_empty()).then(|| format!("ffmpeg says: {said}"))
-    }
-
-    pub(super) fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
+    fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
         loop {
             if let Some((at, luma, _)) = &self.last
                 && *at == index
@@ -405,28 +421,14 @@ impl Decoder {
         }
     }
 
-    /// The next frame from the pipe.
-    fn take(&mut self) -> Result<(), VideoFault> {
-        let Some((program, from)) = &mut self.running else {
-            return Err(VideoFault::EndsEarly(self.next, self.said.clone()));
-        };
-        match next(from, self.stop)? {
-            Some(Ok((luma, time_ns))) => {
-                self.last = Some((self.next, luma, time_ns));
-                self.next += 1;
-                Ok(())
-            }
-            Some(Err(fault)) => Err(fault),
-            None => {
-                self.said = program.end();
-                let (frames, said) = (self.next, self.said.clone());
-                Err(if frames == 0 {
-                    VideoFault::Ffmpeg(said)
-                } else {
-                    VideoFault::EndsEarly(frames, said)
-                })
-            }
-        }
+    fn ended(&self) -> Option<usize> {
+        self.ended
+    }
+
+    fn note(&self) -> Option<String> {
+        let now = || self.running.as_ref().map_or(String::new(), |(program, _)| program.said());
+        let said = if self.said.is_empty() { now() } else { self.said.clone() };
+        (!said.is_empty()).then(|| format!("ffmpeg says: {said}"))
     }
 }
 

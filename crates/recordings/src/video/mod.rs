@@ -43,9 +43,24 @@ struct Luma {
 }
 
 /// A video, or a camera.
-enum Source {
-    Y4m(y4m::Stored),
-    Decoded(ffmpeg::Decoder),
+trait Source: Send {
+    /// Number of frames; of a camera none is known.
+    fn frames(&self) -> Option<usize>;
+
+    /// Time of a frame behind the first one, ns; of a camera that of the clock when the frame
+    /// arrived, of the last one alone.
+    fn time_ns(&self, index: usize) -> Option<u64>;
+
+    /// The frame of this number. What ffmpeg decodes is decoded anew for one before the last.
+    fn frame(&mut self, index: usize) -> Result<Luma, VideoFault>;
+
+    /// No frame comes any more: the number of those that did.
+    fn ended(&self) -> Option<usize> {
+        None
+    }
+
+    /// A warning for the summary; `None` where every frame was read without one.
+    fn note(&self) -> Option<String>;
 }
 
 /// Is this a video, by its name?
@@ -58,57 +73,12 @@ fn ending(path: &Path) -> Option<String> {
     path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase())
 }
 
-impl Source {
-    /// Finds the frames of a file.
-    fn open(path: &Path, stop: Stop) -> Result<Self, VideoFault> {
-        if ending(path).is_some_and(|ending| ending == OWN) {
-            y4m::Stored::open(path).map(Self::Y4m)
-        } else {
-            ffmpeg::Decoder::open(path, stop).map(Self::Decoded)
-        }
-    }
-
-    /// Starts a camera, which has no last frame.
-    fn camera(camera: &Camera, stop: Stop) -> Result<Self, VideoFault> {
-        ffmpeg::Decoder::camera(camera, stop).map(Self::Decoded)
-    }
-
-    /// Number of frames; of a camera none is known.
-    fn frames(&self) -> Option<usize> {
-        match self {
-            Self::Y4m(stored) => Some(stored.frames()),
-            Self::Decoded(decoder) => decoder.frames(),
-        }
-    }
-
-    /// Time of a frame behind the first one, ns; of a camera that of the clock when the frame
-    /// arrived, of the last one alone.
-    fn time_ns(&self, index: usize) -> Option<u64> {
-        match self {
-            Self::Y4m(stored) => stored.time_ns(index),
-            Self::Decoded(decoder) => decoder.time_ns(index),
-        }
-    }
-
-    /// The frame of this number. What ffmpeg decodes is decoded anew for one before the last.
-    fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
-        match self {
-            Self::Y4m(stored) => stored.frame(index),
-            Self::Decoded(decoder) => decoder.frame(index),
-        }
-    }
-
-    /// No frame comes any more: the number of those that did.
-    fn ended(&self) -> Option<usize> {
-        if let Self::Decoded(decoder) = self { decoder.ended() } else { None }
-    }
-
-    /// A warning for the summary; `None` where every frame was read without one.
-    fn note(&self) -> Option<String> {
-        match self {
-            Self::Y4m(stored) => stored.note(),
-            Self::Decoded(decoder) => decoder.note(),
-        }
+/// Finds the frames of a file.
+fn open(path: &Path, stop: Stop) -> Result<Box<dyn Source>, VideoFault> {
+    if ending(path).is_some_and(|ending| ending == OWN) {
+        Ok(Box::new(y4m::Stored::open(path)?))
+    } else {
+        Ok(Box::new(ffmpeg::Decoder::open(path, stop)?))
     }
 }
 
@@ -118,7 +88,7 @@ impl Source {
 pub enum VideoFault {
     /// The file system says so.
     #[error("it cannot be read ({0}); check the path")]
-    Read(io::Error),
+    Read(#[from] io::Error),
     /// The first line is none of Y4M.
     #[error("it is no Y4M video ({0}); it starts with YUV4MPEG2, W and H; make it anew")]
     Header(&'static str),
@@ -179,10 +149,4 @@ pub enum VideoFault {
 /// Message of ffmpeg, if there is one.
 fn in_brackets(said: &str) -> String {
     if said.is_empty() { String::new() } else { format!(" ({})", printable(said)) }
-}
-
-impl From<io::Error> for VideoFault {
-    fn from(error: io::Error) -> Self {
-        Self::Read(error)
-    }
 }

@@ -1,7 +1,8 @@
 //! A video with both views side by side, left | right, or two that are paired by the numbers of
 //! their frames, up to the end of the shorter one; or a camera.
 
-use super::{Camera, Luma, Source, Stop, VideoFault};
+use super::ffmpeg::Decoder;
+use super::{Camera, Luma, Source, Stop, VideoFault, open};
 use core::fmt;
 use linestereo_frames::grey::{StoredGray, Values};
 use linestereo_frames::untrusted::printable;
@@ -12,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// A video, two, or a camera.
 pub struct Video {
     paths: Vec<PathBuf>,
-    sources: Mutex<Vec<Source>>,
+    sources: Mutex<Vec<Box<dyn Source>>>,
     /// Number of pairs; of a camera there is none.
     pairs: Option<usize>,
 }
@@ -29,10 +30,9 @@ pub(crate) fn pairs(
     paths: &[&Path],
     stop: Stop,
 ) -> Result<(Vec<StoredPair>, usize, Arc<Video>), FrameError> {
-    let opened =
-        paths.iter().map(|path| Source::open(path, stop).map_err(|fault| fault_of(path, fault)));
-    let sources: Vec<Source> = opened.collect::<Result<_, _>>()?;
-    let counts: Vec<usize> = sources.iter().filter_map(Source::frames).collect();
+    let opened = paths.iter().map(|path| open(path, stop).map_err(|fault| fault_of(path, fault)));
+    let sources = opened.collect::<Result<Vec<_>, _>>()?;
+    let counts: Vec<usize> = sources.iter().filter_map(|source| source.frames()).collect();
     let count = counts.iter().copied().min().unwrap_or(0);
     let alone = counts.iter().map(|frames| frames - count).sum();
     let video =
@@ -42,8 +42,8 @@ pub(crate) fn pairs(
 
 /// A camera with both views side by side.
 pub(crate) fn camera(camera: &Camera, stop: Stop) -> Result<Arc<Video>, FrameError> {
-    let source = Source::camera(camera, stop).map_err(|fault| fault_of(&camera.device, fault))?;
-    opened_as(vec![camera.device.clone()], vec![source], None)
+    let source = Decoder::camera(camera, stop).map_err(|fault| fault_of(&camera.device, fault))?;
+    opened_as(vec![camera.device.clone()], vec![Box::new(source)], None)
 }
 
 fn fault_of(path: &Path, fault: VideoFault) -> FrameError {
@@ -53,7 +53,7 @@ fn fault_of(path: &Path, fault: VideoFault) -> FrameError {
 /// The same, unless the first frame has no middle; one that is broken ends its own pair.
 fn opened_as(
     paths: Vec<PathBuf>,
-    sources: Vec<Source>,
+    sources: Vec<Box<dyn Source>>,
     pairs: Option<usize>,
 ) -> Result<Arc<Video>, FrameError> {
     let video = Arc::new(Video { paths, sources: Mutex::new(sources), pairs });
@@ -82,7 +82,7 @@ impl fmt::Debug for Video {
 }
 
 impl Video {
-    fn with<T>(&self, work: impl FnOnce(&mut [Source]) -> T) -> T {
+    fn with<T>(&self, work: impl FnOnce(&mut [Box<dyn Source>]) -> T) -> T {
         work(&mut self.sources.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

@@ -5,7 +5,7 @@
 //! `yuv4mpeg(5)` of MJPEG Tools; names of samples beyond 8 bits as ffmpeg writes them (`C420p10`,
 //! `Cmono12`).
 
-use super::{Luma, MOST_FRAMES, VideoFault};
+use super::{Luma, MOST_FRAMES, Source, VideoFault};
 use linestereo_frames::untrusted::{self, PIXELS};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -44,7 +44,6 @@ fn is_frame(line: &[u8]) -> bool {
 }
 
 impl Header {
-    /// Reads the first line.
     pub(super) fn read(from: &mut impl BufRead) -> Result<Self, VideoFault> {
         let line = line(from)?;
         match line.strip_suffix(b"\n") {
@@ -185,17 +184,19 @@ impl Stored {
             Ok(Self { file, header, places, is_cut })
         }
     }
+}
 
-    pub(super) fn frames(&self) -> usize {
-        self.places.len()
+impl Source for Stored {
+    fn frames(&self) -> Option<usize> {
+        Some(self.places.len())
     }
 
-    pub(super) fn time_ns(&self, index: usize) -> Option<u64> {
+    fn time_ns(&self, index: usize) -> Option<u64> {
         let [frames, seconds] = self.header.rate?.map(u128::from);
         u64::try_from(index as u128 * seconds * 1_000_000_000 / frames).ok()
     }
 
-    pub(super) fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
+    fn frame(&mut self, index: usize) -> Result<Luma, VideoFault> {
         let at = *self
             .places
             .get(index)
@@ -204,7 +205,7 @@ impl Stored {
         self.header.luma(&mut self.file)
     }
 
-    pub(super) fn note(&self) -> Option<String> {
+    fn note(&self) -> Option<String> {
         self.is_cut
             .then(|| format!("cut off inside frame {}, which is left out", self.places.len()))
     }
@@ -216,22 +217,22 @@ mod tests {
 
     #[test]
     fn samples_have_these_sizes() {
-        let of = |name| sampled(name, [5, 3]);
-        assert_eq!(
-            [of("mono"), of("mono10"), of("mono16")],
-            [Some((8, 0)), Some((10, 0)), Some((16, 0))]
-        );
-        assert_eq!(
-            [of("420jpeg"), of("420paldv"), of("420p10")],
-            [Some((8, 12)), Some((8, 12)), Some((10, 12))]
-        );
-        assert_eq!(
-            [of("411"), of("422"), of("444"), of("444alpha")].map(|of| of.unwrap().1),
-            [12, 18, 30, 45]
-        );
-        assert_eq!(
-            [of("420p17"), of("mono7"), of("p10"), of(""), of("rgb"), of("420p")],
-            [None; 6]
-        );
+        for (name, bits, chroma) in [
+            ("mono", 8, 0),
+            ("mono10", 10, 0),
+            ("mono16", 16, 0),
+            ("420jpeg", 8, 12),
+            ("420paldv", 8, 12),
+            ("420p10", 10, 12),
+            ("411", 8, 12),
+            ("422", 8, 18),
+            ("444", 8, 30),
+            ("444alpha", 8, 45),
+        ] {
+            assert_eq!(sampled(name, [5, 3]), Some((bits, chroma)), "{name}");
+        }
+        for name in ["420p17", "mono7", "p10", "", "rgb", "420p"] {
+            assert_eq!(sampled(name, [5, 3]), None, "{name}");
+        }
     }
 }
