@@ -32,18 +32,19 @@ pub fn is_recording(path: &Path) -> bool {
 /// The name of an MCAP file.
 #[must_use]
 pub fn is_mcap(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mcap"))
+    ends_in(path, "mcap")
+}
+
+fn ends_in(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
 /// The name of a bag in SQLite or of ROS 1, or of one that is packed as a whole.
 fn is_other_bag(path: &Path) -> bool {
-    let is = |path: &Path, wanted: &str| {
-        path.extension().is_some_and(|found| found.eq_ignore_ascii_case(wanted))
-    };
-    let packed = path.file_stem().map(Path::new).filter(|_| is(path, "zstd"));
-    is(path, "db3")
-        || is(path, "bag")
-        || packed.is_some_and(|inner| is_mcap(inner) || is(inner, "db3"))
+    let packed = path.file_stem().map(Path::new).filter(|_| ends_in(path, "zstd"));
+    ends_in(path, "db3")
+        || ends_in(path, "bag")
+        || packed.is_some_and(|inner| is_mcap(inner) || ends_in(inner, "db3"))
 }
 
 fn names(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
@@ -55,11 +56,8 @@ fn names(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
 
 /// The MCAP files of a recording, in their order.
 fn paths(root: &Path) -> Result<Vec<PathBuf>, RecordingFault> {
-    let packed = |path: &Path| {
-        path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("zstd"))
-    };
     if !root.is_dir() {
-        if packed(root) {
+        if ends_in(root, "zstd") {
             return Err(RecordingFault::Folder(
                 "it is packed as a whole; unpack it with `zstd -d`".to_owned(),
             ));
@@ -77,8 +75,8 @@ fn paths(root: &Path) -> Result<Vec<PathBuf>, RecordingFault> {
     };
     if found.is_empty() {
         let bags: Vec<PathBuf> = others.into_iter().filter(|name| is_other_bag(name)).collect();
-        let remedy =
-            if bags.iter().any(|name| packed(name)) { "unpack it with `zstd -d`" } else { CONVERT };
+        let is_packed = bags.iter().any(|name| ends_in(name, "zstd"));
+        let remedy = if is_packed { "unpack it with `zstd -d`" } else { CONVERT };
         return Err(RecordingFault::Folder(format!(
             "it holds {} and no .mcap; {remedy}",
             listed(&bags)
@@ -197,34 +195,17 @@ mod tests {
 
     #[test]
     fn what_cannot_be_read_says_what_to_do() {
-        let says = |files: &[&str], metadata: &str, words: &str| {
-            let bag = folder(files);
-            if !metadata.is_empty() {
-                fs::write(bag.path().join("metadata.yaml"), metadata).unwrap();
-            }
-            assert!(is_recording(bag.path()), "{files:?}");
+        let says = |file: &str, metadata: &str, words: &str| {
+            let bag = folder(&[file]);
+            fs::write(bag.path().join("metadata.yaml"), metadata).unwrap();
+            assert!(is_recording(bag.path()), "{file}");
             let error = paths(bag.path()).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         };
-        says(
-            &["bag_0.db3"],
-            "x",
-            "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`",
-        );
-        says(&["bag_0.mcap.zstd"], "x", "unpack it with `zstd -d`");
-        says(
-            &["a.mcap", "b.mcap"],
-            "",
-            "it holds a.mcap, b.mcap without a metadata.yaml; give one of them",
-        );
+        says("bag_0.mcap.zstd", "x", "unpack it with `zstd -d`");
         let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - \
                       bag_0.mcap\n    - 'bag_1.mcap'\n  x: 1\n";
-        says(&["bag_0.mcap"], listed, "its metadata.yaml names bag_1.mcap, which is not there");
-        assert!(paths(Path::new("x.mcap.zstd")).unwrap_err().to_string().contains("zstd -d"));
-        assert!(
-            is_recording(Path::new("x.db3"))
-                && is_recording(Path::new("x.BAG"))
-                && !is_recording(Path::new("x.zstd"))
-        );
+        says("bag_0.mcap", listed, "its metadata.yaml names bag_1.mcap, which is not there");
+        assert!(is_recording(Path::new("x.BAG")) && !is_recording(Path::new("x.zstd")));
     }
 }
