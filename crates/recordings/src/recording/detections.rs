@@ -176,20 +176,13 @@ mod tests {
     use crate::ros::messages::{Detection2D, PoseWithCovariance, Time};
 
     fn found(x: f64, turned: f64, classes: &[(&str, f64)]) -> Detection2D {
-        let result = |&(class, score): &(&str, f64)| ObjectHypothesisWithPose {
-            class_id: class.to_owned(),
-            score,
-            pose: PoseWithCovariance::default(),
+        let result = |&(class, score): &(&str, f64)| {
+            let pose = PoseWithCovariance::default();
+            ObjectHypothesisWithPose { class_id: class.to_owned(), score, pose }
         };
         let results = classes.iter().map(result).collect();
-        Detection2D {
-            results,
-            center: [x, 50.0, turned],
-            size_x: 20.0,
-            size_y: 10.0,
-            id: "7".to_owned(),
-            ..Detection2D::default()
-        }
+        let (header, center, id) = (Header::default(), [x, 50.0, turned], "7".to_owned());
+        Detection2D { header, results, center, size_x: 20.0, size_y: 10.0, id }
     }
 
     fn recording(topics: &[&str]) -> (tempfile::TempDir, PathBuf) {
@@ -199,12 +192,10 @@ mod tests {
         for topic in topics {
             let channel = writer.channel(topic, SCHEMA, "").unwrap();
             for (sec, x) in [(3, 30.0), (1, 10.0)] {
-                let header =
-                    Header { stamp: Time { sec, nanosec: 500 }, frame_id: "left".to_owned() };
-                let detections = vec![
-                    found(x, 0.0, &[("cup", 0.4), ("person", 0.9)]),
-                    found(x, core::f64::consts::FRAC_PI_2, &[]),
-                ];
+                let stamp = Time { sec, nanosec: 500 };
+                let header = Header { stamp, frame_id: "left".to_owned() };
+                let upright = found(x, 0.0, &[("cup", 0.4), ("person", 0.9)]);
+                let detections = vec![upright, found(x, core::f64::consts::FRAC_PI_2, &[])];
                 let bytes = cdr::write(&Detection2DArray { header, detections }).unwrap();
                 writer.message(channel, 0, &bytes).unwrap();
             }
@@ -218,42 +209,30 @@ mod tests {
         let (_folder, path) = recording(&["/boxes"]);
         let detections = Detections::open(&path, None, 1.0).unwrap();
         let at = |ns| detections.at(ns).unwrap();
-        let found = at(1_000_000_500).unwrap();
-        assert_eq!(
-            found[0],
-            Detection {
-                borders: [0.0, 45.0, 20.0, 55.0],
-                class: "person".to_owned(),
-                score: 0.9,
-                id: "7".to_owned()
-            }
-        );
-        assert!(
-            found[1].borders.iter().zip([5.0, 40.0, 15.0, 60.0]).all(|(a, b)| (a - b).abs() < 1e-9),
-            "{found:?}"
-        );
+        let [upright, turned] = &at(1_000_000_500).unwrap()[..] else { panic!("two boxes") };
+        assert_eq!(upright.borders, [0.0, 45.0, 20.0, 55.0]);
+        assert_eq!((&*upright.class, upright.score, &*upright.id), ("person", 0.9, "7"));
+        let expected = [5.0, 40.0, 15.0, 60.0];
+        let near = turned.borders.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(near, "{turned:?}");
         assert_eq!(at(3_001_000_500).unwrap()[0].borders[0], 20.0, "the last one, 1 ms later");
-        assert!(
-            at(3_001_000_501).is_none()
-                && at(0).is_none()
-                && at(2_000_000_000).is_none()
-                && at(u64::MAX).is_none()
-        );
+        for ns in [3_001_000_501, 0, 2_000_000_000, u64::MAX] {
+            assert!(at(ns).is_none(), "{ns}");
+        }
     }
 
     #[test]
     fn topics_are_named_and_not_guessed() {
         let (_folder, path) = recording(&["/a", "/b"]);
-        let error = |topic| Detections::open(&path, topic, 1.0).unwrap_err().to_string();
-        assert!(error(None).contains("is in /a, /b; name one"), "{}", error(None));
-        assert!(error(Some("/c")).contains("is in /c, but in /a, /b"), "{}", error(Some("/c")));
+        let (_empty, none) = recording(&[]);
+        for (path, topic, words) in [
+            (&path, None, "is in /a, /b; name one"),
+            (&path, Some("/c"), "is in /c, but in /a, /b"),
+            (&none, None, "it has no topic of vision_msgs"),
+        ] {
+            let error = Detections::open(path, topic, 1.0).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
         assert!(Detections::open(&path, Some("/b"), 1.0).is_ok());
-        let (_folder, path) = recording(&[]);
-        assert!(
-            Detections::open(&path, None, 1.0)
-                .unwrap_err()
-                .to_string()
-                .contains("it has no topic of vision_msgs")
-        );
     }
 }

@@ -81,16 +81,8 @@ mod tests {
         data: &[u8],
         step: u32,
     ) -> Result<Values, String> {
-        let header = Header::default();
-        let image = Image {
-            header,
-            height,
-            width,
-            encoding: encoding.to_owned(),
-            is_bigendian: 0,
-            step,
-            data: data.into(),
-        };
+        let (header, encoding, data) = (Header::default(), encoding.to_owned(), data.into());
+        let image = Image { header, height, width, encoding, is_bigendian: 0, step, data };
         let message = crate::ros::cdr::write(&image).unwrap();
         grey(&message, Kind { content: Content::Image, is_foxglove: false })
             .map(|stored| stored.values)
@@ -101,21 +93,17 @@ mod tests {
         let eight =
             |values| if let Ok(Values::Eight(values)) = values { values } else { Vec::new() };
         let bytes = [128, 10, 129, 20, 130, 30, 131, 40];
-        for encoding in ["yuv422", "uyvy"] {
-            assert_eq!(eight(read(encoding, [2, 2], &bytes, 4)), [10, 20, 30, 40], "{encoding}");
-        }
-        for encoding in ["yuv422_yuy2", "yuyv"] {
-            assert_eq!(
-                eight(read(encoding, [2, 2], &bytes, 4)),
-                [128, 129, 130, 131],
-                "{encoding}"
-            );
+        for (encoding, luma) in [
+            ("yuv422", [10, 20, 30, 40]),
+            ("uyvy", [10, 20, 30, 40]),
+            ("yuv422_yuy2", [128, 129, 130, 131]),
+            ("yuyv", [128, 129, 130, 131]),
+        ] {
+            assert_eq!(eight(read(encoding, [2, 2], &bytes, 4)), luma, "{encoding}");
         }
         assert_eq!(eight(read("nv21", [2, 2], &[1, 2, 3, 4, 99, 99], 2)), [1, 2, 3, 4]);
-        assert!(
-            read("yuv422", [2, 2], &bytes[..7], 4).is_err()
-                && read("yuv422_v210", [2, 2], &bytes, 4).is_err()
-        );
+        assert!(read("yuv422", [2, 2], &bytes[..7], 4).is_err());
+        assert!(read("yuv422_v210", [2, 2], &bytes, 4).is_err());
     }
 
     #[test]
