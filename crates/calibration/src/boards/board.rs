@@ -100,13 +100,8 @@ impl Board {
         if !SPACING.contains(&spacing) {
             return Err(BoardError::Spacing(spacing));
         }
-        Self {
-            cols: 2 * cols,
-            rows: 2 * rows,
-            square_m: tag_m,
-            pattern: Pattern::AprilGrid { spacing },
-        }
-        .checked()
+        let pattern = Pattern::AprilGrid { spacing };
+        Self { cols: 2 * cols, rows: 2 * rows, square_m: tag_m, pattern }.checked()
     }
 
     fn checked(self) -> Result<Self, BoardError> {
@@ -308,12 +303,8 @@ impl BoardCorners {
         let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
         for row in 0..self.rows - 1 {
             for col in 0..self.cols - 1 {
-                let around = [
-                    self.at(col, row),
-                    self.at(col + 1, row),
-                    self.at(col, row + 1),
-                    self.at(col + 1, row + 1),
-                ];
+                let around =
+                    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.at(col + i, row + j));
                 let [x, y] =
                     [0, 1].map(|axis| around.iter().map(|corner| corner[axis]).sum::<f64>() / 4.0);
                 let parity = (row + col) % 2;

@@ -85,21 +85,14 @@ fn placed(board: &Board, reader: &Reader, grid: &Grid) -> Result<Placement, NotF
             None => votes.push((placement, 1)),
         }
     }
+    let no_markers = NotFound::NoMarkers(grid.at.len());
     let Some(&(placement, agree)) = votes.iter().max_by_key(|(_, count)| count) else {
-        return Err(if unknown > 0 {
-            NotFound::OtherLayout
-        } else {
-            NotFound::NoMarkers(grid.at.len())
-        });
+        return Err(if unknown > 0 { NotFound::OtherLayout } else { no_markers });
     };
     if agree as f64 >= LEAST_SHARE * f64::from(read) && agree >= LEAST_MARKERS {
         return Ok(placement);
     }
-    Err(if read as usize > LEAST_MARKERS {
-        NotFound::OtherLayout
-    } else {
-        NotFound::NoMarkers(grid.at.len())
-    })
+    Err(if read as usize > LEAST_MARKERS { NotFound::OtherLayout } else { no_markers })
 }
 
 /// The grid's corners by their numbers on the board.

@@ -39,7 +39,6 @@ pub(super) fn more_telling(one: NotFound, other: NotFound) -> NotFound {
     if rank(other) > rank(one) { other } else { one }
 }
 
-/// Numbered junctions.
 pub(super) struct Grid {
     pub(super) at: BTreeMap<(i32, i32), [f64; 2]>,
     pub(super) cols: i32,

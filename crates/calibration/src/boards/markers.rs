@@ -42,7 +42,6 @@ impl Dictionary {
         self.0.name()
     }
 
-    /// Markers in it.
     pub(super) fn len(&self) -> usize {
         self.0.codes().len()
     }
@@ -89,7 +88,6 @@ pub enum Pattern {
 }
 
 impl Pattern {
-    /// Where its markers are from.
     pub(super) fn dictionary(&self) -> Option<Dictionary> {
         match self {
             Self::Chessboard => None,

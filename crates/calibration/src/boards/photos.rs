@@ -14,7 +14,6 @@ use std::path::{Path, PathBuf};
 /// Words for the left and the right camera that may stand anywhere in a name, without a mark around
 /// them.
 const WORDS: [[&str; 2]; 2] = [["left", "cam0"], ["right", "cam1"]];
-/// Extensions of photos.
 const EXTENSIONS: [&str; 10] =
     ["jpg", "jpeg", "png", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp"];
 /// File names listed in a message.

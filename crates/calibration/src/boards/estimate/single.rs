@@ -12,7 +12,6 @@ use linestereo::Dims;
 /// An error above which a first guess was a wrong one, px.
 const LOST: f64 = 3.0;
 
-/// One camera from its own photos.
 pub(super) struct Single {
     pub(super) bundle: Bundle,
     pub(super) dropped: Vec<Option<Dropped>>,
