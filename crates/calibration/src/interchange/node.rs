@@ -143,25 +143,15 @@ impl Node {
 
 /// Shape and values of a list: of rows of the same length, or of numbers.
 fn rows_of(nodes: &[Node]) -> (Option<[usize; 2]>, Vec<&Node>) {
-    let lengths: Option<Vec<usize>> = nodes
+    let rows: Option<Vec<&Vec<Node>>> = nodes
         .iter()
-        .map(|node| match &node.value {
-            Value::List(row) => Some(row.len()),
-            _ => None,
-        })
+        .map(|node| if let Value::List(row) = &node.value { Some(row) } else { None })
         .collect();
-    match lengths.as_deref() {
-        Some([first, rest @ ..]) if rest.iter().all(|length| length == first) => {
-            (Some([nodes.len(), *first]), nodes.iter().flat_map(values_of).collect())
+    match rows.as_deref() {
+        Some(rows @ [first, ..]) if rows.iter().all(|row| row.len() == first.len()) => {
+            (Some([rows.len(), first.len()]), rows.iter().copied().flatten().collect())
         }
         _ => (None, nodes.iter().collect()),
-    }
-}
-
-fn values_of(row: &Node) -> &[Node] {
-    match &row.value {
-        Value::List(values) => values,
-        _ => &[],
     }
 }
 

@@ -99,14 +99,10 @@ fn words(element: roxmltree::Node<'_, '_>, lines: &Lines) -> Value {
             words.extend(line.split_whitespace().map(node));
         }
     }
-    match (words.pop(), words.is_empty()) {
-        (Some(Node { value, .. }), true) => value,
-        (Some(last), false) => {
-            words.push(last);
-            Value::List(words)
-        }
-        (None, _) => Value::Text(String::new()),
+    if words.len() > 1 {
+        return Value::List(words);
     }
+    words.pop().map_or(Value::Text(String::new()), |word| word.value)
 }
 
 /// Where lines begin, so that finding one takes no walk through the text.
