@@ -46,7 +46,6 @@ pub enum RectifierError {
 
 /// Both meshes of a rig, and memory for the raw rows of one camera at a time.
 pub struct PairRectifier {
-    dims: Dims,
     meshes: Meshes,
     band: Box<Band<BAND>>,
 }
@@ -79,7 +78,7 @@ impl PairRectifier {
         } else {
             Meshes::Pc([built(remap, CameraSide::Left)?, built(remap, CameraSide::Right)?])
         };
-        Ok(Self { dims, meshes, band: Box::new(Band::new()) })
+        Ok(Self { meshes, band: Box::new(Band::new()) })
     }
 
     /// The numbers of a camera's mesh.
@@ -93,10 +92,10 @@ impl PairRectifier {
 
     /// Rectifies one image, row by row.
     pub fn image(&mut self, eye: CameraSide, raw: &GrayImage) -> Result<GrayImage, RectifierError> {
-        let Self { dims, meshes, band } = self;
+        let Self { meshes, band } = self;
         match meshes {
-            Meshes::Board(meshes) => rectified(&meshes[eye as usize], band, *dims, eye, raw),
-            Meshes::Pc(meshes) => rectified(&meshes[eye as usize], band, *dims, eye, raw),
+            Meshes::Board(meshes) => rectified(&meshes[eye as usize], band, eye, raw),
+            Meshes::Pc(meshes) => rectified(&meshes[eye as usize], band, eye, raw),
         }
     }
 
@@ -128,13 +127,13 @@ fn facts<const NODES: usize, const ROWS: usize>(mesh: &Mesh<NODES, ROWS>) -> Mes
 fn rectified<const NODES: usize, const ROWS: usize>(
     mesh: &Mesh<NODES, ROWS>,
     band: &mut Band<BAND>,
-    dims: Dims,
     eye: CameraSide,
     raw: &GrayImage,
 ) -> Result<GrayImage, RectifierError> {
     if raw.dims != mesh.raw_dims() {
         return Err(RectifierError::Size { needed: mesh.raw_dims(), given: raw.dims });
     }
+    let dims = mesh.dims();
     let mut pixels = vec![0; usize::from(dims.width) * usize::from(dims.height)];
     band.restart();
     for row in raw.pixels.chunks_exact(raw.dims.width.into()) {
@@ -219,10 +218,8 @@ mod tests {
         for ray in [[0.0, 0.0, 1.0], [0.3, -0.2, 1.0], [-0.25, 0.1, 1.0]] {
             let [[u, v], [x, y]] =
                 [&pair, &small].map(|rig| rig.camera(CameraSide::Right).project(ray).unwrap());
-            assert!(
-                ((u + 0.5) / 2.0 - (x + 0.5)).abs() < 1e-9
-                    && ((v + 0.5) / 3.0 - (y + 0.5)).abs() < 1e-9
-            );
+            assert!(((u + 0.5) / 2.0 - (x + 0.5)).abs() < 1e-9);
+            assert!(((v + 0.5) / 3.0 - (y + 0.5)).abs() < 1e-9);
         }
         assert_eq!(reduced(&pair, dims).unwrap(), pair);
     }
