@@ -84,7 +84,6 @@ impl Grid {
         Self { dims, raw, columns, cell, piece: cell, ..Self::EMPTY }
     }
 
-    /// The rows of nodes.
     fn node_rows<'a>(&self, nodes: &'a [Node]) -> impl Iterator<Item = &'a [Node]> + use<'a> {
         let rows = usize::from(nodes_along(self.dims.height, self.cell));
         nodes.chunks_exact(usize::from(self.columns).max(1)).take(rows)
@@ -344,7 +343,6 @@ impl Grid {
     }
 }
 
-/// Visibility of a cell to a camera.
 enum Visibility {
     Whole,
     Part,

@@ -184,7 +184,6 @@ impl RigImage {
         Self { remap: rectification.remap(), min_disparity, max_disparity }.checked()
     }
 
-    /// Checks all numbers.
     fn checked(self) -> Result<Self, RigImageError> {
         let remap = self.remap.checked().map_err(|error| match error {
             RemapError::Camera(side, error) => RigImageError::Camera(side, error),
