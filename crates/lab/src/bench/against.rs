@@ -103,11 +103,11 @@ pub(crate) fn merged(before: Option<Report>, now: Report) -> Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::figures::{Group, Method, SetReport, Values};
+    use crate::bench::figures::{Group, SetReport, Values};
 
     fn report(set: &str, better: Better, value: f64) -> Report {
-        let values = Values::default().with(Method::Linestereo, Some(value));
-        let group = Group::new("cells", vec![Figure::new("a figure", better, 1, values)]);
+        let figure = Figure::new("a figure", better, 1, Values::linestereo(value));
+        let group = Group::new("cells", vec![figure]);
         let set =
             SetReport { name: set.to_owned(), scenes: 1, notes: Vec::new(), groups: vec![group] };
         Report { opencv: None, sets: vec![set] }

@@ -4,7 +4,7 @@
 //! stand in the order of their confidence. The first N percent *of all cells* are judged, so that a
 //! method that leaves cells out does not gain by it.
 
-use super::figures::{Better, Figure, Group, Method, Values, percent};
+use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
 use linestereo::results::Point;
 use linestereo_frames::Truth;
@@ -134,31 +134,18 @@ pub(crate) fn spread(truth: &Grid<f64>) -> Grid<f64> {
     })
 }
 
-/// Figures of the methods that have hypotheses with a confidence.
-pub(crate) fn group(name: &str, methods: &[(Method, &Cells)]) -> Group {
-    let of = |value: &dyn Fn(&Cells) -> Option<f64>| {
-        methods
-            .iter()
-            .fold(Values::default(), |values, &(method, cells)| values.with(method, value(cells)))
-    };
-    let mut figures =
-        vec![Figure::new("cells with a hypothesis, %", Better::Higher, 1, of(&Cells::covered))];
-    let rates: Vec<(Method, Vec<Option<[f64; 2]>>)> =
-        methods.iter().map(|&(method, cells)| (method, cells.error_rates())).collect();
+/// Figures of linestereo and SGBM, which have hypotheses with a confidence.
+pub(crate) fn group(name: &str, linestereo: &Cells, sgbm: &Cells) -> Group {
+    let covered = Values::new([linestereo.covered(), sgbm.covered(), None]);
+    let mut figures = vec![Figure::new("cells with a hypothesis, %", Better::Higher, 1, covered)];
+    let rates = [linestereo, sgbm].map(Cells::error_rates);
     for (limit, px) in [1, 2].into_iter().enumerate() {
         for (row, share) in SHARES.into_iter().enumerate() {
-            let add = |values: Values, (method, rates): &(Method, Vec<Option<[f64; 2]>>)| {
-                values.with(*method, rates[row].map(|rates| rates[limit]))
-            };
-            let values = rates.iter().fold(Values::default(), add);
-            let figure = Figure::new(
-                format!("first {share} % of all cells: off by > {px} px, %"),
-                Better::Lower,
-                2,
-                values,
-            );
-            let is_main = px == 1 && MAIN_SHARES.contains(&share);
-            figures.push(if is_main { figure } else { figure.minor() });
+            let [ours, theirs] = [0, 1].map(|of: usize| rates[of][row].map(|rates| rates[limit]));
+            let name = format!("first {share} % of all cells: off by > {px} px, %");
+            let main = px == 1 && MAIN_SHARES.contains(&share);
+            let values = Values::new([ours, theirs, None]);
+            figures.push(Figure { main, ..Figure::new(name, Better::Lower, 2, values) });
         }
     }
     Group::new(name, figures)
@@ -201,7 +188,7 @@ mod tests {
         let rates = cells.error_rates();
         assert_eq!(rates[0], Some([50.0, 0.0]), "two of three have truth");
         assert_eq!(rates[1], None, "only 30 % of the cells have a hypothesis");
-        let group = group("cells", &[(Method::Linestereo, &cells)]);
+        let group = group("cells", &cells, &Cells::default());
         assert_eq!(group.figures.len(), 3);
     }
 

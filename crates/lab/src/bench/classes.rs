@@ -5,7 +5,7 @@
 //! class with at least 90 %; that of a dense matcher the median of its pixels on it.
 
 use super::cells::Hypothesis;
-use super::figures::{Better, Figure, Group, Method, Values};
+use super::figures::{Better, Figure, Group, Values};
 use super::grid::Grid;
 use super::order::median;
 use super::seen::{SURE, Seen};
@@ -109,38 +109,21 @@ impl SeenByClass {
     }
 }
 
-/// Figures of each method.
-pub(crate) fn group(methods: &[(Method, &SeenByClass)]) -> Group {
+/// Figures of linestereo, SGBM and StereoBM.
+pub(crate) fn group(methods: &[SeenByClass; 3]) -> Group {
     let mut figures = Vec::new();
     for (index, (_, name, _)) in CLASSES.into_iter().enumerate() {
         let of = |value: &dyn Fn(&Seen) -> f64| {
-            let present = methods.iter().filter(|(_, classes)| classes.0[index].cells > 0);
-            present.fold(Values::default(), |values, (method, classes)| {
-                values.with(*method, Some(value(&classes.0[index])))
-            })
+            let seen = methods.each_ref().map(|classes| &classes.0[index]);
+            Values::new(seen.map(|seen| (seen.cells > 0).then(|| value(seen))))
         };
+        let [off_1, off_2] = [0, 1].map(|limit: usize| of(&|seen| seen.off_percent()[limit]));
+        let named = |what: &str| format!("{name}: {what}");
         figures.extend([
-            Figure::new(
-                format!("{name}: cells"),
-                Better::Neither,
-                0,
-                of(&|seen| seen.cells as f64),
-            )
-            .minor(),
-            Figure::new(format!("{name}: seen, %"), Better::Higher, 0, of(&Seen::answered_percent)),
-            Figure::new(
-                format!("{name}: off by > 1 px, %"),
-                Better::Lower,
-                2,
-                of(&|seen| seen.off_percent()[0]),
-            ),
-            Figure::new(
-                format!("{name}: off by > 2 px, %"),
-                Better::Lower,
-                2,
-                of(&|seen| seen.off_percent()[1]),
-            )
-            .minor(),
+            Figure::count(named("cells"), of(&|seen| seen.cells as f64)),
+            Figure::new(named("seen, %"), Better::Higher, 0, of(&Seen::answered_percent)),
+            Figure::new(named("off by > 1 px, %"), Better::Lower, 2, off_1),
+            Figure::new(named("off by > 2 px, %"), Better::Lower, 2, off_2).minor(),
         ]);
     }
     Group::new("seen by class: 8x8 cells with an answer of p >= 0.9", figures)
@@ -188,7 +171,7 @@ mod tests {
             Seen { cells: 1, answered: 0, off: [0, 0] },
             "three pixels are too few"
         );
-        let group = group(&[(Method::Linestereo, &seen), (Method::Bm, &of_map)]);
+        let group = group(&[seen, SeenByClass::default(), of_map]);
         assert_eq!(group.figures.len(), 8, "two classes occur");
     }
 }

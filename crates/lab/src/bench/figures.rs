@@ -2,17 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A method that is scored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Method {
-    /// The core of this project.
-    Linestereo,
-    /// OpenCV's StereoSGBM.
-    Sgbm,
-    /// OpenCV's StereoBM.
-    Bm,
-}
-
 /// A value for each method; `None` where a metric is not defined for it, or has nothing to say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Values {
@@ -22,15 +11,15 @@ pub(crate) struct Values {
 }
 
 impl Values {
-    /// A value for this method alone.
-    pub(crate) fn with(mut self, method: Method, value: Option<f64>) -> Self {
-        let value = value.filter(|value| value.is_finite());
-        match method {
-            Method::Linestereo => self.linestereo = value,
-            Method::Sgbm => self.sgbm = value,
-            Method::Bm => self.bm = value,
-        }
-        self
+    /// Of linestereo, SGBM and StereoBM; what is not a number is left out.
+    pub(crate) fn new(of: [Option<f64>; 3]) -> Self {
+        let [linestereo, sgbm, bm] = of.map(|value| value.filter(|value| value.is_finite()));
+        Self { linestereo, sgbm, bm }
+    }
+
+    /// Of linestereo alone.
+    pub(crate) fn linestereo(value: f64) -> Self {
+        Self::new([Some(value), None, None])
     }
 
     fn all(&self) -> [Option<f64>; 3] {
@@ -70,6 +59,11 @@ impl Figure {
         values: Values,
     ) -> Self {
         Self { name: name.into(), better, decimals, main: true, values }
+    }
+
+    /// A number of cells, objects or sectors, shown where every figure is asked for.
+    pub(crate) fn count(name: impl Into<String>, values: Values) -> Self {
+        Self::new(name, Better::Neither, 0, values).minor()
     }
 
     /// The same, shown where every figure is asked for.
@@ -165,9 +159,7 @@ mod tests {
 
     #[test]
     fn a_table_has_a_line_per_figure() {
-        let values = Values::default()
-            .with(Method::Linestereo, Some(12.345))
-            .with(Method::Bm, Some(f64::NAN));
+        let values = Values::new([Some(12.345), None, Some(f64::NAN)]);
         let shown = Figure::new("off by > 1 px, %", Better::Lower, 2, values);
         let group = Group::new(
             "cells",

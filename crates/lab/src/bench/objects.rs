@@ -4,7 +4,7 @@
 //! is wrong when it lies more than 1 px outside the middle 90 % of the object's true disparities.
 
 use super::classes::THIN;
-use super::figures::{Better, Figure, Group, Method, Values, percent};
+use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
 use super::order::quantile;
 use std::collections::BTreeMap;
@@ -86,7 +86,7 @@ impl Objects {
 
     /// Figures of linestereo; OpenCV has no notion of an object.
     pub(crate) fn group(&self) -> Group {
-        let of = |value: f64| Values::default().with(Method::Linestereo, Some(value));
+        let of = Values::linestereo;
         let figures = [("thin", &self.thin), ("other", &self.solid)]
             .into_iter()
             .filter(|(_, tally)| tally.objects > 0);
@@ -96,13 +96,7 @@ impl Objects {
                 percent(tally.wrong, tally.answered.max(1)),
             );
             [
-                Figure::new(
-                    format!("{name}: objects"),
-                    Better::Neither,
-                    0,
-                    of(tally.objects as f64),
-                )
-                .minor(),
+                Figure::count(format!("{name}: objects"), of(tally.objects as f64)),
                 Figure::new(format!("{name}: answered, %"), Better::Higher, 0, of(answered)),
                 Figure::new(format!("{name}: wrong of these, %"), Better::Lower, 1, of(wrong)),
             ]

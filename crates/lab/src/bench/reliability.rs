@@ -4,7 +4,7 @@
 //! the share that is within 1 px.
 
 use super::cells::Hypothesis;
-use super::figures::{Better, Figure, Group, Method, Values};
+use super::figures::{Better, Figure, Group, Values};
 use super::grid::Grid;
 
 /// Lower end of each bin, percent; the last one ends at certainty.
@@ -62,21 +62,20 @@ impl Reliability {
 
     /// Figures of linestereo; other methods state no probability.
     pub(crate) fn group(&self, name: &str) -> Group {
-        let of = |value: f64| Values::default().with(Method::Linestereo, Some(value));
+        let of = Values::linestereo;
         let mut figures =
             vec![Figure::new("mean |said - right|, %", Better::Lower, 2, of(self.mean_gap()))];
         for (from, bin) in BINS.into_iter().zip(&self.0).filter(|(_, bin)| bin.points > 0) {
             let range =
                 format!("p {:.2} to {:.2}", f64::from(from) / 100.0, f64::from(from + 5) / 100.0);
-            let of_bin = |what: &str, value: f64| {
-                Figure::new(format!("{range}: {what}"), Better::Neither, 1, of(value))
+            let main = from >= SURE_PERCENT;
+            let of_bin = |what: &str, value: f64| Figure {
+                main,
+                ..Figure::new(format!("{range}: {what}"), Better::Neither, 1, of(value))
             };
-            let said_and_right =
-                [of_bin("said, %", bin.said_percent()), of_bin("right, %", bin.right_percent())];
-            let is_main = from >= SURE_PERCENT;
-            figures
-                .extend(said_and_right.map(|figure| if is_main { figure } else { figure.minor() }));
-            figures.push(Figure { decimals: 0, ..of_bin("points", bin.points as f64) }.minor());
+            figures.push(of_bin("said, %", bin.said_percent()));
+            figures.push(of_bin("right, %", bin.right_percent()));
+            figures.push(Figure::count(format!("{range}: points"), of(bin.points as f64)));
         }
         Group::new(name, figures)
     }

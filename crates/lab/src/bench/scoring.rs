@@ -3,7 +3,7 @@
 use super::cells::{self, Cells};
 use super::classes::{self, SeenByClass};
 use super::data_set::{DataSet, Known, Room, SceneFolder};
-use super::figures::{Group, Method};
+use super::figures::Group;
 use super::objects::{self, Objects};
 use super::opencv::{Answer, PairRequest, Request};
 use super::product::Pair;
@@ -168,20 +168,14 @@ impl Scores {
 
     /// Figures of all scenes.
     pub(crate) fn groups(&self, task: &Task<'_>) -> Vec<Group> {
-        const METHODS: [Method; 3] = [Method::Linestereo, Method::Sgbm, Method::Bm];
         let state =
             if task.damage == DAMAGES[0] { String::new() } else { format!(", {}", task.damage) };
-        let cells = [(Method::Linestereo, &self.cells), (Method::Sgbm, &self.cells_sgbm)];
-        let mut groups =
-            vec![cells::group(&format!("one hypothesis per 16x16 cell{state}"), &cells)];
+        let name = format!("one hypothesis per 16x16 cell{state}");
+        let mut groups = vec![cells::group(&name, &self.cells, &self.cells_sgbm)];
         if task.is_whole() && task.set.is_rooms {
-            groups.push(classes::group(&core::array::from_fn::<_, 3, _>(|i| {
-                (METHODS[i], &self.classes[i])
-            })));
+            groups.push(classes::group(&self.classes));
         } else if task.is_whole() {
-            groups.push(seen::group(&core::array::from_fn::<_, 3, _>(|i| {
-                (METHODS[i], &self.seen[i][..])
-            })));
+            groups.push(seen::group(&self.seen));
         }
         groups.extend(self.objects.as_ref().map(Objects::group));
         groups.extend(self.sectors.as_ref().map(Sectors::group));

@@ -9,8 +9,9 @@
 //!                       -> height above the floor, distance along it, direction
 //! ```
 
-use super::figures::{Better, Figure, Group, Method, Values, percent};
+use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
+use std::collections::BTreeMap;
 
 /// How far obstacles matter, m.
 pub(crate) const RANGE_M: f64 = 3.0;
@@ -69,46 +70,40 @@ struct Seen {
     falls_m: Option<f64>,
 }
 
-/// Sectors in view of all scenes, by what is true and said of them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Sectors {
-    right: usize,
-    farther: usize,
-    called_free: usize,
-    ghost_nearer: usize,
-    unknown: usize,
-    clear_free: usize,
-    clear_ghost: usize,
-    clear_unknown: usize,
-    drop_offs: DropOffs,
-}
+/// Sectors in view of all scenes, by what is true and said of them: an outcome of [`obstacle`] and
+/// one of [`drop_off`] each.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sectors(BTreeMap<&'static str, usize>);
 
-/// Sectors in view by what is true and said of their drop-offs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct DropOffs {
-    right: usize,
-    farther: usize,
-    nearer: usize,
-    not_told: usize,
-    none: usize,
-    ghost: usize,
-}
-
-impl DropOffs {
-    fn add(&mut self, truth_m: Option<f64>, said_m: Option<f64>) {
-        let kind = match (truth_m, said_m) {
-            (Some(truth), _) if truth >= RANGE_M => return,
-            (Some(_), None) => &mut self.not_told,
-            (Some(truth), Some(said)) if (said - truth).abs() <= TOLERANCE * truth => {
-                &mut self.right
-            }
-            (Some(truth), Some(said)) if said > truth => &mut self.farther,
-            (Some(_), Some(_)) => &mut self.nearer,
-            (None, None) => &mut self.none,
-            (None, Some(_)) => &mut self.ghost,
-        };
-        *kind += 1;
+/// Outcome of a sector by its nearest obstacle.
+fn obstacle(truth_m: Option<f64>, said: Said) -> &'static str {
+    match (truth_m, said) {
+        (Some(_), Said::Unknown) => "obstacle: unknown",
+        (Some(_), Said::Free) => "obstacle: called free",
+        (Some(truth), Said::Obstacle(said)) if is_right(truth, said) => "obstacle: told right",
+        (Some(truth), Said::Obstacle(said)) if said > truth => "obstacle: told farther",
+        (Some(_), Said::Obstacle(_)) => "obstacle: a ghost nearer",
+        (None, Said::Unknown) => "clear: unknown",
+        (None, Said::Free) => "clear: free",
+        (None, Said::Obstacle(_)) => "clear: a ghost",
     }
+}
+
+/// Outcome of a sector by its drop-off; none where that is too far away to matter.
+fn drop_off(truth_m: Option<f64>, said_m: Option<f64>) -> Option<&'static str> {
+    Some(match (truth_m, said_m) {
+        (Some(truth), _) if truth >= RANGE_M => return None,
+        (Some(_), None) => "drop-off: not told",
+        (Some(truth), Some(said)) if is_right(truth, said) => "drop-off: told right",
+        (Some(truth), Some(said)) if said > truth => "drop-off: told farther",
+        (Some(_), Some(_)) => "drop-off: told nearer",
+        (None, None) => "no drop-off: none told",
+        (None, Some(_)) => "no drop-off: one told",
+    })
+}
+
+fn is_right(truth: f64, said: f64) -> bool {
+    (said - truth).abs() <= TOLERANCE * truth
 }
 
 /// The tenth least of these, if there are as many.
@@ -154,7 +149,7 @@ impl Sectors {
         said: impl IntoIterator<Item = Answer>,
     ) {
         let seen = seen(truth, labels, camera);
-        for Answer { direction_deg, obstacle, drop_off_m } in said {
+        for Answer { direction_deg, obstacle: said, drop_off_m } in said {
             let within =
                 |pixel: &&Seen| (pixel.direction_deg - direction_deg).abs() <= HALF_WIDTH_DEG;
             let inside: Vec<&Seen> = seen.iter().filter(within).collect();
@@ -162,74 +157,54 @@ impl Sectors {
                 continue; // hardly in view
             }
             let obstacles = inside.iter().filter(|pixel| pixel.is_obstacle);
-            *self.kind(tenth(obstacles.map(|pixel| pixel.distance_m)), obstacle) += 1;
-            let falls = inside.iter().filter_map(|pixel| pixel.falls_m);
-            self.drop_offs.add(tenth(falls), drop_off_m);
+            let nearest = tenth(obstacles.map(|pixel| pixel.distance_m));
+            self.count(obstacle(nearest, said));
+            let edge = tenth(inside.iter().filter_map(|pixel| pixel.falls_m));
+            drop_off(edge, drop_off_m).into_iter().for_each(|outcome| self.count(outcome));
         }
     }
 
-    fn kind(&mut self, obstacle_m: Option<f64>, said: Said) -> &mut usize {
-        match (obstacle_m, said) {
-            (Some(_), Said::Unknown) => &mut self.unknown,
-            (Some(_), Said::Free) => &mut self.called_free,
-            (Some(nearest), Said::Obstacle(told))
-                if (told - nearest).abs() <= TOLERANCE * nearest =>
-            {
-                &mut self.right
-            }
-            (Some(nearest), Said::Obstacle(told)) if told > nearest => &mut self.farther,
-            (Some(_), Said::Obstacle(_)) => &mut self.ghost_nearer,
-            (None, Said::Unknown) => &mut self.clear_unknown,
-            (None, Said::Free) => &mut self.clear_free,
-            (None, Said::Obstacle(_)) => &mut self.clear_ghost,
-        }
+    fn count(&mut self, outcome: &'static str) {
+        *self.0.entry(outcome).or_default() += 1;
+    }
+
+    /// Sectors with an outcome that begins like this.
+    fn all(&self, start: &str) -> usize {
+        let counts = self.0.iter().filter(|(outcome, _)| outcome.starts_with(start));
+        counts.map(|(_, count)| count).sum()
     }
 
     /// Figures of linestereo.
     pub(crate) fn group(&self) -> Group {
-        let of = |value: f64| Values::default().with(Method::Linestereo, Some(value));
-        let Self {
-            right,
-            farther,
-            called_free,
-            ghost_nearer,
-            unknown,
-            clear_free,
-            clear_ghost,
-            clear_unknown,
-            drop_offs,
-        } = *self;
-        let obstacles = right + farther + called_free + ghost_nearer + unknown;
-        let clear = clear_free + clear_ghost + clear_unknown;
-        let share = |name: &str, better: Better, part: usize, whole: usize| {
-            Figure::new(format!("{name}, %"), better, 0, of(percent(part, whole.max(1))))
+        let count =
+            |name: &str, of: &str| Figure::count(name, Values::linestereo(self.all(of) as f64));
+        let share = |outcome: &str, better: Better| {
+            let whole = outcome.split_inclusive(':').next().map_or(0, |start| self.all(start));
+            let share = percent(self.all(outcome), whole.max(1));
+            Figure::new(format!("{outcome}, %"), better, 0, Values::linestereo(share))
         };
         let mut figures = vec![
-            Figure::new("sectors with an obstacle", Better::Neither, 0, of(obstacles as f64))
-                .minor(),
-            share("obstacle: told right", Better::Higher, right, obstacles),
-            share("obstacle: told farther", Better::Lower, farther, obstacles),
-            share("obstacle: called free", Better::Lower, called_free, obstacles),
-            share("obstacle: a ghost nearer", Better::Lower, ghost_nearer, obstacles),
-            share("obstacle: unknown", Better::Lower, unknown, obstacles),
-            Figure::new("clear sectors", Better::Neither, 0, of(clear as f64)).minor(),
-            share("clear: free", Better::Higher, clear_free, clear),
-            share("clear: a ghost", Better::Lower, clear_ghost, clear),
-            share("clear: unknown", Better::Lower, clear_unknown, clear),
+            count("sectors with an obstacle", "obstacle:"),
+            share("obstacle: told right", Better::Higher),
+            share("obstacle: told farther", Better::Lower),
+            share("obstacle: called free", Better::Lower),
+            share("obstacle: a ghost nearer", Better::Lower),
+            share("obstacle: unknown", Better::Lower),
+            count("clear sectors", "clear:"),
+            share("clear: free", Better::Higher),
+            share("clear: a ghost", Better::Lower),
+            share("clear: unknown", Better::Lower),
         ];
-        let DropOffs { right, farther, nearer, not_told, none, ghost } = drop_offs;
-        let edges = right + farther + nearer + not_told;
-        if edges > 0 {
+        if self.all("drop-off:") > 0 {
             figures.extend([
-                Figure::new("sectors with a drop-off", Better::Neither, 0, of(edges as f64))
-                    .minor(),
-                share("drop-off: told right", Better::Higher, right, edges),
-                share("drop-off: told farther", Better::Lower, farther, edges),
-                share("drop-off: told nearer", Better::Lower, nearer, edges),
-                share("drop-off: not told", Better::Lower, not_told, edges),
+                count("sectors with a drop-off", "drop-off:"),
+                share("drop-off: told right", Better::Higher),
+                share("drop-off: told farther", Better::Lower),
+                share("drop-off: told nearer", Better::Lower),
+                share("drop-off: not told", Better::Lower),
             ]);
         }
-        figures.push(share("no drop-off: one told", Better::Lower, ghost, none + ghost));
+        figures.push(share("no drop-off: one told", Better::Lower));
         Group::new("obstacles by direction, 0.05 to 0.4 m high, within 3 m", figures)
     }
 }
@@ -262,25 +237,23 @@ mod tests {
             Said::Unknown,
         ];
         sectors.add(&truth, &wall, &CAMERA, said.map(|said| answer(0.0, said, None)));
-        let expected = Sectors {
-            right: 1,
-            farther: 1,
-            ghost_nearer: 1,
-            called_free: 1,
-            unknown: 1,
-            drop_offs: DropOffs { none: 5, ..DropOffs::default() },
-            ..Sectors::default()
-        };
-        assert_eq!(sectors, expected);
+        let expected = BTreeMap::from([
+            ("obstacle: told right", 1),
+            ("obstacle: told farther", 1),
+            ("obstacle: a ghost nearer", 1),
+            ("obstacle: called free", 1),
+            ("obstacle: unknown", 1),
+            ("no drop-off: none told", 5),
+        ]);
+        assert_eq!(sectors.0, expected);
 
         // The floor is no obstacle, and what lies behind the camera is not in view.
         let mut clear = Sectors::default();
         let said = [(0.0, Said::Obstacle(1.0)), (5.0, Said::Free), (90.0, Said::Free)];
         let floor = wall.map(|_, _| 1);
         clear.add(&truth, &floor, &CAMERA, said.map(|(at, said)| answer(at, said, None)));
-        let drop_offs = DropOffs { none: 2, ..DropOffs::default() };
-        let expected = Sectors { clear_ghost: 1, clear_free: 1, drop_offs, ..Sectors::default() };
-        assert_eq!(clear, expected);
+        let expected = [("clear: a ghost", 1), ("clear: free", 1), ("no drop-off: none told", 2)];
+        assert_eq!(clear.0, BTreeMap::from(expected));
         assert_eq!(clear.group().figures.len(), 11);
     }
 
@@ -297,15 +270,21 @@ mod tests {
         let told = [Some(2.1), Some(2.9), Some(1.4), None];
         let mut sectors = Sectors::default();
         sectors.add(&truth, &labels, &CAMERA, told.map(|at| answer(0.0, Said::Unknown, at)));
-        let expected =
-            DropOffs { right: 1, farther: 1, nearer: 1, not_told: 1, ..DropOffs::default() };
-        assert_eq!(sectors.drop_offs, expected);
+        let expected = BTreeMap::from([
+            ("clear: unknown", 4),
+            ("drop-off: told right", 1),
+            ("drop-off: told farther", 1),
+            ("drop-off: told nearer", 1),
+            ("drop-off: not told", 1),
+        ]);
+        assert_eq!(sectors.0, expected);
 
         // On a floor that goes on, what is told is a ghost.
         let mut whole = Sectors::default();
         let floor = labels.map(|_, _| 1);
         whole.add(&truth, &floor, &CAMERA, told.map(|at| answer(0.0, Said::Unknown, at)));
-        assert_eq!(whole.drop_offs, DropOffs { none: 1, ghost: 3, ..DropOffs::default() });
+        let [none, one] = ["no drop-off: none told", "no drop-off: one told"];
+        assert_eq!((whole.0[none], whole.0[one]), (1, 3));
     }
 
     #[test]

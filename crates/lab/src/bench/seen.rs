@@ -4,7 +4,7 @@
 //! most probable point there; that of a dense matcher the median of its pixels.
 
 use super::cells::Hypothesis;
-use super::figures::{Better, Figure, Group, Method, Values, percent};
+use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
 use super::order::median;
 use std::collections::HashMap;
@@ -111,38 +111,26 @@ pub(crate) fn of_map(cells: &[(usize, usize)], map: &Grid<f64>, truth: &Grid<f64
     seen
 }
 
-/// Figures of each method's scenes.
-pub(crate) fn group(methods: &[(Method, &[Seen])]) -> Group {
+/// Figures of the scenes of linestereo, SGBM and StereoBM.
+pub(crate) fn group(methods: &[Vec<Seen>; 3]) -> Group {
     let of = |value: &dyn Fn(&[Seen]) -> f64| {
-        let present = methods.iter().filter(|(_, scenes)| !scenes.is_empty());
-        present.fold(Values::default(), |values, &(method, scenes)| {
-            values.with(method, Some(value(scenes)))
-        })
+        Values::new(methods.each_ref().map(|scenes| (!scenes.is_empty()).then(|| value(scenes))))
     };
+    let all = |value: &dyn Fn(Seen) -> f64| of(&|scenes| value(Seen::joined(scenes)));
     let worst = |scenes: &[Seen]| {
         let shares = scenes.iter().map(|scene| scene.answered as f64 / scene.cells as f64);
         100.0 * shares.reduce(|a, b| if a.is_nan() || a < b { a } else { b }).unwrap_or(f64::NAN)
     };
-    let off = |index: usize| move |scenes: &[Seen]| Seen::joined(scenes).off_percent()[index];
+    let [off_1, off_2] = [0, 1].map(|limit: usize| all(&|seen| seen.off_percent()[limit]));
+    let answered = all(&|seen| seen.answered_percent());
     Group::new(
         "seen: 16x16 cells with an answer of p >= 0.9",
         vec![
-            Figure::new(
-                "cells",
-                Better::Neither,
-                0,
-                of(&|scenes| Seen::joined(scenes).cells as f64),
-            )
-            .minor(),
-            Figure::new(
-                "answered, %",
-                Better::Higher,
-                0,
-                of(&|scenes| Seen::joined(scenes).answered_percent()),
-            ),
+            Figure::count("cells", all(&|seen| seen.cells as f64)),
+            Figure::new("answered, %", Better::Higher, 0, answered),
             Figure::new("answered in the worst scene, %", Better::Higher, 0, of(&worst)).minor(),
-            Figure::new("answers off by > 1 px, %", Better::Lower, 2, of(&off(0))),
-            Figure::new("answers off by > 2 px, %", Better::Lower, 2, of(&off(1))).minor(),
+            Figure::new("answers off by > 1 px, %", Better::Lower, 2, off_1),
+            Figure::new("answers off by > 2 px, %", Better::Lower, 2, off_2).minor(),
         ],
     )
 }
@@ -197,11 +185,11 @@ mod tests {
 
     #[test]
     fn scenes_are_pooled_and_the_worst_is_named() {
-        let scenes = [
+        let scenes = vec![
             Seen { cells: 10, answered: 9, off: [3, 1] },
             Seen { cells: 30, answered: 3, off: [0, 0] },
         ];
-        let group = group(&[(Method::Sgbm, &scenes)]);
+        let group = group(&[Vec::new(), scenes, Vec::new()]);
         let values: Vec<Option<f64>> =
             group.figures.iter().map(|figure| figure.values.sgbm).collect();
         assert_eq!(values, [Some(40.0), Some(30.0), Some(10.0), Some(25.0), Some(100.0 / 12.0)]);
