@@ -228,15 +228,6 @@ impl SceneFolder {
 }
 
 impl Known {
-    /// The same of images reduced to this width.
-    pub(crate) fn reduced(self, width: usize) -> Self {
-        if width >= self.truth.width() {
-            return self;
-        }
-        let truth = reduced(&self.truth, width);
-        Self { max_disparity: range_of(&truth), truth, room: None }
-    }
-
     /// Truth for hypotheses of cells: sparse one spread, nothing where something shines.
     pub(crate) fn judged(&self) -> Grid<f64> {
         match &self.room {
@@ -255,24 +246,6 @@ fn range_of(truth: &Grid<f64>) -> u16 {
     ((((largest + 2.0) / RANGE_STEP).floor() * RANGE_STEP) + RANGE_STEP).min(LARGEST_RANGE) as u16
 }
 
-/// Height of images reduced to this width.
-fn reduced_height(truth: &Grid<f64>, scale: f64) -> usize {
-    (truth.height() as f64 * scale).round_ties_even() as usize
-}
-
-/// The nearest truth of the pixels that become one.
-fn reduced(truth: &Grid<f64>, width: usize) -> Grid<f64> {
-    let scale = width as f64 / truth.width() as f64;
-    let height = reduced_height(truth, scale);
-    let mut values = vec![f64::NAN; width * height];
-    for (x, y) in truth.positions().filter(|&(x, y)| truth.at(x, y).is_finite()) {
-        let to = |at: usize, side: usize| ((at as f64 * scale) as usize).min(side - 1);
-        let kept = &mut values[to(y, height) * width + to(x, width)];
-        *kept = kept.max(truth.at(x, y) * scale);
-    }
-    Grid::new(width, values)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -281,15 +254,6 @@ mod tests {
     fn the_range_reaches_beyond_the_largest_truth() {
         let of = |largest: f64| range_of(&Grid::new(2, vec![f64::NAN, largest]));
         assert_eq!([13.9, 14.0, 45.0, 229.0, 500.0].map(of), [16, 32, 48, 240, 240]);
-    }
-
-    #[test]
-    fn the_nearest_truth_survives_a_reduction() {
-        let truth = Grid::new(4, vec![2.0, 8.0, f64::NAN, f64::NAN, 4.0, 6.0, f64::NAN, f64::NAN]);
-        let reduced = reduced(&truth, 2);
-        assert_eq!((reduced.width(), reduced.height()), (2, 1));
-        assert_eq!(reduced.at(0, 0), 4.0);
-        assert!(reduced.at(1, 0).is_nan());
     }
 
     #[test]

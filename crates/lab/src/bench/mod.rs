@@ -31,8 +31,9 @@ use core::num::NonZero;
 use core::sync::atomic::{AtomicUsize, Ordering};
 use data_set::{DataSet, Known, SceneFolder};
 use figures::{Group, Report, SetReport};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use linestereo_frames::untrusted;
+use linestereo_sim::commands::pairs::bar;
 use linestereo_sim::output::{OutputFiles, OutputPath, is_quiet, print};
 use opencv::Worker;
 use scoring::{DAMAGES, Scores, Task};
@@ -51,8 +52,6 @@ Examples:
   linestereo-lab bench ../shared/frames --json before.json
   linestereo-lab bench ../shared/frames --against before.json
       before and after a change of the method
-  linestereo-lab bench ../shared/frames --only middlebury2005_half --width 320
-      images reduced to 320 px
 
 Metrics:
   one hypothesis per cell   the most probable point of each 16x16 cell; the surest N % of all cells are judged.
@@ -76,9 +75,6 @@ pub struct Args {
     /// Score this set alone, or those below this folder.
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
-    /// Reduce wider images to this width, and score cells alone.
-    #[arg(long, value_name = "PX")]
-    width: Option<usize>,
     /// Print every figure.
     #[arg(long)]
     full: bool,
@@ -120,12 +116,12 @@ pub fn run(args: &Args) -> Result<()> {
         }
     }
     let opencv = find_opencv(args)?;
-    let tasks = tasks(&sets, args.width, opencv.is_some())?;
+    let tasks = tasks(&sets, opencv.is_some())?;
     let scored = score(&tasks, opencv.as_ref(), args)?;
     let pairs: usize = scored.iter().map(|done| done.scenes).sum();
     let report = Report {
         opencv: opencv.as_ref().map(|opencv| opencv.version().to_owned()),
-        sets: sets.iter().map(|set| set_report(set, &tasks, &scored, args)).collect(),
+        sets: sets.iter().map(|set| set_report(set, &tasks, &scored)).collect(),
     };
 
     let mut text = report.table(args.full);
@@ -179,18 +175,12 @@ fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
 }
 
 /// The slowest first, so that none is left over at the end.
-fn tasks(sets: &[DataSet], width: Option<usize>, has_opencv: bool) -> Result<Vec<Task<'_>>> {
-    if width.is_some() && !has_opencv {
-        bail!(
-            "--width reduces images by OpenCV; pip install opencv-python-headless numpy, and \
-             leave out --no-opencv"
-        );
-    }
+fn tasks(sets: &[DataSet], has_opencv: bool) -> Result<Vec<Task<'_>>> {
     let mut tasks = Vec::new();
     for set in sets {
-        let all = has_opencv && width.is_none() && set.is_damaged_too()?;
+        let all = has_opencv && set.is_damaged_too()?;
         let damages = if all { &DAMAGES[..] } else { &DAMAGES[..1] };
-        tasks.extend(damages.iter().map(|&damage| Task { set, damage, width }));
+        tasks.extend(damages.iter().map(|&damage| Task { set, damage }));
     }
     tasks.sort_by_cached_key(|task| core::cmp::Reverse(task.cost()));
     Ok(tasks)
@@ -203,12 +193,7 @@ fn score(tasks: &[Task<'_>], opencv: Option<&OpenCv>, args: &Args) -> Result<Vec
     let cache = (!args.no_cache).then(|| args.store.join("opencv"));
     let cache = cache.as_deref().map(std::path::absolute).transpose()?;
     let pairs: usize = tasks.iter().map(|task| task.set.scenes.len()).sum();
-    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} pairs, {msg}, {eta} left")?;
-    let progress = if is_quiet() {
-        ProgressBar::hidden()
-    } else {
-        ProgressBar::new(pairs as u64).with_style(style)
-    };
+    let progress = bar(pairs, "{bar:30} {pos} of {len} pairs, {msg}, {eta} left");
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || -> Result<()> {
         let mut worker = opencv.map(Worker::start).transpose()?;
@@ -243,7 +228,7 @@ fn score_task(
     let left_out =
         |scene: &SceneFolder, why: &anyhow::Error| format!("{} is left out: {why:#}", scene.name());
     for scene in &task.set.scenes {
-        let known = task.known(scene)?;
+        let known = scene.known()?;
         match product::check([known.truth.width(), known.truth.height()], known.max_disparity) {
             Ok(()) => scenes.push((scene, known)),
             Err(error) => notes.push(left_out(scene, &error)),
@@ -264,16 +249,15 @@ fn score_task(
 }
 
 /// Figures of a set in all states of its images.
-fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done], args: &Args) -> SetReport {
+fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done]) -> SetReport {
     let of_set = |damage: &str| {
         let mut all = tasks.iter().zip(scored);
         all.find(|(task, _)| task.set.name == set.name && task.damage == damage)
             .map(|(_, done)| done)
     };
     let done: Vec<&Done> = DAMAGES.iter().filter_map(|damage| of_set(damage)).collect();
-    let width = args.width.map_or(String::new(), |width| format!(" at {width} px"));
     SetReport {
-        name: format!("{}{width}", set.name),
+        name: set.name.clone(),
         scenes: done.first().map_or(0, |done| done.scenes),
         notes: done.iter().flat_map(|done| done.notes.iter().cloned()).collect(),
         groups: done.iter().flat_map(|done| done.groups.iter().cloned()).collect(),
@@ -293,7 +277,7 @@ mod tests {
         let mut set =
             data_set::find(&frames).unwrap().into_iter().find(|found| found.name == set).unwrap();
         set.scenes.truncate(2);
-        let task = Task { set: &set, damage: DAMAGES[0], width: None };
+        let task = Task { set: &set, damage: DAMAGES[0] };
         let done = score_task(&task, None, None, &ProgressBar::hidden()).unwrap();
         (set, done)
     }

@@ -1,13 +1,13 @@
-"""Worker of `linestereo-lab bench`: reads pairs, damages or reduces them, and matches them by OpenCV.
+"""Worker of `linestereo-lab bench`: reads pairs, damages them, and matches them by OpenCV.
 
 Each line of stdin is a request:
 
-  {"pairs": [{"left": FILE, "right": FILE, "disparities": N, "size": [W, H] or null}, ...],
+  {"pairs": [{"left": FILE, "right": FILE, "disparities": N}, ...],
    "damage": "none" | "gain" | "blurS" | "noiseS", "generator_per_pair": BOOL, "cache": FOLDER or null}
 
 For each pair stdout has a line of JSON, {"width": W, "height": H, "answered": N}, and behind it in native byte order:
 
-  left, right    u8   W * H each: the pixels, damaged and reduced
+  left, right    u8   W * H each: the pixels, damaged
   sgbm, bm       i16  W * H each: disparities in 1/16 px with uniqueness 15 and a speckle filter, <= 0 is a gap
   disparity      i16  W * H: of SGBM with the largest uniqueness ratio that a pixel survives
   level          u8   W * H: that ratio plus 1, 0 is a gap
@@ -100,8 +100,6 @@ def read(path):
 
 def answer(pair, request, generator, out):
     left, right = read(pair["left"]), read(pair["right"])
-    if pair["size"] is not None:
-        left, right = (cv2.resize(image, pair["size"], interpolation=cv2.INTER_AREA) for image in (left, right))
     left, right = damaged(left, right, request["damage"], generator)
     maps = cached(left, right, pair["disparities"], request["cache"])
     answered = int(np.count_nonzero(maps["level"]))

@@ -25,8 +25,6 @@ pub(crate) struct PairRequest {
     pub(crate) left: PathBuf,
     pub(crate) right: PathBuf,
     pub(crate) disparities: u16,
-    /// Width and height to reduce both images to.
-    pub(crate) size: Option<[usize; 2]>,
 }
 
 /// Pairs that share a random generator.

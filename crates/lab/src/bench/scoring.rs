@@ -22,8 +22,6 @@ pub(crate) struct Task<'a> {
     pub(crate) set: &'a DataSet,
     /// Of [`DAMAGES`].
     pub(crate) damage: &'static str,
-    /// Width to reduce images to.
-    pub(crate) width: Option<usize>,
 }
 
 /// Scores of the scenes so far.
@@ -52,13 +50,7 @@ impl Task<'_> {
 
     /// Is more scored than cells?
     fn is_whole(&self) -> bool {
-        self.damage == DAMAGES[0] && self.width.is_none()
-    }
-
-    /// Knowledge of a scene.
-    pub(crate) fn known(&self, scene: &SceneFolder) -> Result<Known> {
-        let known = scene.known()?;
-        Ok(self.width.map_or_else(|| known.clone(), |width| known.clone().reduced(width)))
+        self.damage == DAMAGES[0]
     }
 
     /// Request to OpenCV.
@@ -69,8 +61,7 @@ impl Task<'_> {
     ) -> Result<Request> {
         let pair = |(scene, known): &(&SceneFolder, Known)| {
             let [left, right] = scene.images()?;
-            let size = self.width.map(|_| [known.truth.width(), known.truth.height()]);
-            Ok(PairRequest { left, right, disparities: known.max_disparity, size })
+            Ok(PairRequest { left, right, disparities: known.max_disparity })
         };
         Ok(Request {
             pairs: scenes.iter().map(pair).collect::<Result<_>>()?,
@@ -168,8 +159,7 @@ impl Scores {
 
     /// Figures of all scenes.
     pub(crate) fn groups(&self, task: &Task<'_>) -> Vec<Group> {
-        let state =
-            if task.damage == DAMAGES[0] { String::new() } else { format!(", {}", task.damage) };
+        let state = if task.is_whole() { String::new() } else { format!(", {}", task.damage) };
         let name = format!("one hypothesis per 16x16 cell{state}");
         let mut groups = vec![cells::group(&name, &self.cells, &self.cells_sgbm)];
         if task.is_whole() && task.set.is_rooms {
