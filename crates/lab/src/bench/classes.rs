@@ -7,9 +7,7 @@
 use super::cells::Hypothesis;
 use super::figures::{Better, Figure, Group, Values};
 use super::grid::Grid;
-use super::order::median;
-use super::seen::{SURE, Seen};
-use std::collections::HashMap;
+use super::seen::{self, Seen, median_error, surest};
 
 /// Side of a cell, px.
 const CELL: usize = 8;
@@ -54,8 +52,7 @@ pub(crate) fn cells(labels: &Grid<u8>, visible: &Grid<bool>) -> Vec<ClassCell> {
 }
 
 fn pixels(column: usize, row: usize) -> impl Iterator<Item = (usize, usize)> {
-    let (x0, y0) = (CELL * column, CELL * row);
-    (y0..y0 + CELL).flat_map(move |y| (x0..x0 + CELL).map(move |x| (x, y)))
+    seen::pixels((CELL * column, CELL * row), CELL)
 }
 
 impl SeenByClass {
@@ -67,19 +64,11 @@ impl SeenByClass {
         labels: &Grid<u8>,
         truth: &Grid<f64>,
     ) {
-        let mut best: HashMap<ClassCell, (f64, f64)> = HashMap::new();
-        for point in points.iter().filter(|point| point.confidence >= SURE) {
-            let found = (point.confidence, (point.disparity - truth.at(point.x, point.y)).abs());
-            if !found.1.is_finite() {
-                continue;
-            }
-            let cell = (point.x / CELL, point.y / CELL, labels.at(point.x, point.y));
-            let kept = best.entry(cell).or_insert(found);
-            if found.0 > kept.0 {
-                *kept = found;
-            }
-        }
-        self.add(cells, |cell| best.get(cell).map(|&(_, error)| error));
+        let errors = surest(points, |&Hypothesis { x, y, .. }| {
+            let cell = (x / CELL, y / CELL, labels.at(x, y));
+            Some((cell, truth.at(x, y))).filter(|(_, truth)| truth.is_finite())
+        });
+        self.add(cells, |cell| errors.get(cell).copied());
     }
 
     /// Adds a scene by a map of disparities, not a number where there is none.
@@ -92,9 +81,7 @@ impl SeenByClass {
     ) {
         self.add(cells, |&(column, row, label)| {
             let on_class = pixels(column, row).filter(|&(x, y)| labels.at(x, y) == label);
-            let errors = on_class.map(|(x, y)| (map.at(x, y) - truth.at(x, y)).abs());
-            let errors: Vec<f64> = errors.filter(|error| error.is_finite()).collect();
-            if errors.len() >= LEAST_PIXELS { median(errors) } else { None }
+            median_error(on_class, [map, truth], LEAST_PIXELS)
         });
     }
 

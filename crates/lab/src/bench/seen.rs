@@ -7,6 +7,7 @@ use super::cells::Hypothesis;
 use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
 use super::order::median;
+use core::hash::Hash;
 use std::collections::HashMap;
 
 /// Side of a cell, px.
@@ -14,7 +15,7 @@ const CELL: usize = 16;
 /// Least share of the pixels of a cell that have truth.
 const LEAST_KNOWN: f64 = 0.33;
 /// Least probability of an answer.
-pub(crate) const SURE: f64 = 0.9;
+const SURE: f64 = 0.9;
 /// Fewest pixels of a dense matcher that are an answer.
 const LEAST_PIXELS: usize = 16;
 
@@ -62,15 +63,19 @@ impl Seen {
 pub(crate) fn cells(truth: &Grid<f64>) -> Vec<(usize, usize)> {
     let starts = |side: usize| (0..(side + 1).saturating_sub(CELL)).step_by(CELL);
     let known = |&(x0, y0): &(usize, usize)| {
-        let known = pixels((x0, y0)).filter(|&(x, y)| truth.at(x, y).is_finite()).count();
+        let known = pixels((x0, y0), CELL).filter(|&(x, y)| truth.at(x, y).is_finite()).count();
         known as f64 / (CELL * CELL) as f64 >= LEAST_KNOWN
     };
     let all = starts(truth.height()).flat_map(|y| starts(truth.width()).map(move |x| (x, y)));
     all.filter(known).collect()
 }
 
-fn pixels((x0, y0): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
-    (y0..y0 + CELL).flat_map(move |y| (x0..x0 + CELL).map(move |x| (x, y)))
+/// Pixels of a square.
+pub(super) fn pixels(
+    (x0, y0): (usize, usize),
+    side: usize,
+) -> impl Iterator<Item = (usize, usize)> {
+    (y0..y0 + side).flat_map(move |y| (x0..x0 + side).map(move |x| (x, y)))
 }
 
 /// A scene by the points of linestereo: truth counts at a point, or one pixel beside it.
@@ -79,19 +84,42 @@ pub(crate) fn of_points(
     points: &[Hypothesis],
     truth: &Grid<f64>,
 ) -> Seen {
-    let mut best: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
-    for point in points.iter().filter(|point| point.confidence >= SURE) {
-        let Some(near) = truth_near(truth, (point.x, point.y)) else { continue };
+    let errors = surest(points, |point| {
         let cell = (point.x / CELL * CELL, point.y / CELL * CELL);
-        let found = (point.confidence, (point.disparity - near).abs());
+        Some((cell, truth_near(truth, (point.x, point.y))?))
+    });
+    let mut seen = Seen::default();
+    cells.iter().for_each(|cell| seen.count(errors.get(cell).copied()));
+    seen
+}
+
+/// The error of the surest point of each cell, px, if it has at least [`SURE`]; `place` says the
+/// cell of a point and the truth there.
+pub(super) fn surest<C: Eq + Hash>(
+    points: &[Hypothesis],
+    place: impl Fn(&Hypothesis) -> Option<(C, f64)>,
+) -> HashMap<C, f64> {
+    let mut best: HashMap<C, (f64, f64)> = HashMap::new();
+    for point in points.iter().filter(|point| point.confidence >= SURE) {
+        let Some((cell, truth)) = place(point) else { continue };
+        let found = (point.confidence, (point.disparity - truth).abs());
         let kept = best.entry(cell).or_insert(found);
         if found.0 > kept.0 {
             *kept = found;
         }
     }
-    let mut seen = Seen::default();
-    cells.iter().for_each(|cell| seen.count(best.get(cell).map(|&(_, error)| error)));
-    seen
+    best.into_iter().map(|(cell, (_, error))| (cell, error)).collect()
+}
+
+/// Median error of a map at these pixels, px, if so many have a disparity and a truth.
+pub(super) fn median_error(
+    pixels: impl Iterator<Item = (usize, usize)>,
+    [map, truth]: [&Grid<f64>; 2],
+    least: usize,
+) -> Option<f64> {
+    let errors = pixels.map(|(x, y)| (map.at(x, y) - truth.at(x, y)).abs());
+    let errors: Vec<f64> = errors.filter(|error| error.is_finite()).collect();
+    if errors.len() >= least { median(errors) } else { None }
 }
 
 /// The truth of a pixel, else of the one to the left, to the right, above, below.
@@ -104,9 +132,7 @@ fn truth_near(truth: &Grid<f64>, at: (usize, usize)) -> Option<f64> {
 pub(crate) fn of_map(cells: &[(usize, usize)], map: &Grid<f64>, truth: &Grid<f64>) -> Seen {
     let mut seen = Seen::default();
     for &cell in cells {
-        let errors = pixels(cell).map(|(x, y)| (map.at(x, y) - truth.at(x, y)).abs());
-        let errors: Vec<f64> = errors.filter(|error| error.is_finite()).collect();
-        seen.count(if errors.len() >= LEAST_PIXELS { median(errors) } else { None });
+        seen.count(median_error(pixels(cell, CELL), [map, truth], LEAST_PIXELS));
     }
     seen
 }
