@@ -166,7 +166,7 @@ fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
     }
     match OpenCv::find(args.python.as_deref()) {
         Ok(opencv) => Ok(Some(opencv)),
-        Err(error) if args.python.is_some() => Err(error.into()),
+        Err(error) if args.python.is_some() => Err(error),
         Err(error) => {
             eprintln!("linestereo alone is scored, and no damaged images: {error}");
             Ok(None)

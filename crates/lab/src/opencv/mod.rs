@@ -1,17 +1,14 @@
 //! OpenCV's StereoBM and StereoSGBM on the same pair, through a Python with `cv2`: evidence that is
 //! not ours.
 
-mod map;
-
-pub use map::DisparityMap;
-
-use core::fmt;
+use anyhow::{Result, anyhow, bail};
 use linestereo_frames::GrayImage;
 use linestereo_frames::untrusted::{self, RESULT_BYTES};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::fs;
+use std::io;
 use std::path::Path;
 use std::process::Command;
 
@@ -33,53 +30,6 @@ pub const OPENCV_METHODS: [&str; 6] = [
     "opencv-sgbm8-strict",
 ];
 
-/// Why OpenCV does not match.
-#[derive(Debug)]
-pub enum OpenCvError {
-    /// There is no such program.
-    NoPython(OsString, std::io::Error),
-    /// It has no `cv2`.
-    NoOpenCv(OsString),
-    /// It runs, and fails.
-    Failed(String),
-    /// Files cannot be exchanged with it.
-    Files(std::io::Error),
-}
-
-impl fmt::Display for OpenCvError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoPython(program, error) => write!(
-                f,
-                "cannot run {}: {error}; install Python, or name one by --python or {PYTHON_VARIABLE}",
-                program.display()
-            ),
-            Self::NoOpenCv(program) => write!(
-                f,
-                "{} has no OpenCV; pip install opencv-python-headless, or name another Python by --python or {PYTHON_VARIABLE}",
-                program.display()
-            ),
-            Self::Failed(what) => {
-                write!(f, "OpenCV failed ({what}); try another version of opencv-python-headless")
-            }
-            Self::Files(error) => {
-                write!(
-                    f,
-                    "cannot exchange files with Python: {error}; free space in the temporary folder"
-                )
-            }
-        }
-    }
-}
-
-impl core::error::Error for OpenCvError {}
-
-impl From<std::io::Error> for OpenCvError {
-    fn from(error: std::io::Error) -> Self {
-        Self::Files(error)
-    }
-}
-
 /// A Python with OpenCV.
 #[derive(Clone, Debug)]
 pub struct OpenCv {
@@ -97,8 +47,8 @@ struct Answer {
 pub struct OpenCvMap {
     /// One of [`OPENCV_METHODS`].
     pub name: &'static str,
-    /// Its map; OpenCV says nothing about confidence.
-    pub map: DisparityMap,
+    /// Disparities of the left image's pixels, px, row by row; not a number in gaps.
+    pub disparities: Vec<f32>,
     /// Time of the pair on one thread.
     pub milliseconds: f64,
 }
@@ -106,16 +56,26 @@ pub struct OpenCvMap {
 impl OpenCv {
     /// Looks for OpenCV in this Python, else in that of the environment variable, else in
     /// `python3`.
-    pub fn find(python: Option<&Path>) -> Result<Self, OpenCvError> {
+    pub fn find(python: Option<&Path>) -> Result<Self> {
         let python = python
             .map(|path| path.as_os_str().to_owned())
             .or_else(|| std::env::var_os(PYTHON_VARIABLE))
             .unwrap_or_else(|| "python3".into());
         let version = ["-c", "import cv2; print(cv2.__version__)"];
         let output = Command::new(&python).args(version).output();
-        let output = output.map_err(|error| OpenCvError::NoPython(python.clone(), error))?;
+        let named = python.display();
+        let output = match output {
+            Ok(output) => output,
+            Err(error) => bail!(
+                "cannot run {named}: {error}; install Python, or name one by --python or \
+                 {PYTHON_VARIABLE}"
+            ),
+        };
         if !output.status.success() {
-            return Err(OpenCvError::NoOpenCv(python));
+            bail!(
+                "{named} has no OpenCV; pip install opencv-python-headless, or name another \
+                 Python by --python or {PYTHON_VARIABLE}"
+            );
         }
         Ok(Self { python, version: String::from_utf8_lossy(&output.stdout).trim().to_owned() })
     }
@@ -140,28 +100,35 @@ impl OpenCv {
         right: &GrayImage,
         disparities: usize,
         runs: usize,
-    ) -> Result<Vec<OpenCvMap>, OpenCvError> {
-        let folder = tempfile::tempdir()?;
+    ) -> Result<Vec<OpenCvMap>> {
+        let no_files = |error: io::Error| {
+            anyhow!(
+                "cannot exchange files with Python: {error}; free space in the temporary folder"
+            )
+        };
+        let failed = |what: &str| {
+            anyhow!("OpenCV failed ({what}); try another version of opencv-python-headless")
+        };
+        let folder = tempfile::tempdir().map_err(no_files)?;
         let at = |name: &str| folder.path().join(name);
-        fs::write(at("opencv.py"), SCRIPT)?;
-        fs::write(at("left.pgm"), pgm(left))?;
-        fs::write(at("right.pgm"), pgm(right))?;
+        fs::write(at("opencv.py"), SCRIPT).map_err(no_files)?;
+        fs::write(at("left.pgm"), pgm(left)).map_err(no_files)?;
+        fs::write(at("right.pgm"), pgm(right)).map_err(no_files)?;
         let (count, runs) = (disparities.to_string(), runs.to_string());
         let arguments = ["opencv.py", "left.pgm", "right.pgm", &count, &runs, "."];
+        let mut python = Command::new(&self.python);
         let output =
-            Command::new(&self.python).args(arguments).current_dir(folder.path()).output()?;
+            python.args(arguments).current_dir(folder.path()).output().map_err(no_files)?;
         if !output.status.success() {
-            let text = String::from_utf8_lossy(&output.stderr).into_owned();
-            return Err(OpenCvError::Failed(
-                text.lines().last().unwrap_or("no message").to_owned(),
-            ));
+            let text = String::from_utf8_lossy(&output.stderr);
+            return Err(failed(text.lines().last().unwrap_or("no message")));
         }
-        let answer: Answer = serde_json::from_slice(&output.stdout)
-            .map_err(|error| OpenCvError::Failed(error.to_string()))?;
+        let answer: Answer =
+            serde_json::from_slice(&output.stdout).map_err(|error| failed(&error.to_string()))?;
         let read = |name: &'static str| {
-            let bytes = untrusted::read(&at(&format!("{name}.i16")), RESULT_BYTES)?;
+            let bytes = untrusted::read(&at(&format!("{name}.i16")), RESULT_BYTES);
             let milliseconds = answer.milliseconds.get(name).copied().unwrap_or(f64::NAN);
-            Ok(OpenCvMap { name, map: map(left, &bytes), milliseconds })
+            Ok(OpenCvMap { name, disparities: decoded(&bytes.map_err(no_files)?), milliseconds })
         };
         OPENCV_METHODS.into_iter().map(read).collect()
     }
@@ -174,8 +141,7 @@ fn pgm(image: &GrayImage) -> Vec<u8> {
 }
 
 /// Negative values are gaps.
-fn map(left: &GrayImage, bytes: &[u8]) -> DisparityMap {
-    let values = bytes.chunks_exact(2).map(|pair| i16::from_ne_bytes([pair[0], pair[1]]));
-    let disparity = |value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS };
-    DisparityMap::new(left.dims, values.map(disparity).collect())
+fn decoded(bytes: &[u8]) -> Vec<f32> {
+    let values = bytes.as_chunks().0.iter().map(|value| i16::from_ne_bytes(*value));
+    values.map(|value| if value < 0 { f32::NAN } else { f32::from(value) / STEPS }).collect()
 }

@@ -14,11 +14,12 @@ use crate::evaluate::{
     FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases,
     score_objects,
 };
-use crate::opencv::{DisparityMap, OpenCv, OpenCvError, OpenCvMap};
+use crate::opencv::{OpenCv, OpenCvMap};
 use anyhow::Result;
 use core::time::Duration;
+use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
-use linestereo::{NoDepth, ObjectDepth, RunError, objects::Reason};
+use linestereo::{Dims, NoDepth, ObjectDepth, RunError, objects::Reason};
 use linestereo_frames::statistics::upper_median;
 use linestereo_frames::{Scene, Truth};
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -97,9 +98,9 @@ pub fn compare_scene(
     let result = engine.run(scene.left.view()?, scene.right.view()?)?;
     let mut scores = vec![score(CORE, &result, score_objects(&mut engine, &cases))];
     if let Some(opencv) = opencv {
-        for OpenCvMap { name, map, .. } in matched_by(opencv, scene, 1)? {
-            let points = FrameResult::of_points(map.points());
-            scores.push(score(name, &points, objects_of(&map, &cases)));
+        for OpenCvMap { name, disparities, .. } in matched_by(opencv, scene, 1)? {
+            let points = FrameResult::of_points(points_of(&disparities, scene.left.dims));
+            scores.push(score(name, &points, objects_of(&disparities, scene.left.dims, &cases)));
         }
     }
     Ok(scores)
@@ -125,7 +126,7 @@ pub fn time_scene(
 }
 
 /// Disparities up to the scene's range, in whole groups of 16, as OpenCV counts them.
-fn matched_by(opencv: &OpenCv, scene: &Scene, runs: usize) -> Result<Vec<OpenCvMap>, OpenCvError> {
+fn matched_by(opencv: &OpenCv, scene: &Scene, runs: usize) -> Result<Vec<OpenCvMap>> {
     let disparities = usize::from(scene.max_disparity.max(1)).next_multiple_of(16);
     opencv.run(&scene.left, &scene.right, disparities, runs)
 }
@@ -148,11 +149,26 @@ fn unknown(scene: &Scene) -> Truth {
     Truth::new(scene.left.dims, vec![f32::NAN; count], vec![false; count])
 }
 
-fn objects_of(map: &DisparityMap, cases: &[ObjectCase]) -> Vec<ObjectScore> {
+/// A map as points of the core, one per known pixel, of confidence 0. Disparities are rounded to
+/// 1/64 px.
+fn points_of(disparities: &[f32], dims: Dims) -> Vec<Point> {
+    let width = usize::from(dims.width);
+    let known = disparities.iter().enumerate().filter(|(_, disparity)| disparity.is_finite());
+    let points = known.map(|(index, &disparity)| Point {
+        x: (index % width) as u16,
+        y: (index / width) as u16,
+        disparity: Disparity::saturating_from_num(disparity),
+        confidence: Confidence::ZERO,
+        source: Source::Side,
+    });
+    points.collect()
+}
+
+fn objects_of(disparities: &[f32], dims: Dims, cases: &[ObjectCase]) -> Vec<ObjectScore> {
     let answer = |case: &ObjectCase| {
         let inside: Vec<f32> = case.region().map_or(Vec::new(), |region| {
-            let mask = Mask::of(&region, map.dims());
-            let values = mask.pixels().iter().zip(map.values());
+            let mask = Mask::of(&region, dims);
+            let values = mask.pixels().iter().zip(disparities);
             values
                 .filter(|(inside, value)| **inside && value.is_finite())
                 .map(|(_, &value)| value)
