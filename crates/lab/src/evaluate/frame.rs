@@ -32,13 +32,6 @@ pub struct SegmentScore {
     pub median_error: f32,
 }
 
-/// A coverage cell that counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CellScore {
-    /// Highest probability stated in it, `None` when nothing is.
-    pub(super) best: Option<f32>,
-}
-
 /// Score of one frame's result against its truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameScore {
@@ -52,7 +45,8 @@ pub struct FrameScore {
     pub scored_segments: Vec<SegmentScore>,
     /// Points with truth.
     pub scored_points: Vec<PointScore>,
-    pub(super) cells: Vec<CellScore>,
+    /// Highest probability stated in each coverage cell that counts, `None` where nothing is.
+    pub(super) cells: Vec<Option<f32>>,
     /// The most probable answer of each cell.
     pub(super) cell_answers: Cells,
     /// Time of the pair in milliseconds, if it was measured.
@@ -125,7 +119,7 @@ fn segment_errors(truth: &Truth, segment: &Match) -> Vec<f32> {
 }
 
 /// The cells that count; what is cut off at the right and lower border does not.
-fn cells(truth: &Truth, result: &FrameResult) -> Vec<CellScore> {
+fn cells(truth: &Truth, result: &FrameResult) -> Vec<Option<f32>> {
     let dims = truth.dims();
     let (columns, rows) = (usize::from(dims.width) / CELL, usize::from(dims.height) / CELL);
     let mut best: Vec<Option<f32>> = vec![None; columns * rows];
@@ -144,10 +138,7 @@ fn cells(truth: &Truth, result: &FrameResult) -> Vec<CellScore> {
             .count();
         2 * visible >= CELL * CELL
     };
-    (0..columns * rows)
-        .filter(|&cell| counts(cell))
-        .map(|cell| CellScore { best: best[cell] })
-        .collect()
+    (0..columns * rows).filter(|&cell| counts(cell)).map(|cell| best[cell]).collect()
 }
 
 #[cfg(test)]
@@ -247,6 +238,6 @@ pub(super) mod tests {
             answer(3, 20, 8.0, 0.5),
         ];
         let score = FrameScore::new("s", &truth(), &result(vec![], points));
-        assert_eq!(score.cells, [CellScore { best: Some(0.5) }, CellScore { best: None }]);
+        assert_eq!(score.cells, [Some(0.5), None]);
     }
 }

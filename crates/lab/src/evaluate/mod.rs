@@ -31,7 +31,5 @@ pub use frame::{FrameScore, PointScore, SegmentScore};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 pub use owner::OwnedMiddle;
 pub use pixels::{PixelScore, QueriedPixel, query_pixels};
-pub use summary::{
-    Answers, BinRow, CellRow, ErrorRates, PROBABILITY_EDGES, Summary, YIELDS, YieldRow,
-};
+pub use summary::{Answers, BinRow, CellRow, ErrorRates, Summary, YIELDS, YieldRow};
 pub use table::{calibration_table, cell_table};

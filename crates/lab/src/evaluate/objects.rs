@@ -10,7 +10,7 @@ use linestereo::objects::{Reason, Run};
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
 use linestereo_frames::statistics::{interpolated_quantile, median};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
-use linestereo_frames::{FrameError, Scene, Truth, load_values};
+use linestereo_frames::{FrameError, Scene, load_values};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::results::mask::Mask;
 use serde::{Deserialize, Serialize};
@@ -66,9 +66,6 @@ pub struct ObjectCase {
     range: (f32, f32),
     /// Their median.
     median: f32,
-    /// True disparity at its centre: of the own pixel with truth that is nearest to the mean of its
-    /// pixels, px.
-    centre: f32,
     /// Its true pixels.
     mask: Arc<Mask>,
 }
@@ -80,51 +77,29 @@ enum Given {
 }
 
 impl ObjectCase {
-    /// An object of these pixels, given to the core as they are; `None` where none of them has
-    /// truth.
-    #[must_use]
-    pub fn of_mask(
-        name: &str,
-        label: u16,
-        pixels: Vec<bool>,
-        dims: Dims,
-        truth: &Truth,
-    ) -> Option<Self> {
-        let mask = Arc::new(Mask::new(dims, pixels));
-        let given = (Outline::Given, Given::Runs(mask.runs(label)));
-        Self::new(name.to_owned(), truth, given, label, &mask, dims)
-    }
-
+    /// Of the pixels of this mask; `None` where none of them has truth.
     fn new(
-        name: String,
-        truth: &Truth,
-        (outline, given): (Outline, Given),
+        scene: &Scene,
+        object: &str,
+        outline: Outline,
         label: u16,
+        given: Given,
         mask: &Arc<Mask>,
-        dims: Dims,
     ) -> Option<Self> {
-        let width = usize::from(dims.width);
-        let own = mask.pixels().iter().enumerate().filter(|(_, is_own)| **is_own);
-        let own: Vec<[i64; 2]> =
-            own.map(|(i, _)| [i % width, i / width].map(|at| at as i64)).collect();
-        let known =
-            own.iter().filter_map(|&[x, y]| Some(([x, y], truth.disparity(x as i32, y as i32)?)));
-        let mean =
-            |axis: usize| own.iter().map(|at| at[axis]).sum::<i64>() / own.len().max(1) as i64;
-        let [x0, y0] = [0, 1].map(mean);
-        let (_, centre) =
-            known.clone().min_by_key(|([x, y], _)| (x - x0).pow(2) + (y - y0).pow(2))?;
-        let mut values: Vec<f32> = known.map(|(_, disparity)| disparity).collect();
+        let (truth, dims) = (scene.truth.as_ref()?, scene.left.dims);
+        let places = (0..dims.height).flat_map(|y| (0..dims.width).map(move |x| (x, y)));
+        let own = places.zip(mask.pixels()).filter(|(_, is_own)| **is_own);
+        let mut values: Vec<f32> =
+            own.filter_map(|((x, y), _)| truth.disparity(x.into(), y.into())).collect();
         values.sort_by(f32::total_cmp);
         Some(Self {
-            name,
+            name: format!("{} {object}", scene.name),
             outline,
             dims,
             label,
             given,
             range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
             median: interpolated_quantile(&values, 0.5)?,
-            centre,
             mask: Arc::clone(mask),
         })
     }
@@ -136,12 +111,6 @@ impl ObjectCase {
             Given::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
             Given::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
         }
-    }
-
-    /// True disparity at its centre, px: where an answer is said to hold.
-    #[must_use]
-    pub const fn true_at_centre(&self) -> f32 {
-        self.centre
     }
 
     /// Its true pixels.
@@ -280,15 +249,10 @@ pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
                 (Outline::TooLarge, mask.grown(SLOPPY_PX)),
                 (Outline::Eroded, mask.eroded(SLOPPY_PX)),
             ];
+            let name = label.to_string();
             for (outline, shape) in given {
-                cases.extend(case(
-                    scene,
-                    &label.to_string(),
-                    outline,
-                    label,
-                    Given::Runs(shape.runs(label)),
-                    &mask,
-                ));
+                let given = Given::Runs(shape.runs(label));
+                cases.extend(ObjectCase::new(scene, &name, outline, label, given, &mask));
             }
         }
     }
@@ -306,19 +270,6 @@ pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectSco
         case.score(&case.region().map_or(Err(nothing), |region| engine.object(&region)))
     };
     cases.iter().map(|case| answer(case, engine)).collect()
-}
-
-/// A case, where the object has any truth.
-fn case(
-    scene: &Scene,
-    object: &str,
-    outline: Outline,
-    label: u16,
-    given: Given,
-    mask: &Arc<Mask>,
-) -> Option<ObjectCase> {
-    let name = format!("{} {object}", scene.name);
-    ObjectCase::new(name, scene.truth.as_ref()?, (outline, given), label, mask, scene.left.dims)
 }
 
 #[derive(Deserialize)]
@@ -378,14 +329,8 @@ fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameErr
             right: scaled(x1, from.width, to.width),
             bottom: scaled(y1, from.height, to.height),
         };
-        cases.extend(case(
-            scene,
-            &object.name,
-            Outline::Box,
-            object.label,
-            Given::Area(area),
-            &mask,
-        ));
+        let (name, label, given) = (&object.name, object.label, Given::Area(area));
+        cases.extend(ObjectCase::new(scene, name, Outline::Box, label, given, &mask));
     }
     Ok(cases)
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 pub const YIELDS: [usize; 4] = [800, 1500, 3000, 5000];
 /// Borders of the bins of stated probability; a bin holds its lower border, the last one its upper
 /// one too.
-pub const PROBABILITY_EDGES: [f32; 7] = [0.0, 0.5, 0.8, 0.9, 0.95, 0.98, 1.0];
+const PROBABILITY_EDGES: [f32; 7] = [0.0, 0.5, 0.8, 0.9, 0.95, 0.98, 1.0];
 /// Fewer answers than this in a bin say little of it.
 const BIN: usize = 1000;
 /// Answers at least this probable have a row of their own.
@@ -100,7 +100,7 @@ pub struct Summary {
     pub curve: Vec<YieldRow>,
     /// One answer per cell: errors against the share of all cells.
     pub cells: Vec<CellRow>,
-    /// Stated against observed probability between [`PROBABILITY_EDGES`].
+    /// Stated against observed probability, by bins.
     pub calibration: Vec<BinRow>,
     /// Largest excess of stated over observed probability, percent, of the bins with at least 1000
     /// answers.
@@ -186,7 +186,7 @@ fn answers(scores: &[&FrameScore], points: &[PointScore], least: f32) -> Answers
     let reported: usize =
         scores.iter().map(|score| score.confidences.iter().filter(|&&p| p >= least).count()).sum();
     let cells: Vec<Option<f32>> =
-        scores.iter().flat_map(|score| score.cells.iter().map(|cell| cell.best)).collect();
+        scores.iter().flat_map(|score| score.cells.iter().copied()).collect();
     Answers {
         points_per_frame: reported as f64 / scores.len().max(1) as f64,
         cells_percent: percent(&cells, |best| best.is_some_and(|p| p >= least)),
