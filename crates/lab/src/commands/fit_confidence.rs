@@ -12,7 +12,6 @@ use crate::fitting::{
 use anyhow::{Context, Result, bail};
 use linestereo::{Params, units::Confidence};
 use linestereo_calibration::rectify_raw;
-use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_frames::{Perturbation, Scene, load_values};
 use linestereo_sim::commands::engine_with;
 use linestereo_sim::commands::method::MethodArgs;
@@ -24,7 +23,6 @@ use std::path::PathBuf;
 const EXAMPLES: &str = "\
 Examples:
   linestereo-lab fit-confidence frames/qvga --also frames/third --out core/src     write the constants that the core uses
-  linestereo-lab fit-confidence frames/qvga --also frames/third --check core/src   fail if they are not what the frames give
   linestereo-lab fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
   linestereo-lab fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable answers";
 
@@ -61,9 +59,6 @@ pub struct Args {
     /// Write the constants as Rust source, below the folder core/src.
     #[arg(long, value_name = "CORE")]
     out: Option<PathBuf>,
-    /// Compare the constants with those below this folder and fail when they differ.
-    #[arg(long, value_name = "CORE", conflicts_with = "out")]
-    check: Option<PathBuf>,
     /// Do not score: only fit.
     #[arg(long)]
     no_scores: bool,
@@ -138,7 +133,7 @@ fn write_constants(
     samples: &[SceneSamples],
     queried: &[Vec<QueriedPixel>],
 ) -> Result<()> {
-    let Some(folder) = args.check.as_ref().or(args.out.as_ref()) else { return Ok(()) };
+    let Some(folder) = &args.out else { return Ok(()) };
     let fitted = fit(&samples.iter().collect::<Vec<_>>());
     let folders =
         args.folders.iter().chain(&args.also).filter_map(|folder| folder.file_name()?.to_str());
@@ -157,20 +152,6 @@ fn write_constants(
         (folder.join(SUPPORT), support_source_text(&fitted.support, &origin)),
         (folder.join(PIXELS), pixel_source_text(&pixels, &of_pixels)),
     ];
-    if args.check.is_some() {
-        for (path, text) in &texts {
-            let there = untrusted::read_text(path, SETTINGS_BYTES)
-                .with_context(|| format!("cannot read {}", path.display()))?;
-            if there != *text {
-                bail!(
-                    "{} is not what these frames give; write it again with --out",
-                    path.display()
-                );
-            }
-            print(&format!("{} is what these frames give\n", path.display()))?;
-        }
-        return Ok(());
-    }
     let mut files = OutputFiles::default();
     for (path, text) in &texts {
         files.add(path, text.as_bytes())?;
