@@ -1,31 +1,14 @@
-//! Evaluations over many pairs, the same for every command that scores: which pairs, on how many
-//! threads.
+//! The pairs of every command that scores.
 
 use anyhow::{Result, bail};
-use core::num::NonZeroUsize;
 use linestereo_frames::{Dataset, StoredPair, layouts};
 use std::path::PathBuf;
-
-/// On how many threads.
-#[derive(Debug, Default, clap::Args)]
-#[command(next_help_heading = "Many pairs")]
-pub(crate) struct BatchArgs {
-    /// Use so many threads [default: all cores].
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
-}
 
 /// The pairs with ground truth, and what a report says of the others.
 pub(crate) struct Collected {
     pub(crate) pairs: Vec<StoredPair>,
     /// Which layouts were taken, what was left out: a sentence each.
     pub(crate) notes: Vec<String>,
-}
-
-impl BatchArgs {
-    pub(crate) fn threads(&self) -> Option<usize> {
-        self.threads.map(NonZeroUsize::get)
-    }
 }
 
 /// Finds the pairs with ground truth. Where there is none at all, it is an error if truth is

@@ -1,12 +1,13 @@
 //! `linestereo-lab compare`: the core and OpenCV's dense methods on the same frames.
 
-use super::batch::{BatchArgs, collect};
+use super::batch::collect;
 use crate::opencv::OpenCv;
 use crate::rivals::{
     MethodScore, MethodSummary, cell_comparison, compare_scene, comparison_table,
     object_comparison, summarise, time_scene,
 };
 use anyhow::{Context, Result, bail};
+use core::num::NonZeroUsize;
 use linestereo_calibration::rectify_raw;
 use linestereo_frames::{Scene, StoredPair, check_usable};
 use linestereo_sim::commands::method::MethodArgs;
@@ -60,8 +61,9 @@ pub struct Args {
     /// and differ from run to run.
     #[arg(long)]
     no_times: bool,
-    #[command(flatten)]
-    batch: BatchArgs,
+    /// Use so many threads [default: all cores].
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
     #[command(flatten)]
     method: MethodArgs,
 }
@@ -96,14 +98,15 @@ pub fn run(args: &Args) -> Result<()> {
     let pairs: Vec<(usize, StoredPair)> = found.pairs.into_iter().enumerate().collect();
     let name = |(_, pair): &(usize, StoredPair)| pair.name.clone();
     // A pair that cannot be loaded costs itself alone.
-    let outcomes = for_each_pair(&pairs, args.batch.threads(), name, |(place, pair)| {
-        let scene = match args.load(pair) {
-            Ok(scene) => scene,
-            Err(error) => return Ok(Err(error.context(pair.name.clone()))),
-        };
-        let methods = compare_scene(&scene, opencv.as_ref(), |scene| args.engine(scene))?;
-        Ok(Ok((*place, Compared { name: scene.name, methods })))
-    })?;
+    let outcomes =
+        for_each_pair(&pairs, args.threads.map(NonZeroUsize::get), name, |(place, pair)| {
+            let scene = match args.load(pair) {
+                Ok(scene) => scene,
+                Err(error) => return Ok(Err(error.context(pair.name.clone()))),
+            };
+            let methods = compare_scene(&scene, opencv.as_ref(), |scene| args.engine(scene))?;
+            Ok(Ok((*place, Compared { name: scene.name, methods })))
+        })?;
     let (mut compared, mut left_out) = (Vec::new(), Vec::new());
     for outcome in outcomes {
         outcome.map_or_else(|error| left_out.push(error), |found| compared.push(found));
