@@ -10,8 +10,7 @@ const SETTLED: f64 = 1e-7;
 /// A fitted line over standardised evidence.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
-    mean: Vec<f64>,
-    scale: Vec<f64>,
+    standard: Standard,
     /// One per evidence, then the bias.
     weights: DVector<f64>,
 }
@@ -20,56 +19,75 @@ impl Line {
     /// Fits the samples, with this penalty on standardised coefficients; `start` gives the
     /// standardisation and the first guess.
     pub(super) fn fit(samples: &[&Sample], penalty: f64, start: Option<&Line>) -> Self {
-        let mut line = start.cloned().unwrap_or_else(|| Self::standardised(samples));
+        let mut line = start.cloned().unwrap_or_else(|| {
+            let standard = Standard::new(samples);
+            let weights = DVector::zeros(standard.kinds() + 1);
+            Self { standard, weights }
+        });
         let mut rows = Rows::new(line.weights.len());
         for sample in samples {
-            rows.push(line.standardise(&sample.evidence), sample.outcome());
+            rows.push(line.inputs(sample), sample.outcome());
         }
         line.weights = newton(&rows, line.weights.clone(), penalty);
         line
     }
 
-    fn standardised(samples: &[&Sample]) -> Self {
-        let (mean, scale) = standardised(samples);
-        let weights = DVector::zeros(mean.len() + 1);
-        Self { mean, scale, weights }
-    }
-
-    fn standardise<'a>(&'a self, evidence: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        let standard = evidence.iter().zip(self.mean.iter().zip(&self.scale));
-        standard.map(|(value, (mean, scale))| (value - mean) / scale).chain([1.0])
+    /// Standardised evidence, and the constant.
+    fn inputs(&self, sample: &Sample) -> impl Iterator<Item = f64> {
+        self.standard.of(sample).chain([1.0])
     }
 
     /// Log-odds of a sample.
     pub(super) fn score(&self, sample: &Sample) -> f64 {
-        self.standardise(&sample.evidence)
-            .zip(self.weights.iter())
-            .map(|(input, weight)| input * weight)
-            .sum()
+        self.inputs(sample).zip(self.weights.iter()).map(|(input, weight)| input * weight).sum()
     }
 
     /// Bias and coefficients of the raw evidence.
     pub(super) fn raw(&self) -> (f64, Vec<f64>) {
-        let coefficients: Vec<f64> =
-            self.weights.iter().zip(&self.scale).map(|(weight, scale)| weight / scale).collect();
-        let moved: f64 = coefficients.iter().zip(&self.mean).map(|(c, mean)| c * mean).sum();
-        (self.weights[coefficients.len()] - moved, coefficients)
+        self.standard.raw(self.weights.as_slice())
     }
 }
 
 /// Mean and spread of each kind of evidence.
-pub(super) fn standardised(samples: &[&Sample]) -> (Vec<f64>, Vec<f64>) {
-    let kinds = samples.first().map_or(0, |sample| sample.evidence.len());
-    let (mut mean, mut scale) = (vec![0.0; kinds], vec![1.0; kinds]);
-    let count = samples.len().max(1) as f64;
-    for i in 0..kinds {
-        mean[i] = samples.iter().map(|s| s.evidence[i]).sum::<f64>() / count;
-        let variance =
-            samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
-        // Evidence that never varies says nothing; a unit scale leaves its coefficient at zero.
-        scale[i] = if variance > 1e-12 { variance.sqrt() } else { 1.0 };
+#[derive(Clone, Debug)]
+pub(super) struct Standard {
+    mean: Vec<f64>,
+    scale: Vec<f64>,
+}
+
+impl Standard {
+    pub(super) fn new(samples: &[&Sample]) -> Self {
+        let kinds = samples.first().map_or(0, |sample| sample.evidence.len());
+        let (mut mean, mut scale) = (vec![0.0; kinds], vec![1.0; kinds]);
+        let count = samples.len().max(1) as f64;
+        for i in 0..kinds {
+            mean[i] = samples.iter().map(|s| s.evidence[i]).sum::<f64>() / count;
+            let variance =
+                samples.iter().map(|s| (s.evidence[i] - mean[i]).powi(2)).sum::<f64>() / count;
+            // Evidence that never varies says nothing; a unit scale leaves its coefficient at zero.
+            scale[i] = if variance > 1e-12 { variance.sqrt() } else { 1.0 };
+        }
+        Self { mean, scale }
     }
-    (mean, scale)
+
+    /// Kinds of evidence.
+    pub(super) fn kinds(&self) -> usize {
+        self.mean.len()
+    }
+
+    /// The evidence of a sample, standardised.
+    pub(super) fn of(&self, sample: &Sample) -> impl Iterator<Item = f64> {
+        let standard = sample.evidence.iter().zip(self.mean.iter().zip(&self.scale));
+        standard.map(|(value, (mean, scale))| (value - mean) / scale)
+    }
+
+    /// Bias and weights for raw evidence, of weights for standardised one with the bias behind.
+    pub(super) fn raw(&self, weights: &[f64]) -> (f64, Vec<f64>) {
+        let raw: Vec<f64> =
+            weights.iter().zip(&self.scale).map(|(weight, scale)| weight / scale).collect();
+        let moved: f64 = raw.iter().zip(&self.mean).map(|(weight, mean)| weight * mean).sum();
+        (weights[raw.len()] - moved, raw)
+    }
 }
 
 /// Inputs of equal number, with how often each was right and wrong.

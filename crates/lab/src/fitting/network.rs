@@ -1,7 +1,7 @@
 //! A network of one hidden layer, by stochastic gradient descent with moments (Adam, Kingma and Ba
 //! 2015).
 
-use super::logistic::{logistic, standardised};
+use super::logistic::{Standard, logistic};
 use super::sample::Sample;
 use linestereo::unstable::{NODES, Network, UNITS, Unit};
 use linestereo_frames::SplitMix64;
@@ -28,8 +28,7 @@ const MOST_WEIGHT: f64 = 8.0;
 /// A fitted network over standardised evidence.
 #[derive(Clone, Debug)]
 pub(super) struct Layers {
-    mean: Vec<f64>,
-    scale: Vec<f64>,
+    standard: Standard,
     /// Of each unit its weights, its bias and its output; then the bias of the sum.
     values: Vec<f64>,
 }
@@ -50,15 +49,14 @@ impl Layers {
     }
 
     fn descend(samples: &[&Sample], start: u64, epochs: usize) -> Self {
-        let (mean, scale) = standardised(samples);
-        let kinds = mean.len();
+        let standard = Standard::new(samples);
+        let kinds = standard.kinds();
         let mut random = SplitMix64(start);
         let bound = (6.0 / (kinds + 1) as f64).sqrt();
         let size = UNITS * (kinds + 2) + 1;
         let values = (0..size).map(|_| (2.0 * random.uniform() - 1.0) * bound).collect();
-        let mut layers = Self { mean, scale, values };
-        let inputs: Vec<f64> =
-            samples.iter().flat_map(|sample| layers.standardise(&sample.evidence)).collect();
+        let inputs: Vec<f64> = samples.iter().flat_map(|sample| standard.of(sample)).collect();
+        let mut layers = Self { standard, values };
         let mut order: Vec<usize> = (0..samples.len()).collect();
         let steps = epochs * samples.len().div_ceil(BATCH);
         let mut moments = vec![[0.0; 2]; size];
@@ -92,13 +90,8 @@ impl Layers {
         layers
     }
 
-    fn standardise<'a>(&'a self, evidence: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        let standard = evidence.iter().zip(self.mean.iter().zip(&self.scale));
-        standard.map(|(value, (mean, scale))| (value - mean) / scale)
-    }
-
     fn units(&self) -> impl Iterator<Item = &[f64]> {
-        self.values.chunks_exact(self.mean.len() + 2)
+        self.values.chunks_exact(self.standard.kinds() + 2)
     }
 
     /// Adds the gradient of the negative log-likelihood of a sample.
@@ -135,20 +128,18 @@ impl Layers {
 
     /// Log-odds of a sample, less those at the middle of the table.
     pub(super) fn score(&self, sample: &Sample) -> f64 {
-        self.log_odds(&self.standardise(&sample.evidence).collect::<Vec<_>>()) - CENTRE
+        self.log_odds(&self.standard.of(sample).collect::<Vec<_>>()) - CENTRE
     }
 
     /// The network in the core's integers, with this table.
     pub(super) fn raw<const N: usize>(&self, probability_q16: [u16; NODES]) -> Network<N> {
         let mut units = [Unit { bias_q18: 0, weights_q10: [0; N], output_q10: 0 }; UNITS];
         for (to, unit) in units.iter_mut().zip(self.units()) {
-            let weights: Vec<f64> =
-                unit.iter().zip(&self.scale).map(|(weight, scale)| weight / scale).collect();
-            let moved: f64 = weights.iter().zip(&self.mean).map(|(w, mean)| w * mean).sum();
+            let (bias, weights) = self.standard.raw(unit);
             // The output gains the factor that the weights lose.
             let largest = weights.iter().fold(MOST_WEIGHT, |most, weight| most.max(weight.abs()));
             let factor = MOST_WEIGHT / largest;
-            to.bias_q18 = q((unit[N] - moved) * factor, 18);
+            to.bias_q18 = q(bias * factor, 18);
             to.output_q10 = q(unit[N + 1] / factor, 10) as i16;
             for (to, weight) in to.weights_q10.iter_mut().zip(weights) {
                 *to = q(weight * factor, 10) as i16;
