@@ -26,101 +26,53 @@ fn table(top: &Path) -> Result<String> {
         constant(&read(&top.join(file))?, name).with_context(|| format!("{file}: {name}"))
     };
     let frames = |name| get(UNTRUSTED, name);
-    let video = |name| get("crates/recordings/src/video/mod.rs", name);
-    let rows = [
-        ["input", "at most", "beyond"].map(str::to_owned),
-        ["---", "---", "---"].map(str::to_owned),
-        [
-            "image".to_owned(),
-            format!(
-                "{} stored and decoded, {} px, 65535 px a side",
-                bytes(frames("IMAGE_BYTES")?),
-                frames("PIXELS")?
-            ),
-            "refused by its header".to_owned(),
-        ],
-        [
-            "disparities: PFM, NPY, NPZ".to_owned(),
-            "the same".to_owned(),
-            "the same; an archive is unpacked as far as its header says".to_owned(),
-        ],
-        [
-            "detections: JSON, text, CSV".to_owned(),
-            format!(
-                "{}, {} objects, {} runs of masks and outlines",
-                bytes(frames("OBJECTS_BYTES")?),
-                get(REGIONS, "MAX_OBJECTS")?,
-                get(REGIONS, "MAX_RUNS")?,
-            ),
-            "the file is refused; objects beyond are skipped and counted".to_owned(),
-        ],
-        [
-            "`scene.json`, `rig.toml`, other calibrations, rig images".to_owned(),
-            format!(
-                "{}; YAML and XML {} levels, {} values",
-                bytes(frames("SETTINGS_BYTES")?),
-                get(NODE, "MAX_DEPTH")?,
-                get(NODE, "MAX_VALUES")?,
-            ),
-            "refused".to_owned(),
-        ],
-        [
-            "results of this program".to_owned(),
-            bytes(frames("RESULT_BYTES")?),
-            "refused".to_owned(),
-        ],
-        [
-            "recording (`.mcap`)".to_owned(),
-            format!(
-                "any length; a chunk or message {}; {} images, {} topics",
-                bytes(get("crates/recordings/src/mcap/mod.rs", "RECORD_BYTES")?),
-                get(RECORDING, "MOST_IMAGES")?,
-                get(RECORDING, "MOST_TOPICS")?,
-            ),
-            "refused by the stated length".to_owned(),
-        ],
-        [
-            "video, camera".to_owned(),
-            format!(
-                "any length; {} frames; {} s of silence",
-                video("MOST_FRAMES")?,
-                get("crates/recordings/src/video/ffmpeg.rs", "SILENCE")?,
-            ),
-            "ended; finished pairs are kept".to_owned(),
-        ],
-        [
-            "package of frames".to_owned(),
-            format!("{}; the SHA-256 of each file is known", bytes(frames("PACKAGE_BYTES")?)),
-            "refused".to_owned(),
-        ],
-        [
-            "request to the page of `view`".to_owned(),
-            format!(
-                "head {}, body {}, {} s, {} connections",
-                bytes(get(REQUEST, "HEAD_BYTES")?),
-                bytes(get(REQUEST, "BODY_BYTES")?),
-                get(REQUEST, "WITHIN")?,
-                get("host-sim/src/serve/server.rs", "MOST_CONNECTIONS")?,
-            ),
-            "refused".to_owned(),
-        ],
-        [
-            "page of `view`".to_owned(),
-            format!(
-                "{} pages; {} messages or {} wait for each",
-                get(VISITORS, "MOST_VISITORS")?,
-                get(VISITORS, "MOST_WAITING")?,
-                bytes(get(VISITORS, "MOST_BYTES")?),
-            ),
-            "the oldest messages are dropped, and the page is told".to_owned(),
-        ],
-        [
-            "packet on a port".to_owned(),
-            "one record, with CRC-32".to_owned(),
-            "dropped and counted; the next one is read".to_owned(),
-        ],
-    ];
-    Ok(rows.map(|row| format!("| {} |\n", row.join(" | "))).concat())
+    let frames_bytes = |name| frames(name).map(bytes);
+    Ok(format!(
+        "\
+| input | at most | beyond |
+| --- | --- | --- |
+| image | {image} stored and decoded, {pixels} px, 65535 px a side | refused by its header |
+| disparities: PFM, NPY, NPZ | the same | \
+         the same; an archive is unpacked as far as its header says |
+| detections: JSON, text, CSV | {detections}, {objects} objects, {runs} runs of masks and outlines | \
+         the file is refused; objects beyond are skipped and counted |
+| `scene.json`, `rig.toml`, other calibrations, rig images | \
+         {settings}; YAML and XML {depth} levels, {values} values | refused |
+| results of this program | {results} | refused |
+| recording (`.mcap`) | any length; a chunk or message {record}; {images} images, {topics} topics | \
+         refused by the stated length |
+| video, camera | any length; {video_frames} frames; {silence} s of silence | \
+         ended; finished pairs are kept |
+| package of frames | {package}; the SHA-256 of each file is known | refused |
+| request to the page of `view` | head {head}, body {body}, {within} s, {connections} connections | \
+         refused |
+| page of `view` | {visitors} pages; {messages} messages or {waiting} wait for each | \
+         the oldest messages are dropped, and the page is told |
+| packet on a port | one record, with CRC-32 | dropped and counted; the next one is read |
+",
+        image = frames_bytes("IMAGE_BYTES")?,
+        pixels = frames("PIXELS")?,
+        detections = frames_bytes("OBJECTS_BYTES")?,
+        objects = get(REGIONS, "MAX_OBJECTS")?,
+        runs = get(REGIONS, "MAX_RUNS")?,
+        settings = frames_bytes("SETTINGS_BYTES")?,
+        depth = get(NODE, "MAX_DEPTH")?,
+        values = get(NODE, "MAX_VALUES")?,
+        results = frames_bytes("RESULT_BYTES")?,
+        record = bytes(get("crates/recordings/src/mcap/mod.rs", "RECORD_BYTES")?),
+        images = get(RECORDING, "MOST_IMAGES")?,
+        topics = get(RECORDING, "MOST_TOPICS")?,
+        video_frames = get("crates/recordings/src/video/mod.rs", "MOST_FRAMES")?,
+        silence = get("crates/recordings/src/video/ffmpeg.rs", "SILENCE")?,
+        package = frames_bytes("PACKAGE_BYTES")?,
+        head = bytes(get(REQUEST, "HEAD_BYTES")?),
+        body = bytes(get(REQUEST, "BODY_BYTES")?),
+        within = get(REQUEST, "WITHIN")?,
+        connections = get("host-sim/src/serve/server.rs", "MOST_CONNECTIONS")?,
+        visitors = get(VISITORS, "MOST_VISITORS")?,
+        messages = get(VISITORS, "MOST_WAITING")?,
+        waiting = bytes(get(VISITORS, "MOST_BYTES")?),
+    ))
 }
 
 /// The value of a constant: a number, a shift of two, or seconds.
