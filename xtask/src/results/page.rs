@@ -116,17 +116,12 @@ fn accuracy(stored: &Stored) -> String {
     });
     let seen = table(&["linestereo / SGBM / StereoBM", "answered, %", "of these wrong, %"], seen);
     let classes = ["floor", "wall", "furniture", "thin", "below the floor"];
-    let of_class = |set: &DataSet, class: &str| {
-        let seen = versus(set.figure("classes", &format!("{class}: seen, %")), 3, 0);
-        let wrong = versus(set.figure("classes", &format!("{class}: off by > 1 px, %")), 3, 1);
-        (seen != "- / - / -").then(|| vec![class.to_owned(), seen, wrong])
-    };
     let rooms = sets().filter(|(_, set)| set.metrics.contains_key("classes"));
     let rooms = rooms.flat_map(|(title, set)| {
         classes.iter().filter_map(move |class| {
-            let mut row = of_class(set, class)?;
-            row[0] = format!("{title}: {}", row[0]);
-            Some(row)
+            let of = |what: &str| set.figure("classes", &format!("{class}: {what}, %"));
+            let (seen, wrong) = (versus(of("seen"), 3, 0), versus(of("off by > 1 px"), 3, 1));
+            (seen != "- / - / -").then(|| vec![format!("{title}: {class}"), seen, wrong])
         })
     });
     let rooms = table(&["linestereo / SGBM / StereoBM", "answered, %", "of these wrong, %"], rooms);
@@ -153,7 +148,7 @@ fn accuracy(stored: &Stored) -> String {
             let of = |outcome: &str| shown(set.figure("obstacles", outcome)[0], 0);
             [vec![title.to_owned()], outcomes.map(of).to_vec()].concat()
         });
-    let heads = [
+    let sector_heads = [
         "linestereo, % of sectors",
         "obstacle: right",
         "called free",
@@ -164,20 +159,18 @@ fn accuracy(stored: &Stored) -> String {
         "not told",
         "ghost",
     ];
-    let sectors = table(&heads, sectors);
+    let sectors = table(&sector_heads, sectors);
     let stated = sets().map(|(title, set)| {
         let of = |figure: &str| shown(set.figure("stated", figure)[0], 1);
         let bin = |bin: &str| {
-            let said = of(&format!("p {bin}: said, %"));
-            let stated = if said == "-" { of(&format!("p {bin}: stated, %")) } else { said };
-            [stated, of(&format!("p {bin}: right, %"))].join(" / ")
+            ["said", "right"].map(|what| of(&format!("p {bin}: {what}, %"))).join(" / ")
         };
         vec![title.to_owned(), bin("0.90 to 0.95"), bin("0.95 to 1.00")]
     });
     let stated = table(&["linestereo", "0.90 to 0.95: stated / right, %", "0.95 to 1.00"], stated);
     let opencv = bench.opencv.as_deref().unwrap_or("-");
     let date = &bench.date;
-    let damaged = table(&["linestereo / SGBM", "50 %", "60 %", "70 %", "80 %"], damaged);
+    let damaged = table(&heads, damaged);
     format!(
         "\
 ## Accuracy
@@ -227,8 +220,8 @@ Mean of the stated probability and share of points within 1 px, in two bins.
 
 fn compare(stored: &Stored) -> String {
     let compare = &stored.scores.compare;
-    let fastest = compare.methods.iter().find(|method| method.name == "linestereo");
-    let fastest = fastest.map_or(f64::NAN, |method| method.milliseconds);
+    let ours = compare.methods.iter().find(|method| method.name == "linestereo");
+    let our_time = ours.map_or(f64::NAN, |method| method.milliseconds);
     let pair = |[first, second]: [f64; 2]| format!("{first:.2} / {second:.2}");
     let dense = compare.methods.iter().map(|method| {
         vec![
@@ -238,7 +231,7 @@ fn compare(stored: &Stored) -> String {
             pair(method.visible),
             pair(method.all),
             format!("{:.1}", method.milliseconds),
-            format!("{:.1}", method.milliseconds / fastest),
+            format!("{:.1}", method.milliseconds / our_time),
         ]
     });
     let heads = ["method", "points", "cells, %", "visible, %", "all, %", "ms", "linestereo = 1"];
@@ -256,10 +249,8 @@ fn compare(stored: &Stored) -> String {
     });
     let heads = ["wrong / answered, %", "mask", "2 px too large", "2 px eroded", "drawn box"];
     let objects = table(&heads, objects);
-    let first = compare.methods.iter().find(|method| method.name == "linestereo");
-    let count = |outline| {
-        first.and_then(|method| method.objects.get(outline)).map_or(0, |counts| counts[0])
-    };
+    let count =
+        |outline| ours.and_then(|method| method.objects.get(outline)).map_or(0, |counts| counts[0]);
     format!(
         "\
 ## Time on a PC, and dense methods

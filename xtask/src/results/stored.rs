@@ -84,13 +84,8 @@ pub(super) struct Method {
 impl Stored {
     /// The measurements of this repository.
     pub(super) fn read(top: &Path) -> Result<Self> {
-        let scores = top.join(SCORES);
-        let scores = if scores.is_file() {
-            serde_json::from_str(&read(&scores)?)
-                .with_context(|| format!("{SCORES} is not read"))?
-        } else {
-            Scores::default()
-        };
+        let scores = serde_json::from_str(&read(&top.join(SCORES))?)
+            .with_context(|| format!("{SCORES} is not read"))?;
         let mut tables = Vec::new();
         let mut digests = BTreeMap::new();
         for file in BOARD_FILES {
@@ -215,7 +210,6 @@ fn metric(name: &str) -> String {
         ("objects", "objects"),
         ("obstacles", "obstacles"),
         ("said against", "stated"),
-        ("stated against", "stated"),
     ];
     let kind = kinds.into_iter().find(|(start, _)| name.starts_with(start));
     let kind = kind.map_or(name, |(_, kind)| kind);
