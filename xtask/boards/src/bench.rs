@@ -60,36 +60,46 @@ pub(crate) struct Builtin {
 
 /// Runs the program `bench`, as it is without logs.
 pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
-    let toolchain = Toolchain::for_board(board)?;
-    let elf = firmware::build(&toolchain, board, "bench", Logs::None)?;
-    let folder = tempfile::tempdir()?;
-    qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("bench", board)?;
-    let table = std::fs::read_to_string(folder.path().join("table"))?;
     let (mut pairs, mut autopilot, mut kernels) = (Vec::new(), Vec::new(), Vec::new());
-    for line in table.lines() {
-        let line_of = || format!("the table of bench has an unknown line: {line}");
+    for line in table_of(board, "bench", &[])?.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
             ["pair", name, _, ref costs @ ..] => {
-                let costs: Vec<u64> =
-                    costs.iter().map(|cost| cost.parse()).collect::<Result<_, _>>()?;
-                pairs.push((name.to_owned(), costs.try_into().ok().with_context(line_of)?));
+                pairs.push((name.to_owned(), numbers("bench", line, costs)?));
             }
-            ["autopilot", name, obstacles, mavlink, bytes] => {
-                let [obstacles, mavlink, bytes] =
-                    [obstacles.parse()?, mavlink.parse()?, bytes.parse()?];
+            ["autopilot", name, ref costs @ ..] => {
+                let [obstacles, mavlink, bytes] = numbers("bench", line, costs)?;
                 autopilot.push((name.to_owned(), Autopilot { obstacles, mavlink, bytes }));
             }
-            ["kernel", name, chosen, portable] => {
-                kernels.push((
-                    name.to_owned(),
-                    KernelCost { chosen: chosen.parse()?, portable: portable.parse()? },
-                ));
+            ["kernel", name, ref costs @ ..] => {
+                let [chosen, portable] = numbers("bench", line, costs)?;
+                kernels.push((name.to_owned(), KernelCost { chosen, portable }));
             }
             ["stack", _] => {}
-            _ => anyhow::bail!(line_of()),
+            _ => return Err(unknown("bench", line)),
         }
     }
     Ok(Builtin { pairs, autopilot, kernels })
+}
+
+/// The table that a program without logs writes; `input` is the file that it reads, if it does.
+fn table_of(board: &Board, program: &str, input: &[u8]) -> Result<String> {
+    let elf = firmware::build(&Toolchain::for_board(board)?, board, program, Logs::None)?;
+    let folder = tempfile::tempdir()?;
+    std::fs::write(folder.path().join("input"), input)?;
+    let arguments: &[&str] = if input.is_empty() { &["table"] } else { &["input", "table"] };
+    qemu::run(board, &elf, arguments, folder.path(), crate::LIMIT)?.success(program, board)?;
+    Ok(std::fs::read_to_string(folder.path().join("table"))?)
+}
+
+/// The numbers of a line of a program's table.
+fn numbers<const N: usize>(program: &str, line: &str, columns: &[&str]) -> Result<[u64; N]> {
+    let numbers: Vec<u64> =
+        columns.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
+    numbers.try_into().map_err(|_| unknown(program, line))
+}
+
+fn unknown(program: &str, line: &str) -> anyhow::Error {
+    anyhow::anyhow!("the table of {program} has an unknown line: {line}")
 }
 
 /// Cost of rectifying a pair with a built-in rig.
@@ -107,16 +117,12 @@ pub(crate) struct Rectified {
 
 /// Runs the program `rectify`: by rig and size, such as `moderate_320x240`.
 pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
-    let toolchain = Toolchain::for_board(board)?;
-    let elf = firmware::build(&toolchain, board, "rectify", Logs::None)?;
-    let folder = tempfile::tempdir()?;
-    qemu::run(board, &elf, &["table"], folder.path(), crate::LIMIT)?.success("rectify", board)?;
     let mut rigs = BTreeMap::new();
     let here = rectified_here(board)?;
-    for line in std::fs::read_to_string(folder.path().join("table"))?.lines() {
-        let ["rectify", name, ref numbers @ .., digest] = line.split('\t').collect::<Vec<_>>()[..]
+    for line in table_of(board, "rectify", &[])?.lines() {
+        let ["rectify", name, ref costs @ .., digest] = line.split('\t').collect::<Vec<_>>()[..]
         else {
-            anyhow::bail!("the table of rectify has an unknown line: {line}")
+            return Err(unknown("rectify", line));
         };
         let expected =
             here.get(name).with_context(|| format!("there is no built-in rig {name}"))?;
@@ -127,11 +133,7 @@ pub(crate) fn rectified(board: &Board) -> Result<BTreeMap<String, Rectified>> {
                 board.name
             );
         }
-        let numbers: Vec<u64> =
-            numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
-        let [set_up, rows, worst_row, band_bytes] = numbers[..] else {
-            anyhow::bail!("the table of rectify has an unknown line: {line}")
-        };
+        let [set_up, rows, worst_row, band_bytes] = numbers("rectify", line, costs)?;
         rigs.insert(name.to_owned(), Rectified { set_up, rows, worst_row, band_bytes });
     }
     Ok(rigs)
@@ -287,22 +289,12 @@ fn core_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, C
     for (_, (left, right)) in &scenes {
         board::push_pair(&mut input, 0, left, right)?;
     }
-    let elf = firmware::build(&Toolchain::for_board(board)?, board, "cores", Logs::None)?;
-    let folder = tempfile::tempdir()?;
-    std::fs::write(folder.path().join("input"), input)?;
-    let arguments = ["input", "table"];
-    qemu::run(board, &elf, &arguments, folder.path(), crate::LIMIT)?.success("cores", board)?;
-    let table = std::fs::read_to_string(folder.path().join("table"))?;
     let mut costs = Vec::new();
-    for (line, (name, _)) in table.lines().zip(scenes) {
-        let ["cores", numbers @ ..] = &line.split('\t').collect::<Vec<_>>()[..] else {
-            anyhow::bail!("the table of cores has an unknown line: {line}")
+    for (line, (name, _)) in table_of(board, "cores", &input)?.lines().zip(scenes) {
+        let ["cores", columns @ ..] = &line.split('\t').collect::<Vec<_>>()[..] else {
+            return Err(unknown("cores", line));
         };
-        let numbers: Vec<u64> =
-            numbers.iter().map(|number| number.parse()).collect::<Result<_, _>>()?;
-        let [one, busier, joins] = numbers[..] else {
-            anyhow::bail!("the table of cores has an unknown line: {line}")
-        };
+        let [one, busier, joins] = numbers("cores", line, columns)?;
         costs.push((name, Cores { one, busier, permille: busier * 1000 / one, joins }));
     }
     Ok(costs)

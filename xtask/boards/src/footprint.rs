@@ -44,7 +44,7 @@ pub(crate) fn run(top: &Path, boards: &[Board], bless: bool) -> Result<()> {
     println!("{:14} {:38} {:>8} {:>8}", "board", "processor", "flash", "RAM");
     for board in boards {
         let found = sizes::of(board, PROGRAM)?;
-        let footprint = Footprint { flash: found.flash(), ram: found.static_ram() + found.stack };
+        let footprint = Footprint { flash: found.flash, ram: found.static_ram + found.stack };
         println!(
             "{:14} {:38} {:>8} {:>8}",
             board.name, board.processor, footprint.flash, footprint.ram

@@ -192,8 +192,11 @@ fn execute(command: Command) -> Result<()> {
         Command::Run { boards, program, serial, arguments } => {
             run(&boards, &program, serial.as_deref(), &arguments)
         }
-        Command::Selftest(boards) => selftest(&boards),
-        Command::Kernels(boards) => kernels(&boards),
+        Command::Selftest(boards) => {
+            let advice = "; when the output was meant to change: cargo xtask bless";
+            agree(&boards, "selftest", ["not as on the PC", advice])
+        }
+        Command::Kernels(boards) => agree(&boards, "kernels", ["not as the portable kernels", ""]),
         Command::Bench { boards, frames, objects } => {
             bench::run(&boards.emulated()?, frames.as_deref(), objects)
         }
@@ -254,8 +257,8 @@ fn build(boards: &Boards, program: Option<&str>, no_logs: bool, features: &[Stri
         let images = Images { features: &features, ..Images::of_firmware(&programs, logs) };
         for elf in images.build(&toolchain, &board)? {
             let found = sizes::read(&elf)?;
-            let ram = found.static_ram() + found.stack;
-            println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash());
+            let ram = found.static_ram + found.stack;
+            println!("{}\n  flash {} bytes, RAM {ram} bytes", elf.display(), found.flash);
             if !board.is_emulated() {
                 let (file, how) = image::write(&board, &elf)?;
                 println!("{}\n  {how}", file.display());
@@ -368,27 +371,8 @@ fn run(boards: &Boards, program: &str, serial: Option<&str>, arguments: &[String
     Ok(())
 }
 
-fn selftest(boards: &Boards) -> Result<()> {
-    let different = unsuccessful(boards, "selftest")?;
-    if !different.is_empty() {
-        bail!(
-            "not as on the PC: {}; when the output was meant to change: cargo xtask bless",
-            different.join(", ")
-        );
-    }
-    Ok(())
-}
-
-fn kernels(boards: &Boards) -> Result<()> {
-    let different = unsuccessful(boards, "kernels")?;
-    if !different.is_empty() {
-        bail!("not as the portable kernels: {}", different.join(", "));
-    }
-    Ok(())
-}
-
-/// The boards on which a program finds a difference.
-fn unsuccessful(boards: &Boards, program: &str) -> Result<Vec<&'static str>> {
+/// Has the boards run a program; those on which it finds a difference are an error in these words.
+fn agree(boards: &Boards, program: &str, [difference, advice]: [&str; 2]) -> Result<()> {
     let mut different = Vec::new();
     for board in boards.emulated()? {
         println!("{}", board.name);
@@ -396,5 +380,8 @@ fn unsuccessful(boards: &Boards, program: &str) -> Result<Vec<&'static str>> {
             different.push(board.name);
         }
     }
-    Ok(different)
+    if !different.is_empty() {
+        bail!("{difference}: {}{advice}", different.join(", "));
+    }
+    Ok(())
 }

@@ -54,7 +54,7 @@ struct Numbers {
     boards: BTreeMap<String, BoardNumbers>,
 }
 
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct BoardNumbers {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     bytes: BTreeMap<String, u64>,
@@ -157,7 +157,7 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     if frames.is_none() {
         println!("captured frames were not measured: LINESTEREO_FRAMES does not name them");
     }
-    compare(&compared(&old, frames.is_some()), &compared(&new, frames.is_some()))
+    compare(&compared(&old, frames.is_some())?, &compared(&new, frames.is_some())?)
 }
 
 /// The instructions of each built-in pair on the emulated boards whose processors real boards have,
@@ -262,18 +262,13 @@ fn built_in(board: &Board) -> Result<BoardNumbers> {
     let Builtin { pairs, autopilot, kernels } = bench::builtin(board)?;
     let groups = bench::by_size(board, pairs)?;
     Ok(BoardNumbers {
-        bytes: BTreeMap::new(),
         built_in: groups
             .iter()
             .map(|(size, pairs)| (size.clone(), Instructions::new(pairs)))
             .collect(),
         kernels: kernels.into_iter().collect(),
         autopilot: Some(Autopilot::largest(&autopilot)),
-        captured: BTreeMap::new(),
-        objects: BTreeMap::new(),
-        cores: BTreeMap::new(),
-        rectify: BTreeMap::new(),
-        raw: BTreeMap::new(),
+        ..BoardNumbers::default()
     })
 }
 
@@ -282,12 +277,12 @@ fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>)
     let (raw, stack) = raw_pairs(board)?;
     let (replay, live) = (sizes::of(board, "replay")?, sizes::of(board, "live")?);
     let bytes = [
-        ("flash", replay.flash()),
-        ("flash_live", live.flash()),
-        ("static_ram", replay.static_ram()),
+        ("flash", replay.flash),
+        ("flash_live", live.flash),
+        ("static_ram", replay.static_ram),
         ("stack_used", stack),
         ("stack_reserved", replay.stack),
-        ("ram", replay.static_ram() + stack),
+        ("ram", replay.static_ram + stack),
     ];
     if let Some(folder) = frames {
         for &dims in board.sizes {
@@ -302,50 +297,33 @@ fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>)
     Ok(())
 }
 
-/// The numbers that are compared, by name.
-fn compared(numbers: &Numbers, with_captured: bool) -> BTreeMap<String, u64> {
+/// For reading, or what follows from other numbers.
+const NOT_COMPARED: [&str; 6] =
+    ["by_stage", "by_pair", "kernels", "worst_row", "permille", "joins"];
+/// Of captured frames.
+const CAPTURED: [&str; 3] = ["captured", "objects", "cores"];
+
+/// The numbers that are compared, by name: the keys down to each.
+fn compared(numbers: &Numbers, with_captured: bool) -> Result<BTreeMap<String, u64>> {
     let mut list = BTreeMap::new();
-    for (name, board) in &numbers.boards {
-        for (what, &bytes) in &board.bytes {
-            list.insert(format!("{name} {what}"), bytes);
-        }
-        if let Some(autopilot) = board.autopilot {
-            list.insert(format!("{name} autopilot obstacles"), autopilot.obstacles);
-            list.insert(format!("{name} autopilot mavlink"), autopilot.mavlink);
-            list.insert(format!("{name} autopilot bytes"), autopilot.bytes);
-        }
-        for (rig, of) in &board.rectify {
-            list.insert(format!("{name} rectify {rig} set_up"), of.set_up);
-            list.insert(format!("{name} rectify {rig} rows"), of.rows);
-            list.insert(format!("{name} rectify {rig} band_bytes"), of.band_bytes);
-        }
-        for (size, RawPair { rectification, matching, band }) in &board.raw {
-            list.insert(format!("{name} raw {size} rectification"), *rectification);
-            list.insert(format!("{name} raw {size} matching"), *matching);
-            list.insert(format!("{name} raw {size} band"), *band);
-        }
-        for (size, Objects { eight, points, tenth, tenth_permille, one_box_permille }) in
-            board.objects.iter().filter(|_| with_captured)
-        {
-            list.insert(format!("{name} objects {size} eight"), *eight);
-            list.insert(format!("{name} objects {size} points"), *points);
-            list.insert(format!("{name} objects {size} tenth"), *tenth);
-            list.insert(format!("{name} objects {size} tenth_permille"), *tenth_permille);
-            list.insert(format!("{name} objects {size} one_box_permille"), *one_box_permille);
-        }
-        for (size, Cores { one, busier, .. }) in board.cores.iter().filter(|_| with_captured) {
-            list.insert(format!("{name} cores {size} one"), *one);
-            list.insert(format!("{name} cores {size} busier"), *busier);
-        }
-        let captured = board.captured.iter().filter(|_| with_captured).map(|of| ("captured", of));
-        for (kind, (size, instructions)) in
-            board.built_in.iter().map(|of| ("built_in", of)).chain(captured)
-        {
-            list.insert(format!("{name} {kind} {size} median"), instructions.median);
-            list.insert(format!("{name} {kind} {size} largest"), instructions.largest);
+    let mut tables = vec![(String::new(), toml::Table::try_from(&numbers.boards)?)];
+    while let Some((path, table)) = tables.pop() {
+        for (key, value) in table {
+            let is_left_out =
+                NOT_COMPARED.contains(&&*key) || (!with_captured && CAPTURED.contains(&&*key));
+            let name = match &*path {
+                "" => key,
+                _ if key == "bytes" && value.is_table() => path.clone(),
+                _ => format!("{path} {key}"),
+            };
+            match value {
+                _ if is_left_out => {}
+                toml::Value::Table(table) => tables.push((name, table)),
+                number => _ = list.insert(name, number.try_into()?),
+            }
         }
     }
-    list
+    Ok(list)
 }
 
 fn compare(old: &BTreeMap<String, u64>, new: &BTreeMap<String, u64>) -> Result<()> {

@@ -8,29 +8,14 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags, SectionKind, elf
 use std::path::Path;
 
 /// Bytes of a program.
+#[derive(Default)]
 pub(crate) struct Sizes {
-    /// Code.
-    pub(crate) text: u64,
-    /// Constants and the vector table.
-    pub(crate) rodata: u64,
-    /// Variables that begin with a value: in flash and in RAM.
-    pub(crate) data: u64,
-    /// Variables that begin as zero.
-    pub(crate) bss: u64,
+    /// Code, constants and first values of variables.
+    pub(crate) flash: u64,
+    /// Variables.
+    pub(crate) static_ram: u64,
     /// The memory set aside for stacks.
     pub(crate) stack: u64,
-}
-
-impl Sizes {
-    /// Bytes in flash.
-    pub(crate) fn flash(&self) -> u64 {
-        self.text + self.rodata + self.data
-    }
-
-    /// Bytes of variables in RAM.
-    pub(crate) fn static_ram(&self) -> u64 {
-        self.data + self.bss
-    }
 }
 
 /// Builds a program without logs and reads its sizes.
@@ -39,45 +24,24 @@ pub(crate) fn of(board: &Board, program: &str) -> Result<Sizes> {
     read(&firmware::build(&toolchain, board, program, Logs::None)?)
 }
 
-/// Size of a section.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    Code,
-    Constants,
-    /// In flash and in RAM.
-    Data,
-    Ram,
-}
-
-impl Place {
-    /// By its flags, not its name, which every linker script chooses; `None` for what stays on the
-    /// PC.
-    fn of<'data>(section: &impl ObjectSection<'data>) -> Option<Self> {
-        let SectionFlags::Elf { sh_flags, .. } = section.flags() else { return None };
-        match section.kind() {
-            _ if !sh_flags.contains(elf::SHF_ALLOC) => None,
-            SectionKind::UninitializedData => Some(Self::Ram),
-            _ if sh_flags.contains(elf::SHF_WRITE) => Some(Self::Data),
-            _ if sh_flags.contains(elf::SHF_EXECINSTR) => Some(Self::Code),
-            _ => Some(Self::Constants),
-        }
-    }
-}
-
 /// Reads the sizes of an ELF file.
 pub(crate) fn read(elf: &Path) -> Result<Sizes> {
     let elf = std::fs::read(elf)?;
     let file = object::File::parse(&*elf).context("the program is no ELF file")?;
-    let mut sizes = Sizes { text: 0, rodata: 0, data: 0, bss: 0, stack: 0 };
+    let mut sizes = Sizes::default();
+    // By flags: every linker script chooses names of its own.
     for section in file.sections() {
-        let counter = match Place::of(&section) {
-            Some(Place::Code) => &mut sizes.text,
-            Some(Place::Constants) => &mut sizes.rodata,
-            Some(Place::Data) => &mut sizes.data,
-            Some(Place::Ram) => &mut sizes.bss,
-            None => continue,
-        };
-        *counter += section.size();
+        let SectionFlags::Elf { sh_flags, .. } = section.flags() else { continue };
+        if !sh_flags.contains(elf::SHF_ALLOC) {
+            continue; // stays on the PC
+        }
+        let is_stored = section.kind() != SectionKind::UninitializedData;
+        if is_stored {
+            sizes.flash += section.size();
+        }
+        if !is_stored || sh_flags.contains(elf::SHF_WRITE) {
+            sizes.static_ram += section.size();
+        }
     }
     let address = |name: &str| {
         let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
