@@ -14,11 +14,11 @@
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests read what they wrote"))]
 
-pub mod bench;
+mod bench;
 pub mod commands;
 pub mod evaluate;
 pub mod faults;
 pub mod fitting;
-pub mod opencv;
-pub mod rivals;
-pub mod thin;
+mod opencv;
+mod rivals;
+mod thin;

@@ -69,7 +69,7 @@ exposure mismatch too. OpenCV and the noise need a Python with opencv-python-hea
 /// Score every data set of a folder, beside OpenCV's SGBM and StereoBM.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub struct Args {
+pub(crate) struct Args {
     /// Folder that holds data sets.
     frames: PathBuf,
     /// Score this set alone, or those below this folder.
@@ -102,7 +102,7 @@ pub struct Args {
 }
 
 /// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
+pub(crate) fn run(args: &Args) -> Result<()> {
     let begin = Instant::now();
     let last = args.store.join("last.json");
     let stored = if last.is_file() { Some(read_report(&last)?) } else { None };

@@ -38,7 +38,7 @@ Columns:
 /// Match the same frames by the core and by OpenCV: scores and times side by side.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub struct Args {
+pub(crate) struct Args {
     /// Folders to search for pairs, at any depth and in any layout.
     #[arg(required = true, value_name = "FOLDER")]
     folders: Vec<PathBuf>,
@@ -88,7 +88,7 @@ struct Compared {
 }
 
 /// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
+pub(crate) fn run(args: &Args) -> Result<()> {
     let mut notes = Vec::new();
     let opencv = args.opencv(&mut notes)?;
     // Without any truth there are still yields and times.

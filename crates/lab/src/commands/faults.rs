@@ -38,7 +38,7 @@ Columns:
 /// same seed gives the same damages on every machine.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub struct Args {
+pub(crate) struct Args {
     /// Folders to search for pairs with ground truth, at any depth and in any layout.
     #[arg(required = true, value_name = "FOLDER")]
     folders: Vec<PathBuf>,
@@ -64,7 +64,7 @@ pub struct Args {
 type Outcome = (Family, Damage, HealthFlags, Tally);
 
 /// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
+pub(crate) fn run(args: &Args) -> Result<()> {
     let damages = damages(args)?;
     let found = collect(&args.folders, true)?;
     spare(asked_for([&args.json]), found.pairs.iter().flat_map(StoredPair::files))?;
@@ -84,17 +84,14 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn damages(args: &Args) -> Result<Vec<(Family, Damage)>> {
-    let wanted = |&&(family, damage): &&(Family, Damage)| {
-        args.only
-            .as_ref()
-            .is_none_or(|words| damage.to_string().contains(words) || family.name().contains(words))
-    };
-    let damages: Vec<_> = Damage::ALL.iter().filter(wanted).copied().collect();
-    if damages.is_empty() {
-        bail!(
-            "no damage contains {:?}; without --only the table names them all",
-            args.only.as_deref().unwrap_or("")
-        );
+    let mut damages = Damage::all();
+    if let Some(words) = &args.only {
+        damages.retain(|(family, damage)| {
+            damage.to_string().contains(words) || family.name().contains(words)
+        });
+        if damages.is_empty() {
+            bail!("no damage contains {words:?}; without --only the table names them all");
+        }
     }
     Ok(damages)
 }

@@ -45,7 +45,7 @@ const QUERIES: (usize, u64) = (2000, 1);
 /// they are.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub struct Args {
+pub(crate) struct Args {
     /// Folders to search for scenes with truth, at any depth.
     #[arg(required = true, value_name = "FOLDER")]
     folders: Vec<PathBuf>,
@@ -67,7 +67,7 @@ pub struct Args {
 }
 
 /// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
+pub(crate) fn run(args: &Args) -> Result<()> {
     let scenes = load(&args.folders)?;
     let also = if args.also.is_empty() { Vec::new() } else { load(&args.also)? };
     let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };

@@ -32,7 +32,7 @@ const WIDEST: u16 = 480;
 /// Score thin things: poles pasted into pairs with truth, with bars and without.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
-pub struct Args {
+pub(crate) struct Args {
     /// Folders to search for pairs with ground truth, at any depth.
     #[arg(required = true, value_name = "FOLDER")]
     folders: Vec<PathBuf>,
@@ -60,7 +60,7 @@ struct Outcome {
 }
 
 /// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
+pub(crate) fn run(args: &Args) -> Result<()> {
     let found = collect(&args.folders, true)?;
     let mut scenes = Vec::new();
     for stored in &found.pairs {

@@ -9,7 +9,7 @@ use linestereo_frames::Perturbation;
 /// Kind of damage: what a user would look for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Family {
+pub(crate) enum Family {
     /// No damage.
     Undamaged,
     /// The same thing at the same pixel of both images.
@@ -36,7 +36,7 @@ pub enum Family {
 /// The least with which a damage can be told from a healthy pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Evidence {
+pub(crate) enum Evidence {
     /// The pair itself.
     Pair,
     /// Several pairs of a moving camera.
@@ -47,7 +47,7 @@ pub enum Evidence {
 
 impl Family {
     /// Every family, in the order of the table.
-    pub const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Undamaged,
         Self::SamePixel,
         Self::MovedRows,
@@ -61,8 +61,7 @@ impl Family {
     ];
 
     /// In words.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Undamaged => "undamaged",
             Self::SamePixel => "the same at the same pixel",
@@ -78,8 +77,7 @@ impl Family {
     }
 
     /// The least with which its damages can be told.
-    #[must_use]
-    pub const fn evidence(self) -> Evidence {
+    pub(crate) const fn evidence(self) -> Evidence {
         match self {
             Self::Frozen => Evidence::Sequence,
             Self::Sheared | Self::Sideways => Evidence::Other,
@@ -170,102 +168,45 @@ use Family as F;
 
 impl Damage {
     /// Every damage of the bench with its family.
-    pub const ALL: &'static [(Family, Self)] = &[
-        (F::Undamaged, D::None),
-        (F::SamePixel, D::FixedPattern(25.0)),
-        (F::SamePixel, D::FixedPattern(12.0)),
-        (F::SamePixel, D::FixedPattern(6.0)),
-        (F::SamePixel, D::FixedPattern(3.0)),
-        (F::SamePixel, D::ColumnNoise(30.0)),
-        (F::SamePixel, D::ColumnNoise(15.0)),
-        (F::SamePixel, D::ColumnNoise(5.0)),
-        (F::SamePixel, D::ColumnNoise(2.0)),
-        (F::SamePixel, D::RowNoise(10.0)),
-        (F::SamePixel, D::OneCameraTwice),
-        (F::SamePixel, D::Text(12)),
-        (F::SamePixel, D::Text(4)),
-        (F::SamePixel, D::Text(1)),
-        (F::SamePixel, D::Dirt(12, 10.0)),
-        (F::SamePixel, D::Dirt(24, 5.0)),
-        (F::SamePixel, D::BrightDirt(24, 5.0)),
-        (F::SamePixel, D::Drops(8, 14.0)),
-        (F::SamePixel, D::DeadColumns(16)),
-        (F::SamePixel, D::BrightColumns(16)),
-        (F::SamePixel, D::DeadColumns(64)),
-        (F::MovedRows, D::Torn(8.0)),
-        (F::MovedRows, D::Torn(4.0)),
-        (F::MovedRows, D::Torn(-4.0)),
-        (F::MovedRows, D::Torn(2.0)),
-        (F::Sheared, D::RollingShutter(8.0)),
-        (F::Sheared, D::RollingShutter(-8.0)),
-        (F::Sheared, D::RollingShutter(4.0)),
-        (F::MovedRows, D::LostSync(4.0)),
-        (F::Geometry, D::Focal(5.0)),
-        (F::Geometry, D::Focal(2.0)),
-        (F::Geometry, D::Focal(1.0)),
-        (F::Geometry, D::Focal(-2.0)),
-        (F::Geometry, D::Roll(2.0)),
-        (F::Geometry, D::Roll(1.0)),
-        (F::Geometry, D::Roll(0.5)),
-        (F::Geometry, D::Roll(-1.0)),
-        (F::Geometry, D::RowsOff(5.0)),
-        (F::Geometry, D::RowsOff(3.0)),
-        (F::Geometry, D::RowsOff(-3.0)),
-        (F::Geometry, D::RowsOff(2.0)),
-        (F::Geometry, D::RowsOff(1.0)),
-        (F::Geometry, D::RowsOff(-1.0)),
-        (F::Geometry, D::RowsOff(0.5)),
-        (F::Geometry, D::RowsOff(-0.5)),
-        (F::Geometry, D::Distortion(6.0)),
-        (F::Geometry, D::Distortion(-6.0)),
-        (F::Repetition, D::Bars(4.0)),
-        (F::Repetition, D::Bars(6.0)),
-        (F::Repetition, D::Bars(8.0)),
-        (F::Repetition, D::Bars(12.0)),
-        (F::Repetition, D::Bars(16.0)),
-        (F::Repetition, D::Bars(24.0)),
-        (F::Repetition, D::Bars(32.0)),
-        (F::Repetition, D::Checker(8.0)),
-        (F::Repetition, D::Checker(16.0)),
-        (F::Repetition, D::Bricks(12.0)),
-        (F::Repetition, D::Bricks(20.0)),
-        (F::Detail, D::Jpeg(10)),
-        (F::Detail, D::Jpeg(30)),
-        (F::Detail, D::Jpeg(60)),
-        (F::Detail, D::Bits(2)),
-        (F::Detail, D::Bits(3)),
-        (F::Detail, D::Bits(4)),
-        (F::Detail, D::Blur(1.0)),
-        (F::Detail, D::Blur(2.0)),
-        (F::Detail, D::Blur(3.0)),
-        (F::Detail, D::BlurOneEye(1.0)),
-        (F::Detail, D::BlurOneEye(2.0)),
-        (F::Detail, D::Motion(5)),
-        (F::Detail, D::Motion(9)),
-        (F::Detail, D::Fog(0.5)),
-        (F::Detail, D::Fog(0.25)),
-        (F::Detail, D::Fog(0.12)),
-        (F::OneCamera, D::Noise(2.0)),
-        (F::OneCamera, D::Noise(5.0)),
-        (F::OneCamera, D::Noise(10.0)),
-        (F::OneCamera, D::Noise(20.0)),
-        (F::OneCamera, D::SaltAndPepper(1.0)),
-        (F::OneCamera, D::SaltAndPepper(5.0)),
-        (F::OneCamera, D::Gain(0.8)),
-        (F::OneCamera, D::Gain(0.5)),
-        (F::OneCamera, D::Gain(1.6)),
-        (F::OneCamera, D::Covered(25.0)),
-        (F::OneCamera, D::Covered(60.0)),
-        (F::OneCamera, D::DirtOneEye(24, 5.0)),
-        (F::OneCamera, D::DirtOneEye(12, 10.0)),
-        (F::OneCamera, D::Swapped),
-        (F::OneCamera, D::OneFrozen),
-        (F::Frozen, D::BothFrozen),
-        (F::Sideways, D::Shift(2.0)),
-        (F::Sideways, D::Shift(4.0)),
-        (F::Sideways, D::Shift(8.0)),
-        (F::Sideways, D::Shift(-2.0)),
-    ];
+    pub(crate) fn all() -> Vec<(Family, Self)> {
+        let mut all = Vec::new();
+        let mut add = |family: Family, damages: &[Self]| {
+            all.extend(damages.iter().map(|&damage| (family, damage)));
+        };
+        add(F::Undamaged, &[D::None]);
+        add(F::SamePixel, &[25.0, 12.0, 6.0, 3.0].map(D::FixedPattern));
+        add(F::SamePixel, &[30.0, 15.0, 5.0, 2.0].map(D::ColumnNoise));
+        add(F::SamePixel, &[D::RowNoise(10.0), D::OneCameraTwice]);
+        add(F::SamePixel, &[12, 4, 1].map(D::Text));
+        add(F::SamePixel, &[D::Dirt(12, 10.0), D::Dirt(24, 5.0), D::BrightDirt(24, 5.0)]);
+        add(F::SamePixel, &[D::Drops(8, 14.0)]);
+        add(F::SamePixel, &[D::DeadColumns(16), D::BrightColumns(16), D::DeadColumns(64)]);
+        add(F::MovedRows, &[8.0, 4.0, -4.0, 2.0].map(D::Torn));
+        add(F::Sheared, &[8.0, -8.0, 4.0].map(D::RollingShutter));
+        add(F::MovedRows, &[D::LostSync(4.0)]);
+        add(F::Geometry, &[5.0, 2.0, 1.0, -2.0].map(D::Focal));
+        add(F::Geometry, &[2.0, 1.0, 0.5, -1.0].map(D::Roll));
+        add(F::Geometry, &[5.0, 3.0, -3.0, 2.0, 1.0, -1.0, 0.5, -0.5].map(D::RowsOff));
+        add(F::Geometry, &[6.0, -6.0].map(D::Distortion));
+        add(F::Repetition, &[4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0].map(D::Bars));
+        add(F::Repetition, &[8.0, 16.0].map(D::Checker));
+        add(F::Repetition, &[12.0, 20.0].map(D::Bricks));
+        add(F::Detail, &[10, 30, 60].map(D::Jpeg));
+        add(F::Detail, &[2, 3, 4].map(D::Bits));
+        add(F::Detail, &[1.0, 2.0, 3.0].map(D::Blur));
+        add(F::Detail, &[1.0, 2.0].map(D::BlurOneEye));
+        add(F::Detail, &[5, 9].map(D::Motion));
+        add(F::Detail, &[0.5, 0.25, 0.12].map(D::Fog));
+        add(F::OneCamera, &[2.0, 5.0, 10.0, 20.0].map(D::Noise));
+        add(F::OneCamera, &[1.0, 5.0].map(D::SaltAndPepper));
+        add(F::OneCamera, &[0.8, 0.5, 1.6].map(D::Gain));
+        add(F::OneCamera, &[25.0, 60.0].map(D::Covered));
+        add(F::OneCamera, &[D::DirtOneEye(24, 5.0), D::DirtOneEye(12, 10.0)]);
+        add(F::OneCamera, &[D::Swapped, D::OneFrozen]);
+        add(F::Frozen, &[D::BothFrozen]);
+        add(F::Sideways, &[2.0, 4.0, 8.0, -2.0].map(D::Shift));
+        all
+    }
 
     /// The damaged pair.
     #[must_use]
@@ -279,6 +220,9 @@ impl Damage {
             let [left, right] = &pair;
             <[GrayImage; 2]>::from(Perturbation { seed: source.seed, ..change }.apply(left, right))
         };
+        let blobs = |image: GrayImage, count: usize, radius: f64, level: u8| {
+            sensor::blobs(image, count, radius, level, source.seed)
+        };
         let none = Perturbation::NONE;
         match self {
             D::None => pair,
@@ -287,12 +231,8 @@ impl Damage {
             D::RowNoise(sigma) => sensor::line_noise(pair, sigma, source.seed, false),
             D::OneCameraTwice => [source.scene.left.clone(), source.scene.left.clone()],
             D::Text(lines) => sensor::text(pair, lines, source.seed),
-            D::Dirt(count, radius) => {
-                pair.map(|image| sensor::blobs(image, count, radius, 25, source.seed))
-            }
-            D::BrightDirt(count, radius) => {
-                pair.map(|image| sensor::blobs(image, count, radius, 235, source.seed))
-            }
+            D::Dirt(count, radius) => pair.map(|image| blobs(image, count, radius, 25)),
+            D::BrightDirt(count, radius) => pair.map(|image| blobs(image, count, radius, 235)),
             D::Drops(count, radius) => {
                 pair.map(|image| sensor::drops(&image, count, radius, source.seed))
             }
@@ -324,7 +264,7 @@ impl Damage {
             D::Gain(gain) => perturbed(Perturbation { gain, ..none }),
             D::Covered(percent) => right_only(&|right| sensor::covered(right.clone(), percent)),
             D::DirtOneEye(count, radius) => {
-                right_only(&|right| sensor::blobs(right.clone(), count, radius, 25, source.seed))
+                right_only(&|right| blobs(right.clone(), count, radius, 25))
             }
             D::Swapped => perturbed(Perturbation { swap: true, ..none }),
             D::OneFrozen => [

@@ -19,6 +19,7 @@ mod sensor;
 mod source;
 mod texture;
 
-pub use damage::{Damage, Evidence, Family};
-pub use score::{FaultReport, FaultRow, Tally, is_asked, score};
+pub use damage::Damage;
+pub(crate) use damage::{Evidence, Family};
+pub(crate) use score::{FaultReport, Tally, is_asked, score};
 pub use source::Source;

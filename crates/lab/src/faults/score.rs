@@ -25,27 +25,25 @@ const WRONG_PX: f32 = 1.0;
 
 /// Counts of one pair or of many.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Tally {
-    /// Pairs.
-    pub pairs: usize,
+pub(crate) struct Tally {
+    pub(crate) pairs: usize,
     /// Pairs that are not healthy.
-    pub refused: usize,
-    /// Objects asked for.
-    pub objects: usize,
+    pub(crate) refused: usize,
+    pub(crate) objects: usize,
     /// Depths of objects.
-    pub answers: usize,
+    pub(crate) answers: usize,
     /// More than 1 px off.
-    pub wrong: usize,
+    pub(crate) wrong: usize,
     /// Wrong, and more than 20 % in depth.
-    pub far_off: usize,
+    pub(crate) far_off: usize,
     /// Points with truth.
-    pub points: usize,
+    pub(crate) points: usize,
     /// More than 1 px off.
-    pub points_wrong: usize,
+    pub(crate) points_wrong: usize,
     /// Sum of the probabilities that these points state.
-    pub stated: f64,
+    pub(crate) stated: f64,
     /// The wrong answers, one a line: object, form, answer, true range, probability.
-    pub wrong_answers: Vec<String>,
+    pub(crate) wrong_answers: Vec<String>,
 }
 
 impl Tally {
@@ -63,8 +61,7 @@ impl Tally {
     }
 
     /// Answers that are wrong, and far off, in percent of all; 0 without any.
-    #[must_use]
-    pub fn wrong_percent(&self) -> [f64; 2] {
+    pub(crate) fn wrong_percent(&self) -> [f64; 2] {
         [self.wrong, self.far_off].map(|count| 100.0 * count as f64 / self.answers.max(1) as f64)
     }
 
@@ -76,8 +73,7 @@ impl Tally {
 }
 
 /// Counts of what the engine has just said of a damaged pair.
-#[must_use]
-pub fn score(
+pub(crate) fn score(
     engine: &mut Engine,
     result: &FrameResult,
     cases: &[ObjectCase],
@@ -114,38 +110,32 @@ pub fn score(
 
 /// True for the forms of objects that the bench asks for: sloppy masks are scored by
 /// `compare`.
-#[must_use]
-pub fn is_asked(case: &ObjectCase) -> bool {
+pub(crate) fn is_asked(case: &ObjectCase) -> bool {
     matches!(case.outline, Outline::Given | Outline::Box)
 }
 
 /// All pairs of one damage.
 #[derive(Clone, Debug, Serialize)]
-pub struct FaultRow {
-    /// Kind of damage.
-    pub family: Family,
-    /// The damage in words.
-    pub damage: String,
+pub(crate) struct FaultRow {
+    pub(crate) family: Family,
+    pub(crate) damage: String,
     /// The flags that were raised, and on how many pairs each.
-    pub flags: BTreeMap<&'static str, usize>,
-    /// Counts.
+    pub(crate) flags: BTreeMap<&'static str, usize>,
     #[serde(flatten)]
-    pub tally: Tally,
+    pub(crate) tally: Tally,
 }
 
 /// The bench's result.
 #[derive(Clone, Debug, Serialize)]
-pub struct FaultReport {
-    /// A row for every damage.
-    pub damages: Vec<FaultRow>,
+pub(crate) struct FaultReport {
+    pub(crate) damages: Vec<FaultRow>,
     /// Families that a pair can show, undamaged pairs left out.
-    pub shown_by_a_pair: Tally,
+    pub(crate) shown_by_a_pair: Tally,
 }
 
 impl FaultReport {
     /// Pools the pairs of each damage.
-    #[must_use]
-    pub fn new(cases: &[(Family, Damage, HealthFlags, Tally)]) -> Self {
+    pub(crate) fn new(cases: &[(Family, Damage, HealthFlags, Tally)]) -> Self {
         let mut damages: Vec<FaultRow> = Vec::new();
         let mut all = Tally::default();
         for (family, damage, flags, tally) in cases {
@@ -169,10 +159,7 @@ impl FaultReport {
         }
         Self { damages, shown_by_a_pair: all }
     }
-
-    /// The table.
-    #[must_use]
-    pub fn table(&self) -> String {
+    pub(crate) fn table(&self) -> String {
         let mut text = String::from(
             "damage                                 refused   answers   wrong  far off   points \
              off, stated   flags\n",

@@ -14,14 +14,13 @@ mod pixels;
 mod sample;
 mod source;
 
-pub use bars::{bar_source_text, fit_bars};
+pub(crate) use bars::{bar_source_text, fit_bars};
 pub use pixels::{fit_pixels, pixel_source_text};
-pub use sample::{EvidenceLog, SceneSamples, add_ground_samples, scene_samples};
-pub use source::{source_text, support_source_text};
+pub(crate) use sample::add_ground_samples;
+pub use sample::{EvidenceLog, SceneSamples, scene_samples};
+pub(crate) use source::{source_text, support_source_text};
 
-use linestereo::unstable::{
-    Model, Models, Network, SEGMENT_EVIDENCE, SegmentKind, SigmaModel, SupportModels,
-};
+use linestereo::unstable::{Model, Models, Network, SigmaModel, SupportModels};
 use linestereo_sim::engine::FittedModels;
 use logistic::Line;
 use network::Layers;
@@ -134,10 +133,4 @@ fn fit_scenes<const N: usize>(scenes: &[Vec<&Sample>], penalty: f64) -> SigmaMod
 /// Q12, within what the core's sums are proved for.
 fn q(value: f64) -> i32 {
     (value.clamp(-127.0, 127.0) * 4096.0).round() as i32
-}
-
-/// Meaning of each kind of evidence, for tables and for the head of the written constants.
-#[must_use]
-pub fn names() -> [&'static str; SEGMENT_EVIDENCE] {
-    SegmentKind::NAMES
 }

@@ -1,7 +1,7 @@
 //! The confidence model of the depth of pixels.
 
 use super::sample::Sample;
-use super::source::{fields, written_by};
+use super::source::{constant, fields, head};
 use super::{SIDES_PENALTY, fit_scenes};
 use crate::evaluate::QueriedPixel;
 use linestereo::unstable::{PIXEL_EVIDENCE, PixelKind, SigmaModel};
@@ -12,7 +12,7 @@ use linestereo::unstable::{PIXEL_EVIDENCE, PixelKind, SigmaModel};
 pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> SigmaModel<PIXEL_EVIDENCE> {
     let sample = |pixel: &QueriedPixel| {
         let (disparity, evidence) = pixel.found.as_ref().ok()?;
-        Some(Sample::pixel(evidence, (disparity - pixel.truth).abs()))
+        Some(Sample::new(&evidence.0, vec![(disparity - pixel.truth).abs()]))
     };
     let samples: Vec<Vec<Sample>> =
         scenes.iter().map(|scene| scene.iter().filter_map(sample).collect()).collect();
@@ -25,15 +25,11 @@ pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> SigmaModel<PIXEL_EVIDENCE> {
 /// The text of the core's file of constants; `origin` names the frames.
 #[must_use]
 pub fn pixel_source_text(model: &SigmaModel<PIXEL_EVIDENCE>, origin: &str) -> String {
-    let mut text = written_by("fit-confidence", origin);
-    text.push_str(
-        "use super::PIXEL_EVIDENCE;\n\
-         use crate::confidence::{Model, SigmaModel};\n\n\
-         /// The model that plans use unless they are given another.\n\
-         #[rustfmt::skip]\n\
-         pub const FITTED_PIXEL: SigmaModel<PIXEL_EVIDENCE> = SigmaModel {\n",
-    );
-    fields(&mut text, "    ", model, &PixelKind::NAMES);
-    text.push_str("};\n");
+    let uses = ["super::PIXEL_EVIDENCE", "crate::confidence::{Model, SigmaModel}"];
+    let mut text = head("fit-confidence", origin, &uses);
+    let documentation = "The model that plans use unless they are given another.";
+    constant(&mut text, documentation, "FITTED_PIXEL", "SigmaModel<PIXEL_EVIDENCE>", |text| {
+        fields(text, "    ", model, &PixelKind::NAMES);
+    });
     text
 }

@@ -1,8 +1,7 @@
 //! Answers with evidence and truth.
 
 use linestereo::unstable::{
-    BarEvidence, Observer, PixelEvidence, SegmentEvidence, SegmentKind, StageEvent,
-    SupportEvidence, ValidPixels,
+    Observer, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
 };
 use linestereo::{Params, results::Support};
 use linestereo_frames::Truth;
@@ -25,31 +24,21 @@ pub(super) enum SampleKind {
     FineSupport,
     /// Among neighbours that have log-odds.
     Context,
-    Pixel,
-    Bar,
 }
 
 /// The pixels that one side of one candidate reports at one distance, or one pixel that was asked
 /// for.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
-    pub(super) kind: SampleKind,
     pub(super) evidence: Vec<f64>,
     /// `|reported - true|` of the pixels with truth, px.
     pub(super) errors: Vec<f32>,
 }
 
 impl Sample {
-    /// A pixel that was asked for; `error` is `|answer - true|`, px.
-    pub(super) fn pixel(evidence: &PixelEvidence, error: f32) -> Self {
-        let evidence = evidence.0.iter().map(|&value| f64::from(value) / 256.0).collect();
-        Self { kind: SampleKind::Pixel, evidence, errors: vec![error] }
-    }
-
-    /// The pixels of a bar; `errors` are `|disparity - true|`, px.
-    pub(super) fn bar(evidence: &BarEvidence, errors: Vec<f32>) -> Self {
-        let evidence = evidence.0.iter().map(|&value| f64::from(value) / 256.0).collect();
-        Self { kind: SampleKind::Bar, evidence, errors }
+    pub(super) fn new(evidence_q8: &[i16], errors: Vec<f32>) -> Self {
+        let evidence = evidence_q8.iter().map(|&value| f64::from(value) / 256.0).collect();
+        Self { evidence, errors }
     }
 
     /// Pixels within 1 px, and the others.
@@ -65,7 +54,7 @@ pub struct SceneSamples {
     /// Name of the scene: samples of the same one are never scored by a model that has seen one of
     /// them.
     pub(super) scene: String,
-    samples: Vec<Sample>,
+    samples: Vec<(SampleKind, Sample)>,
 }
 
 impl SceneSamples {
@@ -76,19 +65,7 @@ impl SceneSamples {
     }
 
     pub(super) fn of_kind(&self, kind: SampleKind) -> impl Iterator<Item = &Sample> {
-        self.samples.iter().filter(move |sample| sample.kind == kind)
-    }
-
-    /// Answers sampled.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.samples.len()
-    }
-
-    /// Nothing was sampled.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.samples.is_empty()
+        self.samples.iter().filter(move |(of, _)| *of == kind).map(|(_, sample)| sample)
     }
 }
 
@@ -114,7 +91,7 @@ impl Observer for EvidenceLog {
 
 /// Adds the support points of the last run, with the ground plane, that have truth; `log` watched
 /// it.
-pub fn add_ground_samples(
+pub(crate) fn add_ground_samples(
     samples: &mut SceneSamples,
     engine: &mut Engine,
     log: &EvidenceLog,
@@ -124,10 +101,9 @@ pub fn add_ground_samples(
     let support = matched.support();
     let kind =
         if support.is_fine() { SampleKind::FineSupport } else { SampleKind::SupportOfGround };
-    let points = support_samples(kind, support, log, truth);
-    samples.samples.extend(points);
+    samples.samples.extend(support_samples(kind, support, log, truth));
     if support.plane().is_some() && !support.is_fine() {
-        samples.samples.extend(context_samples(support, log, truth));
+        samples.samples.extend(support_samples(SampleKind::Context, support, log, truth));
     }
 }
 
@@ -142,13 +118,11 @@ pub fn scene_samples(
     let matched = engine.matched();
     let (candidates, dims) = (matched.candidates(), matched.dims());
     let support = matched.support();
-    let mut samples = if support.is_fine() {
-        Vec::new()
-    } else {
-        support_samples(SampleKind::Support, support, log, truth)
-    };
+    let mut samples = Vec::new();
     if !support.is_fine() {
-        samples.extend(context_samples(support, log, truth));
+        for kind in [SampleKind::Support, SampleKind::Context] {
+            samples.extend(support_samples(kind, support, log, truth));
+        }
     }
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
         let flat = candidate.segment.near_horizontal;
@@ -184,7 +158,7 @@ pub fn scene_samples(
                 let next_to_edge = distance == 1 && !candidate.is_one_surface();
                 evidence[SegmentKind::NextToEdge as usize] = f64::from(u8::from(next_to_edge));
                 let kind = if distance == 0 { edge_kind } else { side_kind };
-                samples.push(Sample { kind, evidence, errors });
+                samples.push((kind, Sample { evidence, errors }));
             }
         }
     }
@@ -196,32 +170,23 @@ fn what_it_shows(name: &str) -> String {
     name.split('_').next().unwrap_or_default().to_lowercase()
 }
 
+/// Support points by their own evidence or, as a context, by the log-odds that the models of this
+/// run give their neighbours.
 fn support_samples(
     kind: SampleKind,
     support: Support<'_>,
     log: &EvidenceLog,
     truth: &Truth,
-) -> Vec<Sample> {
-    let sample = |&(place, evidence): &(usize, SupportEvidence)| {
+) -> impl Iterator<Item = (SampleKind, Sample)> {
+    log.support.iter().filter_map(move |&(place, evidence)| {
         let ((x, y), point) = support.listed(place)?;
-        let error =
-            (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
-        let known = support.with_nearby(place, evidence).0;
-        let evidence = known.iter().map(|&value| f64::from(value) / 256.0).collect();
-        Some(Sample { kind, evidence, errors: vec![error] })
-    };
-    log.support.iter().filter_map(sample).collect()
-}
-
-/// Support points among their neighbours, by the log-odds of the models that this run had.
-fn context_samples(support: Support<'_>, log: &EvidenceLog, truth: &Truth) -> Vec<Sample> {
-    let kind = SampleKind::Context;
-    let sample = |&(place, _): &(usize, SupportEvidence)| {
-        let ((x, y), point) = support.listed(place)?;
-        let error =
-            (truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs();
-        let evidence = support.context(place)?.0.map(|value| f64::from(value) / 256.0).to_vec();
-        (!point.is_of_bar()).then(|| Sample { kind, evidence, errors: vec![error] })
-    };
-    log.support.iter().filter_map(sample).collect()
+        let errors =
+            vec![(truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs()];
+        let sample = match kind {
+            SampleKind::Context if point.is_of_bar() => return None,
+            SampleKind::Context => Sample::new(&support.context(place)?.0, errors),
+            _ => Sample::new(&support.with_nearby(place, evidence).0, errors),
+        };
+        Some((kind, sample))
+    })
 }

@@ -1,67 +1,56 @@
 //! The fitted constants as Rust source.
 
-use super::names;
 use core::fmt::Write;
-use linestereo::unstable::{Model, Models, SigmaModel, SupportKind, SupportModels};
+use linestereo::unstable::{Model, Models, SegmentKind, SigmaModel, SupportKind, SupportModels};
 
 /// The text of the core's file of constants; `origin` names the frames.
-#[must_use]
-pub fn source_text(models: &Models, origin: &str) -> String {
-    let mut text = written_by("fit-confidence", origin);
-    text.push_str(
-        "use super::{Model, Models, SigmaModel};\n\n\
-         /// The models that plans use unless they are given others.\n\
-         #[rustfmt::skip]\n\
-         pub const FITTED: Models = Models {\n",
-    );
-    model(&mut text, "    ", "near_vertical", &models.near_vertical, &names());
-    model(&mut text, "    ", "near_horizontal", &models.near_horizontal, &names());
-    for (name, model) in [
-        ("near_vertical_edge", &models.near_vertical_edge),
-        ("near_horizontal_edge", &models.near_horizontal_edge),
-    ] {
-        let _ = writeln!(text, "    {name}: SigmaModel {{");
-        fields(&mut text, "        ", model, &names());
-        text.push_str("    },\n");
-    }
-    text.push_str("};\n");
+pub(crate) fn source_text(models: &Models, origin: &str) -> String {
+    let mut text = head("fit-confidence", origin, &["super::{Model, Models, SigmaModel}"]);
+    constant(&mut text, OF_PLANS, "FITTED", "Models", |text| {
+        let Models { near_vertical, near_horizontal, .. } = models;
+        model(text, "    ", "near_vertical", near_vertical, &SegmentKind::NAMES);
+        model(text, "    ", "near_horizontal", near_horizontal, &SegmentKind::NAMES);
+        for (name, model) in [
+            ("near_vertical_edge", &models.near_vertical_edge),
+            ("near_horizontal_edge", &models.near_horizontal_edge),
+        ] {
+            let _ = writeln!(text, "    {name}: SigmaModel {{");
+            fields(text, "        ", model, &SegmentKind::NAMES);
+            text.push_str("    },\n");
+        }
+    });
     text
 }
 
 /// The text of the core's file of constants for support points.
-#[must_use]
-pub fn support_source_text(models: &SupportModels, origin: &str) -> String {
-    let mut text = written_by("fit-confidence", origin);
-    text.push_str(
-        "use super::SupportModels;\n\
-         use crate::confidence::{Model, Network, Unit};\n\n\
-         /// The models that plans use unless they are given others.\n\
-         #[rustfmt::skip]\n\
-         pub const FITTED_SUPPORT: SupportModels = SupportModels {\n",
-    );
-    for (name, model) in
-        [("upright", &models.upright), ("ground", &models.ground), ("fine", &models.fine)]
-    {
-        self::model(&mut text, "    ", name, model, &SupportKind::NAMES);
-    }
-    let network = &models.context;
-    text.push_str("    context: Network {\n        units: [\n");
-    for unit in &network.units {
-        let _ = writeln!(
-            text,
-            "            Unit {{ bias_q18: {}, output_q10: {}, weights_q10: {:?} }},",
-            unit.bias_q18, unit.output_q10, unit.weights_q10
-        );
-    }
-    let _ = writeln!(text, "        ],\n        bias_q10: {},", network.bias_q10);
-    table(&mut text, "        ", "probability_q16", &network.probability_q16);
-    text.push_str("    },\n");
-    text.push_str("};\n");
+pub(crate) fn support_source_text(models: &SupportModels, origin: &str) -> String {
+    let uses = ["super::SupportModels", "crate::confidence::{Model, Network, Unit}"];
+    let mut text = head("fit-confidence", origin, &uses);
+    constant(&mut text, OF_PLANS, "FITTED_SUPPORT", "SupportModels", |text| {
+        let SupportModels { upright, ground, fine, context } = models;
+        for (name, model) in [("upright", upright), ("ground", ground), ("fine", fine)] {
+            self::model(text, "    ", name, model, &SupportKind::NAMES);
+        }
+        text.push_str("    context: Network {\n        units: [\n");
+        for unit in &context.units {
+            let _ = writeln!(
+                text,
+                "            Unit {{ bias_q18: {}, output_q10: {}, weights_q10: {:?} }},",
+                unit.bias_q18, unit.output_q10, unit.weights_q10
+            );
+        }
+        let _ = writeln!(text, "        ],\n        bias_q10: {},", context.bias_q10);
+        table(text, "        ", "probability_q16", &context.probability_q16);
+        text.push_str("    },\n");
+    });
     text
 }
 
-/// The first lines of a file of constants, of at most 100 columns.
-pub(super) fn written_by(command: &str, origin: &str) -> String {
+/// Documentation of a constant that plans use unless they are given another.
+const OF_PLANS: &str = "The models that plans use unless they are given others.";
+
+/// The start of a file of constants, in lines of at most 100 columns.
+pub(super) fn head(command: &str, origin: &str, uses: &[&str]) -> String {
     let said = format!("Written by `linestereo-lab {command}` from {origin}: do not edit.");
     let mut lines = vec![String::from("//!")];
     for word in said.split(' ') {
@@ -73,7 +62,25 @@ pub(super) fn written_by(command: &str, origin: &str) -> String {
             lines.push(format!("//! {word}"));
         }
     }
-    lines.join("\n") + "\n\n"
+    let uses: String = uses.iter().map(|path| format!("use {path};\n")).collect();
+    format!("{}\n\n{uses}", lines.join("\n"))
+}
+
+/// A constant of a struct, whose fields `fields` writes.
+pub(super) fn constant(
+    text: &mut String,
+    documentation: &str,
+    name: &str,
+    of: &str,
+    fields: impl FnOnce(&mut String),
+) {
+    let of_struct = of.split('<').next().unwrap_or(of);
+    let _ = write!(
+        text,
+        "\n/// {documentation}\n#[rustfmt::skip]\npub const {name}: {of} = {of_struct} {{\n"
+    );
+    fields(text);
+    text.push_str("};\n");
 }
 
 /// The fields of a model with a standard deviation, each line indented.

@@ -17,11 +17,11 @@ const SCRIPT: &str = include_str!("opencv.py");
 const STEPS: f32 = 16.0;
 
 /// Which Python runs it, where no option says so.
-pub const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
+pub(crate) const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
 
 /// OpenCV's methods, in the order of tables: BM with uniqueness 15, and with 90 and texture 3000;
 /// SGBM along five paths with uniqueness 10 and 80, along eight (`MODE_HH`) with 10 and 95.
-pub const OPENCV_METHODS: [&str; 6] = [
+pub(crate) const OPENCV_METHODS: [&str; 6] = [
     "opencv-bm",
     "opencv-bm-strict",
     "opencv-sgbm",
@@ -32,7 +32,7 @@ pub const OPENCV_METHODS: [&str; 6] = [
 
 /// A Python with OpenCV.
 #[derive(Clone, Debug)]
-pub struct OpenCv {
+pub(crate) struct OpenCv {
     python: OsString,
     version: String,
 }
@@ -44,19 +44,19 @@ struct Answer {
 
 /// Result of one method.
 #[derive(Clone, Debug)]
-pub struct OpenCvMap {
+pub(crate) struct OpenCvMap {
     /// One of [`OPENCV_METHODS`].
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// Disparities of the left image's pixels, px, row by row; not a number in gaps.
-    pub disparities: Vec<f32>,
+    pub(crate) disparities: Vec<f32>,
     /// Time of the pair on one thread.
-    pub milliseconds: f64,
+    pub(crate) milliseconds: f64,
 }
 
 impl OpenCv {
     /// Looks for OpenCV in this Python, else in that of the environment variable, else in
     /// `python3`.
-    pub fn find(python: Option<&Path>) -> Result<Self> {
+    pub(crate) fn find(python: Option<&Path>) -> Result<Self> {
         let python = python
             .map(|path| path.as_os_str().to_owned())
             .or_else(|| std::env::var_os(PYTHON_VARIABLE))
@@ -79,22 +79,16 @@ impl OpenCv {
         }
         Ok(Self { python, version: String::from_utf8_lossy(&output.stdout).trim().to_owned() })
     }
-
-    /// The program that runs it.
-    #[must_use]
-    pub fn python(&self) -> &OsStr {
+    pub(crate) fn python(&self) -> &OsStr {
         &self.python
     }
-
-    /// Its version.
-    #[must_use]
-    pub fn version(&self) -> &str {
+    pub(crate) fn version(&self) -> &str {
         &self.version
     }
 
     /// Matches a pair by all of its methods with disparities `0 .. disparities`, each so many times
     /// for the median of its times.
-    pub fn run(
+    pub(crate) fn run(
         &self,
         left: &GrayImage,
         right: &GrayImage,

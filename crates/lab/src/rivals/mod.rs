@@ -8,7 +8,7 @@
 
 mod table;
 
-pub use table::{cell_comparison, comparison_table, object_comparison};
+pub(crate) use table::{cell_comparison, comparison_table, object_comparison};
 
 use crate::evaluate::{
     FrameScore, ObjectCase, ObjectScore, ObjectSummary, Outline, Summary, object_cases,
@@ -37,30 +37,29 @@ const CORE: &str = "linestereo";
 
 /// Result of one method on one frame.
 #[derive(Clone, Debug)]
-pub struct MethodScore {
-    /// Name of the method.
-    pub method: String,
+pub(crate) struct MethodScore {
+    pub(crate) method: String,
     /// Its scores; of a scene without truth only yield and time.
-    pub score: FrameScore,
+    pub(crate) score: FrameScore,
     /// Its answers for the scene's objects.
-    pub objects: Vec<ObjectScore>,
+    pub(crate) objects: Vec<ObjectScore>,
 }
 
 /// One method on all frames.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct MethodSummary {
-    /// Name of the method.
-    pub method: String,
+pub(crate) struct MethodSummary {
+    pub(crate) method: String,
     /// Its scores, pooled.
     #[serde(flatten)]
-    pub summary: Summary,
+    pub(crate) summary: Summary,
     /// Depths of objects by what the core was given of them; empty where no scene has objects.
-    pub objects: Vec<ObjectSummary>,
+    pub(crate) objects: Vec<ObjectSummary>,
 }
 
 /// The scores of each method, in the order of the first frame.
-#[must_use]
-pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec<MethodSummary> {
+pub(crate) fn summarise<'a>(
+    frames: impl IntoIterator<Item = &'a [MethodScore]>,
+) -> Vec<MethodSummary> {
     let frames: Vec<&[MethodScore]> = frames.into_iter().collect();
     let Some(first) = frames.first() else { return Vec::new() };
     let of = |(i, first): (usize, &MethodScore)| {
@@ -82,7 +81,7 @@ pub fn summarise<'a>(frames: impl IntoIterator<Item = &'a [MethodScore]>) -> Vec
 
 /// Matches a scene by the core and by OpenCV; takes no times. `core` makes the core's engine for a
 /// scene.
-pub fn compare_scene(
+pub(crate) fn compare_scene(
     scene: &Scene,
     opencv: Option<&OpenCv>,
     core: impl Fn(&Scene) -> Result<Engine>,
@@ -107,7 +106,7 @@ pub fn compare_scene(
 }
 
 /// Median times of a scene in milliseconds, on this thread, in the order of [`compare_scene`].
-pub fn time_scene(
+pub(crate) fn time_scene(
     scene: &Scene,
     opencv: Option<&OpenCv>,
     core: impl Fn(&Scene) -> Result<Engine>,

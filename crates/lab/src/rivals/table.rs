@@ -5,8 +5,7 @@ use crate::evaluate::{Outline, YIELDS, cell_table};
 use core::fmt::Write;
 
 /// One line per method: yield, errors, errors of the most confident points, time.
-#[must_use]
-pub fn comparison_table(methods: &[MethodSummary]) -> String {
+pub(crate) fn comparison_table(methods: &[MethodSummary]) -> String {
     let width = name_width(methods);
     let mut text = format!("{:width$}   points  cells  vis bad1/bad2  allGT bad1/bad2", "method");
     for wanted in YIELDS {
@@ -44,14 +43,12 @@ pub fn comparison_table(methods: &[MethodSummary]) -> String {
 }
 
 /// One answer per cell, of what each method lists.
-#[must_use]
-pub fn cell_comparison(methods: &[MethodSummary]) -> String {
+pub(crate) fn cell_comparison(methods: &[MethodSummary]) -> String {
     cell_table(methods.iter().map(|method| (method.method.as_str(), &method.summary)))
 }
 
 /// Depths of objects: wrong and covered by method and outline; empty where no scene has objects.
-#[must_use]
-pub fn object_comparison(methods: &[MethodSummary]) -> String {
+pub(crate) fn object_comparison(methods: &[MethodSummary]) -> String {
     let kinds: Vec<Outline> = Outline::ALL
         .into_iter()
         .filter(|outline| {

@@ -14,7 +14,7 @@ mod refused;
 mod score;
 mod walls;
 
-pub use pair::{Background, PastedPair, Pole};
-pub use poles::composite;
-pub use refused::Refused;
-pub use score::{Judged, Rows, Said, Told, Toll, judge};
+pub(crate) use pair::{Background, PastedPair};
+pub(crate) use poles::composite;
+pub(crate) use refused::Refused;
+pub(crate) use score::{Judged, Rows, Said, Told, Toll, judge};

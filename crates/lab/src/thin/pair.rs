@@ -21,21 +21,20 @@ pub(super) enum Pattern {
 
 /// A pole as it was pasted.
 #[derive(Clone, Debug)]
-pub struct Pole {
+pub(crate) struct Pole {
     /// Across it, px.
-    pub width: f64,
+    pub(crate) width: f64,
     /// Grey levels before what is behind it.
-    pub contrast: f64,
-    /// First row.
-    pub top: usize,
+    pub(crate) contrast: f64,
+    pub(crate) top: usize,
     /// Left edge of each row, px.
-    pub starts: Vec<f64>,
+    pub(crate) starts: Vec<f64>,
     /// Along a row, px.
-    pub wide: f64,
+    pub(crate) wide: f64,
     /// Disparity of each row, px.
-    pub disparities: Vec<f64>,
+    pub(crate) disparities: Vec<f64>,
     /// Disparity behind it in each row, px.
-    pub behind: Vec<f64>,
+    pub(crate) behind: Vec<f64>,
     pub(super) grey: f64,
     pub(super) middle: f64,
     pub(super) half: f64,
@@ -44,8 +43,7 @@ pub struct Pole {
 
 /// Subject of the pair that was pasted into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Background {
-    /// A scene with truth.
+pub(crate) enum Background {
     Photograph,
     /// A drawn wall with shading alone.
     Blank,
@@ -59,7 +57,7 @@ pub enum Background {
 
 /// Both images as numbers, their truth, and what was pasted.
 #[derive(Clone, Debug)]
-pub struct PastedPair {
+pub(crate) struct PastedPair {
     pub(super) dims: Dims,
     /// Left and right, grey levels.
     pub(super) images: [Vec<f64>; 2],
@@ -68,18 +66,17 @@ pub struct PastedPair {
     /// Number of the thing that covers a pixel, from 1 on.
     pub(super) mask: Vec<u16>,
     /// End of the disparities searched, px.
-    pub max_disparity: u16,
-    /// Subject of the background.
-    pub background: Background,
+    pub(crate) max_disparity: u16,
+    pub(crate) background: Background,
     /// Name of the scene, or of the kind of wall.
-    pub name: String,
+    pub(crate) name: String,
     /// Poles, in the order of the numbers in the mask.
-    pub poles: Vec<Pole>,
+    pub(crate) poles: Vec<Pole>,
 }
 
 impl PastedPair {
     /// A pair of a scene with truth.
-    pub fn of_scene(scene: &Scene) -> Result<Self> {
+    pub(crate) fn of_scene(scene: &Scene) -> Result<Self> {
         let truth = scene.truth.as_ref().with_context(|| format!("{} has no truth", scene.name))?;
         let dims = scene.left.dims;
         let (width, height) = (i32::from(dims.width), i32::from(dims.height));
@@ -116,10 +113,7 @@ impl PastedPair {
             poles: Vec::new(),
         }
     }
-
-    /// Columns.
-    #[must_use]
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.dims.width.into()
     }
 
@@ -138,8 +132,7 @@ impl PastedPair {
     }
 
     /// Both images as they are.
-    #[must_use]
-    pub fn stored(&self) -> [GrayImage; 2] {
+    pub(crate) fn stored(&self) -> [GrayImage; 2] {
         let dims = self.dims;
         self.images.each_ref().map(|values| GrayImage {
             dims,
@@ -148,8 +141,7 @@ impl PastedPair {
     }
 
     /// Both images with noise and another gain on the right, as cameras give them.
-    #[must_use]
-    pub fn captured(&self, random: &mut SplitMix64) -> [GrayImage; 2] {
+    pub(crate) fn captured(&self, random: &mut SplitMix64) -> [GrayImage; 2] {
         let gain = 1.0 + GAIN * (2.0 * random.uniform() - 1.0);
         let bias = BIAS * (2.0 * random.uniform() - 1.0);
         let [left, right] = &self.images;

@@ -60,7 +60,7 @@ impl Wanted {
 
 /// A pair with one to three poles, in one of these scenes or before a wall; none where there is no
 /// place for one.
-pub fn composite(random: &mut SplitMix64, scenes: &[PastedPair]) -> Option<PastedPair> {
+pub(crate) fn composite(random: &mut SplitMix64, scenes: &[PastedPair]) -> Option<PastedPair> {
     let (mut pair, most) = match random.uniform() {
         p if p < 0.6 => (choose(random, &scenes.iter().collect::<Vec<_>>()).clone(), 2),
         p if p < 0.8 => (wall(random, Background::Blank), 3),

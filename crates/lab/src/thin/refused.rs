@@ -7,7 +7,7 @@ use linestereo_frames::SplitMix64;
 
 /// Kinds of pairs in which a bar is wrong more easily than elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Refused {
+pub(crate) enum Refused {
     /// Six to thirteen equal bars at equal distances.
     Fence,
     /// Two or three equal legs: no repetition.
@@ -25,8 +25,7 @@ pub enum Refused {
 }
 
 impl Refused {
-    /// Every kind.
-    pub const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Fence,
         Self::Legs,
         Self::Print,
@@ -35,10 +34,7 @@ impl Refused {
         Self::StripedWall,
         Self::Wallpaper,
     ];
-
-    /// Name in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Fence => "fences, 6 to 13 bars",
             Self::Legs => "two or three equal legs",
@@ -51,7 +47,7 @@ impl Refused {
     }
 
     /// A pair of this kind; none where there is no place for it. The mask says where it is.
-    pub fn pair(self, random: &mut SplitMix64, scenes: &[PastedPair]) -> Option<PastedPair> {
+    pub(crate) fn pair(self, random: &mut SplitMix64, scenes: &[PastedPair]) -> Option<PastedPair> {
         let mut pair = match (self, random.uniform()) {
             (Self::StripedWall, _) => return Some(everywhere(wall(random, Background::Striped))),
             (Self::Wallpaper, _) => return Some(everywhere(wall(random, Background::Wallpaper))),

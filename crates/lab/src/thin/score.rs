@@ -16,59 +16,52 @@ const ONE_SURFACE: f64 = 0.7;
 
 /// Rows of a pole: those right within 1 px, those with the disparity behind it, those else wrong.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rows {
-    /// All of them.
-    pub all: usize,
-    /// Within 1 px.
-    pub right: usize,
+pub(crate) struct Rows {
+    pub(crate) all: usize,
+    pub(crate) right: usize,
     /// Within 1 px of what is behind it.
-    pub behind: usize,
-    /// Else wrong.
-    pub wrong: usize,
+    pub(crate) behind: usize,
+    pub(crate) wrong: usize,
 }
 
 /// Verdicts on a pole.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Said {
-    /// Its rows.
-    pub rows: Rows,
+pub(crate) struct Said {
+    pub(crate) rows: Rows,
     /// Its mask as an object: right or wrong, if it has a depth.
-    pub object: Option<bool>,
+    pub(crate) object: Option<bool>,
 }
 
 /// Pixels on what was pasted that something is said of, and how many of these are wrong.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Toll {
+pub(crate) struct Toll {
     /// Pixels with a disparity.
-    pub said: usize,
-    /// More than 1 px off.
-    pub wrong: usize,
+    pub(crate) said: usize,
+    pub(crate) wrong: usize,
 }
 
 /// A bar that is told.
 #[derive(Clone, Debug)]
-pub struct Told {
-    /// It.
-    pub bar: Bar,
+pub(crate) struct Told {
+    pub(crate) bar: Bar,
     /// Distance from the truth, px; none where it is unknown or has several surfaces.
-    pub error: Option<f64>,
+    pub(crate) error: Option<f64>,
     /// Distance from the truth of each of its pixels that has one, px.
-    pub errors: Vec<f32>,
+    pub(crate) errors: Vec<f32>,
     /// Its evidence; none of parts that others were grown by.
-    pub evidence: Option<BarEvidence>,
+    pub(crate) evidence: Option<BarEvidence>,
 }
 
 /// Poles, pixels and bars of a pair.
 #[derive(Clone, Debug, Default)]
-pub struct Judged {
-    /// Each pole.
-    pub poles: Vec<Said>,
+pub(crate) struct Judged {
+    pub(crate) poles: Vec<Said>,
     /// Pixels of the mask.
-    pub toll: Toll,
+    pub(crate) toll: Toll,
     /// Bars at any probability, in front and level.
-    pub rated: Vec<Told>,
+    pub(crate) rated: Vec<Told>,
     /// Bars that are told, grown parts included.
-    pub told: Vec<Told>,
+    pub(crate) told: Vec<Told>,
 }
 
 /// Bars with their evidence.
@@ -80,8 +73,7 @@ struct Log {
 
 impl Told {
     /// Share of its pixels with truth that are more than 1 px off.
-    #[must_use]
-    pub fn share_off(&self) -> f64 {
+    pub(crate) fn share_off(&self) -> f64 {
         self.errors.iter().filter(|error| **error > 1.0).count() as f64
             / self.errors.len().max(1) as f64
     }
@@ -102,7 +94,11 @@ impl Observer for Log {
 }
 
 /// Runs the core on a captured pair and judges what it says.
-pub fn judge(pair: &PastedPair, [left, right]: &[GrayImage; 2], has_bars: bool) -> Result<Judged> {
+pub(crate) fn judge(
+    pair: &PastedPair,
+    [left, right]: &[GrayImage; 2],
+    has_bars: bool,
+) -> Result<Judged> {
     let params = Params { max_disparity: pair.max_disparity, ..Params::default() };
     let mut engine = Engine::new(&params, pair.dims)?;
     if !has_bars {
