@@ -50,19 +50,32 @@ fn walked(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Lines of prose with their numbers: no code, tables, links of their own, or generated blocks.
-fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let (mut is_code, mut is_generated) = (false, false);
-    text.lines().enumerate().filter(move |(_, line)| {
-        let line = line.trim_start();
-        if line.starts_with("```") {
-            is_code = !is_code;
-            return false;
-        }
-        if line.starts_with("<!--") {
+/// Lines outside of blocks of code, with their numbers.
+fn outside_code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut is_code = false;
+    (1..).zip(text.lines()).filter(move |(_, line)| {
+        let is_fence = line.trim_start().starts_with("```");
+        is_code ^= is_fence;
+        !is_code && !is_fence
+    })
+}
+
+/// The same without blocks that programs write.
+fn written_by_hand(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut is_generated = false;
+    outside_code(text).filter(move |(_, line)| {
+        if line.trim_start().starts_with("<!--") {
             is_generated = line.contains("written by");
         }
-        !is_code && !is_generated && !line.starts_with(['|', '<']) && !line.starts_with("![")
+        !is_generated
+    })
+}
+
+/// The same without tables, links of their own and images.
+fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    written_by_hand(text).filter(|(_, line)| {
+        let line = line.trim_start();
+        !line.starts_with(['|', '<']) && !line.starts_with("![")
     })
 }
 
@@ -81,7 +94,7 @@ fn prose_ends_at_100_columns() {
     let mut found = Vec::new();
     for (name, text) in files(&["md"]) {
         let long = prose(&text).filter(|(_, line)| is_long(line));
-        found.extend(long.map(|(number, line)| format!("{name}:{}: {line}", number + 1)));
+        found.extend(long.map(|(number, line)| format!("{name}:{number}: {line}")));
     }
     fail_with(&found);
 }
@@ -130,13 +143,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
 
 /// Targets of the links of a page.
 fn links(text: &str) -> Vec<&str> {
-    let mut is_code = false;
-    let lines = text.lines().filter(|line| {
-        let is_fence = line.trim_start().starts_with("```");
-        is_code ^= is_fence;
-        !is_code && !is_fence
-    });
-    let targets = lines.flat_map(|line| line.split("](").skip(1));
+    let targets = outside_code(text).flat_map(|(_, line)| line.split("](").skip(1));
     targets.filter_map(|rest| rest.split(')').next()).collect()
 }
 
@@ -253,15 +260,7 @@ fn figures_are_generated() {
         if PAGES_WITH_FIGURES.iter().any(|(page, _)| name.starts_with(page)) {
             continue;
         }
-        let (mut is_code, mut is_generated) = (false, false);
-        for (number, line) in text.lines().enumerate() {
-            is_code ^= line.trim_start().starts_with("```");
-            if line.starts_with("<!--") {
-                is_generated = line.contains("written by");
-            }
-            if is_code || is_generated {
-                continue;
-            }
+        for (number, line) in written_by_hand(&text) {
             for figure in figures(line) {
                 let is_known = |known: &String| known.starts_with(&figure);
                 if name == "README.md" && generated.iter().any(is_known) {
@@ -270,7 +269,7 @@ fn figures_are_generated() {
                 let is_listed = |(page, known): &&(&str, &str)| name == *page && figure == *known;
                 match ALLOWED.iter().find(is_listed) {
                     Some(listed) => _ = used.insert(*listed),
-                    None => found.push(format!("{name}:{}: {figure}: {line}", number + 1)),
+                    None => found.push(format!("{name}:{number}: {figure}: {line}")),
                 }
             }
         }

@@ -72,11 +72,10 @@ pub(super) fn of(stored: &Stored) -> Result<String> {
     Ok(parts.join("\n"))
 }
 
-fn table(head: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let head: Vec<String> = head.iter().map(|&cell| cell.to_owned()).collect();
-    let rows: String = rows.into_iter().map(|row| line(&row)).collect();
-    format!("{}|{}\n{rows}", line(&head), "---|".repeat(head.len()))
+/// A table; the head has strokes between its cells.
+fn table(head: &str, rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let rows: String = rows.into_iter().map(|row| format!("| {} |\n", row.join(" | "))).collect();
+    format!("| {head} |\n|{}\n{rows}", "---|".repeat(head.split('|').count()))
 }
 
 fn shown(value: Option<f64>, decimals: usize) -> String {
@@ -104,8 +103,8 @@ fn accuracy(stored: &Stored) -> String {
         let damages = damages.filter(|(metric, _)| set.metrics.contains_key(metric));
         damages.map(move |(metric, said)| curve(format!("{title}, {said}"), set, &metric))
     });
-    let heads = ["linestereo / SGBM", "50 %", "60 %", "70 %", "80 %"];
-    let curves = table(&heads, sets().map(|(title, set)| curve(counted(title, set), set, "cells")));
+    let heads = "linestereo / SGBM | 50 % | 60 % | 70 % | 80 %";
+    let curves = table(heads, sets().map(|(title, set)| curve(counted(title, set), set, "cells")));
     let seen = sets().filter(|(_, set)| set.metrics.contains_key("seen")).map(|(title, set)| {
         let answered = versus(set.figure("seen", "answered, %"), 3, 0);
         vec![
@@ -114,7 +113,7 @@ fn accuracy(stored: &Stored) -> String {
             versus(set.figure("seen", "answers off by > 1 px, %"), 3, 1),
         ]
     });
-    let seen = table(&["linestereo / SGBM / StereoBM", "answered, %", "of these wrong, %"], seen);
+    let seen = table("linestereo / SGBM / StereoBM | answered, % | of these wrong, %", seen);
     let classes = ["floor", "wall", "furniture", "thin", "below the floor"];
     let rooms = sets().filter(|(_, set)| set.metrics.contains_key("classes"));
     let rooms = rooms.flat_map(|(title, set)| {
@@ -124,7 +123,7 @@ fn accuracy(stored: &Stored) -> String {
             (seen != "- / - / -").then(|| vec![format!("{title}: {class}"), seen, wrong])
         })
     });
-    let rooms = table(&["linestereo / SGBM / StereoBM", "answered, %", "of these wrong, %"], rooms);
+    let rooms = table("linestereo / SGBM / StereoBM | answered, % | of these wrong, %", rooms);
     let objects = sets().filter(|(_, set)| set.metrics.contains_key("objects"));
     let objects = objects.flat_map(|(title, set)| {
         ["thin", "other"].map(|kind| {
@@ -132,7 +131,7 @@ fn accuracy(stored: &Stored) -> String {
             vec![format!("{title}: {kind} objects"), of("answered"), of("wrong of these")]
         })
     });
-    let objects = table(&["linestereo", "answered, %", "of these wrong, %"], objects);
+    let objects = table("linestereo | answered, % | of these wrong, %", objects);
     let sectors =
         sets().filter(|(_, set)| set.metrics.contains_key("obstacles")).map(|(title, set)| {
             let outcomes = [
@@ -148,18 +147,9 @@ fn accuracy(stored: &Stored) -> String {
             let of = |outcome: &str| shown(set.figure("obstacles", outcome)[0], 0);
             [vec![title.to_owned()], outcomes.map(of).to_vec()].concat()
         });
-    let sector_heads = [
-        "linestereo, % of sectors",
-        "obstacle: right",
-        "called free",
-        "ghost nearer",
-        "clear: free",
-        "ghost",
-        "drop-off: right",
-        "not told",
-        "ghost",
-    ];
-    let sectors = table(&sector_heads, sectors);
+    let sector_heads = "linestereo, % of sectors | obstacle: right | called free | ghost nearer | \
+                        clear: free | ghost | drop-off: right | not told | ghost";
+    let sectors = table(sector_heads, sectors);
     let stated = sets().map(|(title, set)| {
         let of = |figure: &str| shown(set.figure("stated", figure)[0], 1);
         let bin = |bin: &str| {
@@ -167,10 +157,10 @@ fn accuracy(stored: &Stored) -> String {
         };
         vec![title.to_owned(), bin("0.90 to 0.95"), bin("0.95 to 1.00")]
     });
-    let stated = table(&["linestereo", "0.90 to 0.95: stated / right, %", "0.95 to 1.00"], stated);
+    let stated = table("linestereo | 0.90 to 0.95: stated / right, % | 0.95 to 1.00", stated);
     let opencv = bench.opencv.as_deref().unwrap_or("-");
     let date = &bench.date;
-    let damaged = table(&heads, damaged);
+    let damaged = table(heads, damaged);
     format!(
         "\
 ## Accuracy
@@ -234,8 +224,8 @@ fn compare(stored: &Stored) -> String {
             format!("{:.1}", method.milliseconds / our_time),
         ]
     });
-    let heads = ["method", "points", "cells, %", "visible, %", "all, %", "ms", "linestereo = 1"];
-    let dense = table(&heads, dense);
+    let heads = "method | points | cells, % | visible, % | all, % | ms | linestereo = 1";
+    let dense = table(heads, dense);
     let outlines = ["given", "too_large", "eroded", "box"];
     let objects = compare.methods.iter().map(|method| {
         let of = |outline: &str| match method.objects.get(outline) {
@@ -247,8 +237,8 @@ fn compare(stored: &Stored) -> String {
         };
         [vec![method.name.clone()], outlines.map(of).to_vec()].concat()
     });
-    let heads = ["wrong / answered, %", "mask", "2 px too large", "2 px eroded", "drawn box"];
-    let objects = table(&heads, objects);
+    let heads = "wrong / answered, % | mask | 2 px too large | 2 px eroded | drawn box";
+    let objects = table(heads, objects);
     let count =
         |outline| ours.and_then(|method| method.objects.get(outline)).map_or(0, |counts| counts[0]);
     format!(
@@ -316,22 +306,15 @@ fn boards(stored: &Stored) -> Result<String> {
             of("built_in", "largest"),
         ]
     });
-    let heads = [
-        "processor",
-        "pair",
-        "machine",
-        "captured: median",
-        "largest",
-        "built-in: median",
-        "largest",
-    ];
-    let pairs = table(&heads, pairs);
+    let heads =
+        "processor | pair | machine | captured: median | largest | built-in: median | largest";
+    let pairs = table(heads, pairs);
     let sizes = [("mps2-an500", "320x240"), ("mps2-an386", "160x120")];
     let stages = STAGES.map(|stage| {
         let of = |(board, size)| millions(get(&[board, "captured", size, "by_stage", stage]));
         [vec![stage.replace('_', " ")], sizes.map(of).to_vec()].concat()
     });
-    let stages = table(&["stage", "Cortex-M7, 320x240", "Cortex-M4, 160x120"], stages);
+    let stages = table("stage | Cortex-M7, 320x240 | Cortex-M4, 160x120", stages);
     let m7 = |path: &[&str]| get(&[&["mps2-an500"], path].concat());
     let share = |which: &str| {
         let permille = m7(&["objects", "320x240", which]);
@@ -352,7 +335,7 @@ fn boards(stored: &Stored) -> Result<String> {
         row("set up a rig once, 75 degrees", set_up("moderate")),
         row("set up a rig once, 110 degrees", set_up("strong")),
     ];
-    let extras = table(&["Cortex-M7, 320x240", "million instructions"], extras);
+    let extras = table("Cortex-M7, 320x240 | million instructions", extras);
     Ok(format!(
         "\
 ## Cost of a pair on a board
@@ -448,9 +431,8 @@ fn rates(stored: &Stored) -> Result<String> {
             range([1000.0 / pair[1], 1000.0 / pair[0]]),
         ]);
     }
-    let heads =
-        ["board", "MHz", "cycles each", "rectify, ms", "match, ms", "pair, ms", "pairs a second"];
-    let rates = table(&heads, rates);
+    let heads = "board | MHz | cycles each | rectify, ms | match, ms | pair, ms | pairs a second";
+    let rates = table(heads, rates);
     Ok(format!(
         "\
 ## Estimated pairs a second
@@ -474,12 +456,12 @@ fn memory(stored: &Stored) -> Result<String> {
         let size = |what| kib(number(&stored.sizes, &[board, what]));
         vec![board.clone(), size("flash"), size("ram")]
     });
-    let sizes = table(&["board", "flash, KiB", "RAM, KiB"], sizes);
+    let sizes = table("board | flash, KiB | RAM, KiB", sizes);
     let used = [("mps2-an500", "320x240"), ("mps2-an386", "160x120")].map(|(board, pair)| {
         let of = |what| kib(stored.number(&["boards", board, "bytes", what]));
         vec![format!("{board}, {pair}"), of("static_ram"), of("stack_used"), of("ram")]
     });
-    let used = table(&["KiB", "frames, rig and lists", "stack used", "together"], used);
+    let used = table("KiB | frames, rig and lists | stack used | together", used);
     Ok(format!(
         "\
 ## RAM and flash
