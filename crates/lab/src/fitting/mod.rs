@@ -6,21 +6,22 @@
 //! tables:  probability and spread of the scores of scenes that the line has not seen               (calibration)
 //! ```
 
-mod bars;
 mod calibration;
 mod logistic;
 mod network;
-mod pixels;
 mod sample;
 mod source;
 
-pub(crate) use bars::{bar_source_text, fit_bars};
-pub use pixels::{fit_pixels, pixel_source_text};
 pub(crate) use sample::add_ground_samples;
 pub use sample::{EvidenceLog, SceneSamples, scene_samples};
-pub(crate) use source::{source_text, support_source_text};
+pub use source::pixel_source_text;
+pub(crate) use source::{bar_source_text, source_text, support_source_text};
 
-use linestereo::unstable::{Model, Models, Network, SigmaModel, SupportModels};
+use crate::evaluate::QueriedPixel;
+use crate::thin::Told;
+use linestereo::unstable::{
+    BAR_EVIDENCE, Model, Models, Network, PIXEL_EVIDENCE, SigmaModel, SupportModels,
+};
 use linestereo_sim::engine::FittedModels;
 use logistic::Line;
 use network::Layers;
@@ -55,6 +56,39 @@ pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
             context: fit_network(pairs),
         },
     }
+}
+
+/// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of
+/// each scene by a line fitted on the others.
+#[must_use]
+pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> SigmaModel<PIXEL_EVIDENCE> {
+    let sample = |pixel: &QueriedPixel| {
+        let (disparity, evidence) = pixel.found.as_ref().ok()?;
+        Some(Sample::new(&evidence.0, vec![(disparity - pixel.truth).abs()]))
+    };
+    let samples: Vec<Vec<Sample>> =
+        scenes.iter().map(|scene| scene.iter().filter_map(sample).collect()).collect();
+    fit_scenes(
+        &samples.iter().map(|scene| scene.iter().collect()).collect::<Vec<_>>(),
+        SIDES_PENALTY,
+    )
+}
+
+/// Fits the model on the pixels of bars in front, or of those level with what is around them; each
+/// has the name of the scene that it is in.
+pub(crate) fn fit_bars(bars: &[(String, Told)], is_in_front: bool) -> SigmaModel<BAR_EVIDENCE> {
+    let mut scenes: BTreeMap<&str, Vec<Sample>> = BTreeMap::new();
+    for (name, told) in bars.iter().filter(|(_, told)| told.bar.is_in_front() == is_in_front) {
+        if let Some(evidence) = told.evidence
+            && !told.errors.is_empty()
+        {
+            scenes.entry(name).or_default().push(Sample::new(&evidence.0, told.errors.clone()));
+        }
+    }
+    fit_scenes(
+        &scenes.values().map(|scene| scene.iter().collect()).collect::<Vec<_>>(),
+        SIDES_PENALTY,
+    )
 }
 
 /// The samples of one kind, those of each scene together.

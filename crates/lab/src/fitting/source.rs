@@ -1,7 +1,10 @@
 //! The fitted constants as Rust source.
 
 use core::fmt::Write;
-use linestereo::unstable::{Model, Models, SegmentKind, SigmaModel, SupportKind, SupportModels};
+use linestereo::unstable::{
+    BAR_EVIDENCE, BarKind, Model, Models, PIXEL_EVIDENCE, PixelKind, SegmentKind, SigmaModel,
+    SupportKind, SupportModels,
+};
 
 /// The text of the core's file of constants; `origin` names the frames.
 pub(crate) fn source_text(models: &Models, origin: &str) -> String {
@@ -46,11 +49,41 @@ pub(crate) fn support_source_text(models: &SupportModels, origin: &str) -> Strin
     text
 }
 
+/// The text of the core's file of constants for the depth of pixels.
+#[must_use]
+pub fn pixel_source_text(model: &SigmaModel<PIXEL_EVIDENCE>, origin: &str) -> String {
+    let uses = ["super::PIXEL_EVIDENCE", "crate::confidence::{Model, SigmaModel}"];
+    let mut text = head("fit-confidence", origin, &uses);
+    let documentation = "The model that plans use unless they are given another.";
+    constant(&mut text, documentation, "FITTED_PIXEL", "SigmaModel<PIXEL_EVIDENCE>", |text| {
+        fields(text, "    ", model, &PixelKind::NAMES);
+    });
+    text
+}
+
+/// The text of the core's file of constants, of bars in front and of level ones; `origin` names the
+/// frames.
+pub(crate) fn bar_source_text(
+    [front, level]: &[SigmaModel<BAR_EVIDENCE>; 2],
+    origin: &str,
+) -> String {
+    let uses = ["super::evidence::BAR_EVIDENCE", "crate::confidence::{Model, SigmaModel}"];
+    let mut text = head("thin", origin, &uses);
+    let models = [("FITTED_BAR", "in front of", front), ("FITTED_LEVEL_BAR", "level with", level)];
+    for (name, place, model) in models {
+        let documentation = format!("The model of bars {place} what is around them.");
+        constant(&mut text, &documentation, name, "SigmaModel<BAR_EVIDENCE>", |text| {
+            fields(text, "    ", model, &BarKind::NAMES);
+        });
+    }
+    text
+}
+
 /// Documentation of a constant that plans use unless they are given another.
 const OF_PLANS: &str = "The models that plans use unless they are given others.";
 
 /// The start of a file of constants, in lines of at most 100 columns.
-pub(super) fn head(command: &str, origin: &str, uses: &[&str]) -> String {
+fn head(command: &str, origin: &str, uses: &[&str]) -> String {
     let said = format!("Written by `linestereo-lab {command}` from {origin}: do not edit.");
     let mut lines = vec![String::from("//!")];
     for word in said.split(' ') {
@@ -67,7 +100,7 @@ pub(super) fn head(command: &str, origin: &str, uses: &[&str]) -> String {
 }
 
 /// A constant of a struct, whose fields `fields` writes.
-pub(super) fn constant(
+fn constant(
     text: &mut String,
     documentation: &str,
     name: &str,
@@ -84,7 +117,7 @@ pub(super) fn constant(
 }
 
 /// The fields of a model with a standard deviation, each line indented.
-pub(super) fn fields<const N: usize>(
+fn fields<const N: usize>(
     text: &mut String,
     indent: &str,
     model: &SigmaModel<N>,
