@@ -1,5 +1,6 @@
 //! Figures of a run: what each metric says of each method, as JSON and as the lines of a table.
 
+use crate::evaluate::number;
 use serde::{Deserialize, Serialize};
 
 /// A value for each method; `None` where a metric is not defined for it, or has nothing to say.
@@ -77,7 +78,7 @@ impl Figure {
 
     /// A value as tables show it.
     pub(crate) fn shown(&self, value: Option<f64>) -> String {
-        value.map_or("-".to_owned(), |value| format!("{value:.*}", self.decimals))
+        number(value, self.decimals)
     }
 
     fn line(&self) -> String {

@@ -37,10 +37,10 @@ use linestereo_sim::commands::pairs::bar;
 use linestereo_sim::output::{OutputFiles, OutputPath, is_quiet, print};
 use opencv::Worker;
 use scoring::{DAMAGES, Scores, Task};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::thread;
+use std::thread::{self, ScopedJoinHandle};
 use std::time::Instant;
 
 const EXAMPLES: &str = "\
@@ -194,28 +194,29 @@ fn score(tasks: &[Task<'_>], opencv: Option<&OpenCv>, args: &Args) -> Result<Vec
     let cache = cache.as_deref().map(std::path::absolute).transpose()?;
     let pairs: usize = tasks.iter().map(|task| task.set.scenes.len()).sum();
     let progress = bar(pairs, "{bar:30} {pos} of {len} pairs, {msg}, {eta} left");
-    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let work = || -> Result<()> {
+    let next = AtomicUsize::new(0);
+    let work = || -> Result<Vec<(usize, Done)>> {
         let mut worker = opencv.map(Worker::start).transpose()?;
+        let mut done = Vec::new();
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(task) = tasks.get(index) else { return Ok(()) };
+            let Some(task) = tasks.get(index) else { return Ok(done) };
             progress.set_message(format!("{} ({})", task.set.name, task.damage));
             let scored = score_task(task, worker.as_mut(), cache.as_deref(), &progress)
                 .with_context(|| format!("{} is not scored", task.set.name))?;
-            done.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push((index, scored));
+            done.push((index, scored));
         }
     };
-    thread::scope(|scope| {
+    let done: Vec<Vec<(usize, Done)>> = thread::scope(|scope| {
         let threads: Vec<_> = (0..jobs).map(|_| scope.spawn(work)).collect();
-        threads.into_iter().try_for_each(|thread| {
+        let join = |thread: ScopedJoinHandle<'_, _>| {
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        })
+        };
+        threads.into_iter().map(join).collect::<Result<_>>()
     })?;
     progress.finish_and_clear();
-    let mut done = done.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
-    done.sort_by_key(|&(index, _)| index);
-    Ok(done.into_iter().map(|(_, scored)| scored).collect())
+    let done: BTreeMap<usize, Done> = done.into_iter().flatten().collect();
+    Ok(done.into_values().collect())
 }
 
 fn score_task(

@@ -3,7 +3,8 @@
 use super::batch::collect;
 use crate::bench::GLOSSY;
 use crate::evaluate::{
-    FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, query_pixels,
+    FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, number,
+    query_pixels,
 };
 use crate::fitting::{
     EvidenceLog, SceneSamples, add_ground_samples, fit, fit_pixels, pixel_source_text,
@@ -246,8 +247,7 @@ fn leave_one_out(
     let of_damage = |i: usize| scores.iter().map(move |scene| &scene[i]);
     let pooled: Vec<Summary> = (0..damages.len()).map(|i| Summary::pool(of_damage(i))).collect();
     let excess = pooled.iter().zip(damages).map(|(summary, (name, _))| {
-        let excess = summary.overconfidence.map_or("-".to_owned(), |excess| format!("{excess:.1}"));
-        format!("{name:16} {excess:>8}\n")
+        format!("{name:16} {:>8}\n", number(summary.overconfidence, 1))
     });
     print(&format!(
         "Leave one scene out: each scene by models fitted on the others\n\n{}\n{}\n{}{}\n",

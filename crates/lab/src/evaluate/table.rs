@@ -4,13 +4,11 @@ use super::summary::Summary;
 use core::fmt::Write;
 
 /// Stated against observed probability.
-#[must_use]
-pub fn calibration_table(summary: &Summary) -> String {
+pub(crate) fn calibration_table(summary: &Summary) -> String {
     let mut text = String::from(
         "probability stated against observed (within 1 px, allGT)\n\
          bin            points  stated   observed\n",
     );
-    let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
     for bin in &summary.calibration {
         let _ = writeln!(
             text,
@@ -18,16 +16,15 @@ pub fn calibration_table(summary: &Summary) -> String {
             bin.low,
             bin.high,
             bin.points,
-            share(bin.stated),
-            share(bin.observed)
+            number(bin.stated, 3),
+            number(bin.observed, 3)
         );
     }
     text
 }
 
 /// The curve of one answer per cell: a line for each named summary.
-#[must_use]
-pub fn cell_table<'a>(rows: impl IntoIterator<Item = (&'a str, &'a Summary)>) -> String {
+pub(crate) fn cell_table<'a>(rows: impl IntoIterator<Item = (&'a str, &'a Summary)>) -> String {
     let rows: Vec<_> = rows.into_iter().collect();
     let width = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(30);
     let mut text = format!("{:width$}", "one answer per cell, bad1/bad2");
@@ -41,11 +38,18 @@ pub fn cell_table<'a>(rows: impl IntoIterator<Item = (&'a str, &'a Summary)>) ->
     for (name, summary) in rows {
         let _ = write!(text, "{name:width$}");
         for row in summary.cells.iter().filter(|row| shown(row.percent)) {
-            let number =
-                |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
-            let _ = write!(text, " {:>11}", format!("{}/{}", number(row.bad1), number(row.bad2)));
+            let _ = write!(text, " {:>11}", pair(row.bad1, row.bad2));
         }
         text.push('\n');
     }
     text
+}
+
+pub(crate) fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
+}
+
+/// Two rates of error.
+pub(crate) fn pair(first: Option<f64>, second: Option<f64>) -> String {
+    format!("{}/{}", number(first, 2), number(second, 2))
 }

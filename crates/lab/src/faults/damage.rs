@@ -1,12 +1,24 @@
 //! Every damage of the bench.
 
-use super::source::Source;
 use super::{detail, geometry, sensor, texture};
 use core::fmt;
-use linestereo_frames::GrayImage;
-use linestereo_frames::Perturbation;
+use linestereo_frames::{GrayImage, Perturbation, Scene};
+use linestereo_sim::results::mask::Mask;
 
-/// Kind of damage: what a user would look for.
+/// A pair to be damaged, and what the damages take from elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Another pair.
+    pub other: [&'a GrayImage; 2],
+    /// Pixels of objects in the left image.
+    pub objects: &'a Mask,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+/// Kind of damage, as a user would look for it; tables have this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Family {
@@ -46,20 +58,6 @@ pub(crate) enum Evidence {
 }
 
 impl Family {
-    /// Every family, in the order of the table.
-    pub(crate) const ALL: [Self; 10] = [
-        Self::Undamaged,
-        Self::SamePixel,
-        Self::MovedRows,
-        Self::Sheared,
-        Self::Geometry,
-        Self::Repetition,
-        Self::Detail,
-        Self::OneCamera,
-        Self::Frozen,
-        Self::Sideways,
-    ];
-
     /// In words.
     pub(crate) const fn name(self) -> &'static str {
         match self {

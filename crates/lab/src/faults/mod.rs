@@ -2,8 +2,7 @@
 //! strength, and what is answered of it.
 //!
 //! ```text
-//! source     the pair before
-//! damage     every damage of the bench with its family
+//! damage     the pair before, and every damage of the bench with its family
 //! sensor     the same thing at the same pixel of both images; noise; single lines
 //! geometry   images that moved: rows, rotation, focal length, shutter, a tear
 //! detail     less detail than there was: compression, grey levels, blur, fog
@@ -16,10 +15,8 @@ mod detail;
 mod geometry;
 mod score;
 mod sensor;
-mod source;
 mod texture;
 
-pub use damage::Damage;
+pub use damage::{Damage, Source};
 pub(crate) use damage::{Evidence, Family};
 pub(crate) use score::{FaultReport, Tally, is_asked, score};
-pub use source::Source;

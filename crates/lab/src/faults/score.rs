@@ -164,17 +164,15 @@ impl FaultReport {
             "damage                                 refused   answers   wrong  far off   points \
              off, stated   flags\n",
         );
-        for family in Family::ALL {
-            let rows = self.damages.iter().filter(|row| row.family == family);
-            let mut rows = rows.peekable();
-            if rows.peek().is_some() {
-                let note = match family.evidence() {
-                    Evidence::Pair => "",
-                    Evidence::Sequence => ": a sequence can show it",
-                    Evidence::Other => ": no pair can show it",
-                };
-                let _ = writeln!(text, "\n{}{note}", family.name());
-            }
+        let mut families: BTreeMap<Family, Vec<&FaultRow>> = BTreeMap::new();
+        self.damages.iter().for_each(|row| families.entry(row.family).or_default().push(row));
+        for (family, rows) in families {
+            let note = match family.evidence() {
+                Evidence::Pair => "",
+                Evidence::Sequence => ": a sequence can show it",
+                Evidence::Other => ": no pair can show it",
+            };
+            let _ = writeln!(text, "\n{}{note}", family.name());
             for row in rows {
                 let flags: Vec<String> =
                     row.flags.iter().map(|(flag, count)| format!("{count} {flag}")).collect();

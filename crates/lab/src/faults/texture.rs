@@ -1,6 +1,6 @@
 //! Periodic texture painted on objects at their true disparity.
 
-use super::source::Source;
+use super::Source;
 use linestereo_frames::GrayImage;
 
 /// Part of an object's own texture that remains.

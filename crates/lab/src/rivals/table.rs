@@ -1,7 +1,7 @@
 //! Comparisons as text.
 
 use super::MethodSummary;
-use crate::evaluate::{Outline, YIELDS, cell_table};
+use crate::evaluate::{Outline, YIELDS, cell_table, number, pair};
 use core::fmt::Write;
 
 /// One line per method: yield, errors, errors of the most confident points, time.
@@ -87,12 +87,4 @@ fn name_width(methods: &[MethodSummary]) -> usize {
         .max()
         .unwrap_or(0)
         .max("method".len())
-}
-
-fn pair(first: Option<f64>, second: Option<f64>) -> String {
-    format!("{}/{}", number(first, 2), number(second, 2))
-}
-
-fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
 }
