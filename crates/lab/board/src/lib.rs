@@ -109,19 +109,15 @@ impl fmt::Display for Misfit {
 
 impl core::error::Error for Misfit {}
 
-/// The rows that the Sobel of row `y` looks at, as in OpenCV: the borders are mirrored. None for an
-/// odd last row, which OpenCV leaves alone.
-fn sobel_rows(y: usize, height: usize) -> Option<[usize; 3]> {
-    (y < height & !1)
-        .then(|| [if y > 0 { y - 1 } else { 1 }, y, if y + 1 < height { y + 1 } else { y - 1 }])
-}
-
-/// The values of row `y` of an image.
+/// The values of row `y` of an image, as in OpenCV: borders are mirrored, and an odd last row is
+/// left alone.
 fn values(image: Gray<'_>, y: usize, out: &mut [u8]) {
-    let rows = sobel_rows(y, image.dims().height.into())
-        .map(|rows| rows.map(|y| image.row(y).unwrap_or_default()));
-    match rows {
-        Some([above, row, below]) => kernel::sobel_row(above, row, below, out),
-        None => out.fill(kernel::CAP),
+    let height = usize::from(image.dims().height);
+    if y >= height & !1 {
+        return out.fill(kernel::CAP);
     }
+    let (above, below) =
+        (y.checked_sub(1).unwrap_or(1), if y + 1 < height { y + 1 } else { y - 1 });
+    let [above, row, below] = [above, y, below].map(|y| image.row(y).unwrap_or_default());
+    kernel::sobel_row(above, row, below, out);
 }
