@@ -24,7 +24,7 @@ fn score(
         engine = engine.with_models(models);
     }
     let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-    FrameScore::new(&scene.name, scene.truth.as_ref().unwrap(), &result)
+    FrameScore::new(scene.truth.as_ref().unwrap(), &result)
 }
 
 fn left_out(scenes: &[Scene], params: Params) -> Summary {

@@ -74,26 +74,17 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let damages = if args.undamaged { &Perturbation::DAMAGES[..1] } else { &Perturbation::DAMAGES };
     let halves = halves_of(&[&args.folders[..], &args.also].concat())?;
     let all: Vec<&Scene> = scenes.iter().chain(&also).collect();
-    let name = |scene: &&Scene| scene.name.clone();
-    let samples = for_each_pair(&all, None, name, |scene| {
-        damages_of(scene, damages)
-            .iter()
-            .map(|(_, damage)| sample(scene, damage, &args.method))
-            .collect::<Result<Vec<_>>>()
+    let damaged = all.iter().map(|&scene| (scene, damages_of(scene, damages)));
+    let damaged: Vec<_> =
+        damaged.chain(halves.iter().map(|scene| (scene, &Perturbation::DAMAGES[..1]))).collect();
+    let name = |(scene, _): &(&Scene, _)| scene.name.clone();
+    let samples = for_each_pair(&damaged, None, name, |(scene, damages)| {
+        let samples = damages.iter().map(|(_, damage)| sample(scene, damage, &args.method));
+        samples.collect::<Result<Vec<_>>>()
     })?;
-    let of_halves = for_each_pair(
-        &halves,
-        None,
-        |scene| scene.name.clone(),
-        |scene| sample(scene, &Perturbation::DAMAGES[0].1, &args.method),
-    )?;
-    let samples: Vec<SceneSamples> = samples.into_iter().flatten().chain(of_halves).collect();
-    let queried = for_each_pair(
-        &scenes,
-        None,
-        |scene| scene.name.clone(),
-        |scene| query(scene, &args.method),
-    )?;
+    let samples: Vec<SceneSamples> = samples.into_iter().flatten().collect();
+    let name = |scene: &Scene| scene.name.clone();
+    let queried = for_each_pair(&scenes, None, name, |scene| query(scene, &args.method))?;
     if !args.no_scores {
         leave_one_out(&scenes, damages, &samples, &args.method)?;
         leave_pixels_out(&queried, args.method.params(64, None)?.min_confidence)?;
@@ -177,7 +168,7 @@ fn halves_of(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     for pair in collect(folders, true)?.pairs {
         let scene = pair.load(None, &rectify_raw)?;
         let width = scene.left.dims.width;
-        if width > WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file() {
+        if width > WIDEST_DAMAGED && !is_rendered(&scene) {
             halves.push(pair.load(Some(width / 2), &rectify_raw)?);
         }
     }
@@ -204,9 +195,12 @@ fn damages_of<'d>(
     scene: &Scene,
     damages: &'d [(&'static str, Perturbation)],
 ) -> &'d [(&'static str, Perturbation)] {
-    let is_damaged =
-        scene.left.dims.width <= WIDEST_DAMAGED && !scene.folder.join("labels.png").is_file();
+    let is_damaged = scene.left.dims.width <= WIDEST_DAMAGED && !is_rendered(scene);
     if is_damaged { damages } else { damages.get(..1).unwrap_or(damages) }
+}
+
+fn is_rendered(scene: &Scene) -> bool {
+    scene.folder.join("labels.png").is_file()
 }
 
 /// The answers of one scene, whatever their confidence.
@@ -269,5 +263,5 @@ fn score(
     let mut engine = engine_with(&params, scene.left.dims)?.answering_unfit().with_models(models);
     let (left, right) = damage.apply(&scene.left, &scene.right);
     let result = engine.run(left.view()?, right.view()?)?;
-    Ok(FrameScore::new(&scene.name, truth, &result))
+    Ok(FrameScore::new(truth, &result))
 }

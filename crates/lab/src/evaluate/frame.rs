@@ -23,26 +23,15 @@ pub struct PointScore {
     pub visible: bool,
 }
 
-/// A segment that has ground truth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SegmentScore {
-    /// Probability stated.
-    pub confidence: f32,
-    /// Median of its errors along it, in px.
-    pub median_error: f32,
-}
-
 /// Score of one frame's result against its truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameScore {
-    /// Name of the scene.
-    pub name: String,
     /// Segments reported, with truth or without.
     pub segments: usize,
     /// Confidence of every point, with truth or without.
     pub confidences: Vec<f32>,
-    /// Segments with truth.
-    pub scored_segments: Vec<SegmentScore>,
+    /// Of each segment with truth the median of its errors along it, in px.
+    pub segment_errors: Vec<f32>,
     /// Points with truth.
     pub scored_points: Vec<PointScore>,
     /// Highest probability stated in each coverage cell that counts, `None` where nothing is.
@@ -56,7 +45,7 @@ pub struct FrameScore {
 impl FrameScore {
     /// Scores one result.
     #[must_use]
-    pub fn new(name: &str, truth: &Truth, result: &FrameResult) -> Self {
+    pub fn new(truth: &Truth, result: &FrameResult) -> Self {
         let scored_points = result
             .points
             .iter()
@@ -69,19 +58,11 @@ impl FrameScore {
                 })
             })
             .collect();
-        let scored_segments = result
-            .matches
-            .iter()
-            .filter_map(|segment| {
-                let median_error = median(segment_errors(truth, segment))?;
-                Some(SegmentScore { confidence: segment.confidence.to_num(), median_error })
-            })
-            .collect();
+        let medians = result.matches.iter().map(|segment| median(segment_errors(truth, segment)));
         Self {
-            name: name.to_owned(),
             segments: result.matches.len(),
             confidences: result.points.iter().map(|point| point.confidence.to_num()).collect(),
-            scored_segments,
+            segment_errors: medians.flatten().collect(),
             scored_points,
             milliseconds: None,
             cell_answers: Cells::of_points(&result.points, truth),
@@ -218,7 +199,7 @@ pub(super) mod tests {
     fn points_without_truth_are_in_the_yield_only() {
         let points =
             vec![answer(0, 3, 8.0, 0.5), answer(5, 3, 8.25, 0.75), answer(5, 20, 10.0, 0.25)];
-        let score = FrameScore::new("s", &truth(), &result(vec![], points));
+        let score = FrameScore::new(&truth(), &result(vec![], points));
         assert_eq!(score.confidences, [0.5, 0.75, 0.25]);
         let expected = [
             PointScore { confidence: 0.75, error: 0.25, visible: true },
@@ -237,7 +218,7 @@ pub(super) mod tests {
             answer(39, 3, 8.0, 0.5),
             answer(3, 20, 8.0, 0.5),
         ];
-        let score = FrameScore::new("s", &truth(), &result(vec![], points));
+        let score = FrameScore::new(&truth(), &result(vec![], points));
         assert_eq!(score.cells, [Some(0.5), None]);
     }
 }

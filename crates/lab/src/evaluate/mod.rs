@@ -27,7 +27,7 @@ mod pixels;
 mod summary;
 mod table;
 
-pub use frame::{FrameScore, PointScore, SegmentScore};
+pub use frame::{FrameScore, PointScore};
 pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 pub use owner::OwnedMiddle;
 pub use pixels::{PixelScore, QueriedPixel, query_pixels};

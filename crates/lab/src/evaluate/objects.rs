@@ -6,11 +6,13 @@
 //! the object's own 5-95 % range of true disparities; a covered object has an answer. The masks are
 //! given to the core as they are, 2 px too large and eroded by 2 px.
 
-use linestereo::objects::{Reason, Run};
+use anyhow::{Context, Result, ensure};
+use linestereo::objects::Reason;
 use linestereo::{Area, Dims, NoDepth, ObjectDepth, Region};
+use linestereo_frames::regions::{self, Frame, Object, Pixels};
 use linestereo_frames::statistics::{interpolated_quantile, median};
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
-use linestereo_frames::{FrameError, Scene, load_values};
+use linestereo_frames::{Scene, load_values};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::results::mask::Mask;
 use serde::{Deserialize, Serialize};
@@ -60,8 +62,7 @@ pub struct ObjectCase {
     /// Form given to the core.
     pub outline: Outline,
     dims: Dims,
-    label: u16,
-    given: Given,
+    given: Object,
     /// 5 % and 95 % of its true disparities, px.
     range: (f32, f32),
     /// Their median.
@@ -70,20 +71,13 @@ pub struct ObjectCase {
     mask: Arc<Mask>,
 }
 
-#[derive(Clone, Debug)]
-enum Given {
-    Runs(Vec<Run>),
-    Area(Area),
-}
-
 impl ObjectCase {
     /// Of the pixels of this mask; `None` where none of them has truth.
     fn new(
         scene: &Scene,
         object: &str,
         outline: Outline,
-        label: u16,
-        given: Given,
+        given: Object,
         mask: &Arc<Mask>,
     ) -> Option<Self> {
         let (truth, dims) = (scene.truth.as_ref()?, scene.left.dims);
@@ -96,7 +90,6 @@ impl ObjectCase {
             name: format!("{} {object}", scene.name),
             outline,
             dims,
-            label,
             given,
             range: (interpolated_quantile(&values, 0.05)?, interpolated_quantile(&values, 0.95)?),
             median: interpolated_quantile(&values, 0.5)?,
@@ -107,10 +100,7 @@ impl ObjectCase {
     /// Region given to the core; `None` where erosion left nothing.
     #[must_use]
     pub fn region(&self) -> Option<Region<'_>> {
-        match &self.given {
-            Given::Runs(runs) => Region::masked(self.label, runs, self.dims).ok(),
-            Given::Area(area) => Region::boxed(self.label, *area, self.dims).ok(),
-        }
+        self.given.region(self.dims).ok()
     }
 
     /// Its true pixels.
@@ -136,7 +126,6 @@ impl ObjectCase {
             relative: disparity.map_or(f32::NAN, |d| (d - self.median).abs() / self.median),
             sigma: object.map_or(0.0, |object| object.sigma.to_num()),
             confidence: object.map_or(0.0, |object| object.confidence.to_num()),
-            support: found.as_ref().map_or_else(|why| why.support, |object| object.support),
         }
     }
 }
@@ -164,8 +153,6 @@ pub struct ObjectScore {
     pub sigma: f32,
     /// Probability stated that the answer is not wrong.
     pub confidence: f32,
-    /// Segments that support it.
-    pub support: u16,
 }
 
 /// The scores of one kind of outline together.
@@ -233,33 +220,60 @@ impl ObjectSummary {
 }
 
 /// Every object of a scene that has truth, given in every way there is.
-pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>, FrameError> {
-    let mut cases = Vec::new();
-    let labels_path = scene.folder.join("objects.png");
-    if labels_path.is_file() {
-        let labels = resized_labels(&labels_path, scene.left.dims)?;
-        let mut present = labels.clone();
-        present.sort_unstable();
-        present.dedup();
-        for label in present.into_iter().filter(|&label| label > 0) {
-            let mask =
-                Arc::new(Mask::new(scene.left.dims, labels.iter().map(|&l| l == label).collect()));
-            let given = [
+pub fn object_cases(scene: &Scene) -> Result<Vec<ObjectCase>> {
+    let (dims, mut cases) = (scene.left.dims, Vec::new());
+    let path = scene.folder.join("objects.png");
+    if path.is_file() {
+        for object in objects(&path, load_values(&path)?.0, dims)? {
+            let (label, name) = (object.label, object.label.to_string());
+            let mask = Arc::new(Mask::of(&object.region(dims)?, dims));
+            for (outline, shape) in [
                 (Outline::Given, Mask::clone(&mask)),
                 (Outline::TooLarge, mask.grown(SLOPPY_PX)),
                 (Outline::Eroded, mask.eroded(SLOPPY_PX)),
-            ];
-            let name = label.to_string();
-            for (outline, shape) in given {
-                let given = Given::Runs(shape.runs(label));
-                cases.extend(ObjectCase::new(scene, &name, outline, label, given, &mask));
+            ] {
+                let pixels = Pixels::Mask(shape.runs(label));
+                let given = Object { label, name: None, pixels };
+                cases.extend(ObjectCase::new(scene, &name, outline, given, &mask));
             }
         }
     }
     if let Some(folder) = folder_with_boxes(&scene.folder)? {
-        cases.extend(drawn_boxes(scene, &folder)?);
+        let path = folder.join("mask_objects.png");
+        let (own, _) = load_values(&path)?;
+        let masks = objects(&path, own, dims)?;
+        for drawn in objects(&folder.join("objects.json"), own, own)? {
+            let Some(mask) = masks.iter().find(|mask| mask.label == drawn.label) else { continue };
+            let mask = Arc::new(Mask::of(&mask.region(dims)?, dims));
+            let name = drawn.name.clone().unwrap_or_default();
+            let given = reduced_box(drawn, own, dims);
+            cases.extend(ObjectCase::new(scene, &name, Outline::Box, given, &mask));
+        }
     }
     Ok(cases)
+}
+
+/// A box of an image of the size `own`, reduced to `matched`: rows and columns by their own ratio.
+fn reduced_box(mut drawn: Object, own: Dims, matched: Dims) -> Object {
+    let scaled = |at: u16, from: u16, to: u16| {
+        (f64::from(at) * f64::from(to) / f64::from(from)).round() as u16
+    };
+    if let Pixels::Box(Area { left, top, right, bottom }) = &mut drawn.pixels {
+        for x in [left, right] {
+            *x = scaled(*x, own.width, matched.width);
+        }
+        for y in [top, bottom] {
+            *y = scaled(*y, own.height, matched.height);
+        }
+    }
+    drawn
+}
+
+/// Objects of a file about images of the size `own`, reduced to `matched`.
+fn objects(path: &Path, own: Dims, matched: Dims) -> Result<Vec<Object>> {
+    let found = regions::load(path, None, Frame { given: own, matched, image_name: None })?;
+    ensure!(found.skipped.objects() == 0, "{}: {}", path.display(), found.skipped.summary());
+    Ok(found.list)
 }
 
 /// Answers of the core about each object of the pair that the engine ran last.
@@ -273,77 +287,21 @@ pub fn score_objects(engine: &mut Engine, cases: &[ObjectCase]) -> Vec<ObjectSco
 }
 
 #[derive(Deserialize)]
-struct DrawnObjects {
-    objects: Vec<DrawnObject>,
-}
-
-#[derive(Deserialize)]
-struct DrawnObject {
-    label: u16,
-    name: String,
-    /// `[x0, y0, x1, y1)` in px of the folder's own left image.
-    #[serde(rename = "box")]
-    corners: [f64; 4],
-}
-
-#[derive(Deserialize)]
 struct Origin {
     from: Option<String>,
 }
 
 /// The folder that holds boxes of this scene: its own, or the one that it was reduced from.
-fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>, FrameError> {
+fn folder_with_boxes(folder: &Path) -> Result<Option<PathBuf>> {
     if folder.join("objects.json").is_file() {
         return Ok(Some(folder.to_path_buf()));
     }
-    let origin: Origin = read_json(&folder.join("scene.json"))?;
+    let path = folder.join("scene.json");
+    let text = untrusted::read(&path, SETTINGS_BYTES)
+        .with_context(|| format!("cannot read {}", path.display()))?;
+    let origin: Origin =
+        serde_json::from_slice(&text).with_context(|| path.display().to_string())?;
     let folder = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf()); // of `.` there is no parent
     let folder = origin.from.and_then(|from| Some(folder.parent()?.parent()?.join(from)));
     Ok(folder.filter(|folder| folder.join("objects.json").is_file()))
-}
-
-fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, FrameError> {
-    let text = untrusted::read(path, SETTINGS_BYTES)
-        .map_err(|error| FrameError::Read(path.to_path_buf(), error))?;
-    serde_json::from_slice(&text)
-        .map_err(|error| FrameError::SceneFile(path.to_path_buf(), error.to_string()))
-}
-
-fn drawn_boxes(scene: &Scene, folder: &Path) -> Result<Vec<ObjectCase>, FrameError> {
-    let drawn: DrawnObjects = read_json(&folder.join("objects.json"))?;
-    let path = folder.join("mask_objects.png");
-    let (from, _) = load_values(&path)?;
-    let to = scene.left.dims;
-    let labels = resized_labels(&path, to)?;
-    let mut cases = Vec::new();
-    for object in drawn.objects {
-        let mask =
-            Arc::new(Mask::new(to, labels.iter().map(|&label| label == object.label).collect()));
-        let scaled = |value: f64, from: u16, to: u16| {
-            (value * f64::from(to) / f64::from(from)).round() as u16
-        };
-        let [x0, y0, x1, y1] = object.corners;
-        let area = Area {
-            left: scaled(x0, from.width, to.width),
-            top: scaled(y0, from.height, to.height),
-            right: scaled(x1, from.width, to.width),
-            bottom: scaled(y1, from.height, to.height),
-        };
-        let (name, label, given) = (&object.name, object.label, Given::Area(area));
-        cases.extend(ObjectCase::new(scene, name, Outline::Box, label, given, &mask));
-    }
-    Ok(cases)
-}
-
-/// Labels at the size of the images: of the pixel at the same place.
-fn resized_labels(path: &Path, to: Dims) -> Result<Vec<u16>, FrameError> {
-    let (from, labels) = load_values(path)?;
-    let same = |at: u16, from: u16, to: u16| {
-        (2 * usize::from(at) + 1) * usize::from(from) / (2 * usize::from(to))
-    };
-    let rows = (0..to.height).map(|y| same(y, from.height, to.height) * usize::from(from.width));
-    Ok(rows
-        .flat_map(|row| (0..to.width).map(move |x| row + same(x, from.width, to.width)))
-        .map(|i| labels[i])
-        .collect())
 }

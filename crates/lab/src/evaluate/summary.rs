@@ -122,10 +122,8 @@ impl Summary {
         let mut points: Vec<PointScore> =
             scores.iter().flat_map(|score| score.scored_points.iter().copied()).collect();
         points.sort_by(|a, b| b.confidence.total_cmp(&a.confidence)); // stable: ties stay in scene order
-        let segments: Vec<f32> = scores
-            .iter()
-            .flat_map(|score| score.scored_segments.iter().map(|segment| segment.median_error))
-            .collect();
+        let segments: Vec<f32> =
+            scores.iter().flat_map(|score| score.segment_errors.iter().copied()).collect();
         let segments_within = |limit: f32| percent(&segments, |&error| error <= limit);
         let visible: Vec<f32> =
             points.iter().filter(|point| point.visible).map(|point| point.error).collect();
@@ -247,7 +245,7 @@ mod tests {
             vec![segment([[5.0, 1.0], [5.0, 9.0]], [12.0, 12.0])],
             vec![answer(25, 3, 12.0, 0.25)],
         );
-        let scores = [FrameScore::new("a", &truth, &first), FrameScore::new("b", &truth, &second)];
+        let scores = [first, second].map(|result| FrameScore::new(&truth, &result));
         let summary = Summary::pool(&scores);
 
         assert_eq!((summary.frames, summary.segments_per_frame), (2, 1.5));

@@ -90,7 +90,7 @@ pub(crate) fn compare_scene(
     let cases = if scene.truth.is_some() { object_cases(scene)? } else { Vec::new() };
     let score = |method: &str, result: &FrameResult, objects: Vec<ObjectScore>| MethodScore {
         method: method.to_owned(),
-        score: FrameScore::new(&scene.name, &truth, result),
+        score: FrameScore::new(&truth, result),
         objects,
     };
     let mut engine = core(scene)?;

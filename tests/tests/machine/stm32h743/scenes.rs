@@ -486,8 +486,8 @@ fn assert_true(kind: Kind, shown: &Shown, segments: &[Match], objects: &[ObjectR
     let truth = Truth::new(dims, shown.truth.disparity.clone(), shown.truth.visible.clone());
     let (matches, points) = (segments.to_vec(), Vec::new());
     let result = FrameResult { matches, ..FrameResult::of_points(points) };
-    let score = FrameScore::new(kind.name(), &truth, &result);
-    let right = score.scored_segments.iter().filter(|of| of.median_error <= 1.0).count();
+    let score = FrameScore::new(&truth, &result);
+    let right = score.segment_errors.iter().filter(|&&error| error <= 1.0).count();
     println!("{kind:?}: {right} of {} segments within a pixel", segments.len());
     if kind == Kind::Repetition {
         return;
