@@ -2,8 +2,7 @@
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat};
-use linestereo_frames::GrayImage;
-use linestereo_frames::Perturbation;
+use linestereo_frames::{GrayImage, Perturbation};
 
 /// Compressed and decoded again.
 ///
@@ -49,10 +48,9 @@ pub(super) fn motion(image: &GrayImage, length: usize) -> GrayImage {
 pub(super) fn fog(pair: [GrayImage; 2], contrast: f64, seed: u64) -> [GrayImage; 2] {
     const LIGHT: f64 = 190.0;
     let pair = pair.map(|mut image| {
-        image
-            .pixels
-            .iter_mut()
-            .for_each(|v| *v = (LIGHT + contrast * (f64::from(*v) - LIGHT)).round() as u8);
+        for value in &mut image.pixels {
+            *value = (LIGHT + contrast * (f64::from(*value) - LIGHT)).round() as u8;
+        }
         image
     });
     let [left, right] = &pair;

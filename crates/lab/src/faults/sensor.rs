@@ -1,7 +1,7 @@
 //! The same thing at the same pixel of both images, and what a sensor does to single pixels.
 
-use linestereo_frames::GrayImage;
-use linestereo_frames::SplitMix64;
+use core::iter;
+use linestereo_frames::{GrayImage, SplitMix64};
 
 /// Adds to a pixel, in grey levels.
 fn add(value: &mut u8, change: f64) {
@@ -12,11 +12,9 @@ fn add(value: &mut u8, change: f64) {
 pub(super) fn fixed_pattern(pair: [GrayImage; 2], sigma: f64, seed: u64) -> [GrayImage; 2] {
     pair.map(|mut image| {
         let mut random = SplitMix64(seed);
-        for values in image.pixels.chunks_mut(2) {
-            values
-                .iter_mut()
-                .zip(random.normal_pair())
-                .for_each(|(value, normal)| add(value, sigma * normal));
+        let normals = iter::repeat_with(|| random.normal_pair()).flatten();
+        for (value, normal) in image.pixels.iter_mut().zip(normals) {
+            add(value, sigma * normal);
         }
         image
     })
@@ -119,13 +117,9 @@ pub(super) fn drops(image: &GrayImage, count: usize, radius: f64, seed: u64) -> 
 
 /// Every `step`-th column at one level.
 pub(super) fn columns(mut image: GrayImage, step: usize, level: u8) -> GrayImage {
-    let width = usize::from(image.dims.width);
-    image
-        .pixels
-        .iter_mut()
-        .enumerate()
-        .filter(|(i, _)| i % width % step == step / 2)
-        .for_each(|(_, v)| *v = level);
+    for row in image.pixels.chunks_mut(image.dims.width.into()) {
+        row.iter_mut().skip(step / 2).step_by(step).for_each(|value| *value = level);
+    }
     image
 }
 

@@ -1,6 +1,7 @@
 //! A pair that things are pasted into.
 
 use anyhow::{Context, Result};
+use core::iter;
 use linestereo::Dims;
 use linestereo_frames::{GrayImage, Scene, SplitMix64};
 
@@ -147,15 +148,9 @@ impl PastedPair {
         let [left, right] = &self.images;
         let right: Vec<f64> = right.iter().map(|v| v * gain + bias).collect();
         [left, &right].map(|values| {
-            let mut pixels = Vec::with_capacity(values.len());
-            for two in values.chunks(2) {
-                pixels.extend(
-                    two.iter()
-                        .zip(random.normal_pair())
-                        .map(|(v, n)| (v + NOISE * n).round() as u8),
-                );
-            }
-            GrayImage { dims: self.dims, pixels }
+            let normals = iter::repeat_with(|| random.normal_pair()).flatten();
+            let noisy = values.iter().zip(normals).map(|(v, n)| (v + NOISE * n).round() as u8);
+            GrayImage { dims: self.dims, pixels: noisy.collect() }
         })
     }
 }

@@ -79,9 +79,16 @@ fn everywhere(mut pair: PastedPair) -> PastedPair {
     pair
 }
 
-/// Most truths of a pair are behind this, px.
-fn front(pair: &PastedPair) -> f64 {
-    percentile(pair.truth.iter().copied().filter(|d| d.is_finite()).collect(), 0.9)
+/// A disparity in front of most of a pair, if it is within the range.
+fn before(random: &mut SplitMix64, pair: &PastedPair) -> Option<f64> {
+    let truths = pair.truth.iter().copied().filter(|d| d.is_finite()).collect();
+    let d = percentile(truths, 0.9) + choose(random, &[2.0, 4.0, 8.0, 16.0]);
+    (d <= f64::from(pair.max_disparity) - 4.0).then_some(d)
+}
+
+fn dark_or_bright(random: &mut SplitMix64) -> f64 {
+    let (dark, bright) = (between(random, 15.0, 60.0), between(random, 190.0, 240.0));
+    choose(random, &[dark, bright])
 }
 
 fn fence(random: &mut SplitMix64, pair: &mut PastedPair, is_dense: bool) -> bool {
@@ -91,15 +98,11 @@ fn fence(random: &mut SplitMix64, pair: &mut PastedPair, is_dense: bool) -> bool
     } else {
         between(random, 45.0, 110.0)
     };
-    let d = front(pair) + choose(random, &[2.0, 4.0, 8.0, 16.0]);
-    if d > f64::from(pair.max_disparity) - 4.0 {
-        return false;
-    }
+    let Some(d) = before(random, pair) else { return false };
     let count =
         if is_dense { between(random, 6.0, 14.0) } else { between(random, 2.0, 4.0) } as usize;
     let first = between(random, d + 8.0, d + 40.0);
-    let (dark, bright) = (between(random, 15.0, 60.0), between(random, 190.0, 240.0));
-    let grey = choose(random, &[dark, bright]);
+    let grey = dark_or_bright(random);
     let bottom = pair.height() as f64 - 10.0;
     let rows =
         (between(random, 10.0, 60.0) as usize, between(random, 150.0, bottom.max(151.0)) as usize);
@@ -154,17 +157,13 @@ fn shadow(random: &mut SplitMix64, pair: &mut PastedPair) -> bool {
 }
 
 fn cable(random: &mut SplitMix64, pair: &mut PastedPair) -> bool {
-    let d = front(pair) + choose(random, &[2.0, 4.0, 8.0, 16.0]);
-    if d > f64::from(pair.max_disparity) - 4.0 {
-        return false;
-    }
+    let Some(d) = before(random, pair) else { return false };
     let slope = between(random, 0.0, 15.0).to_radians().tan() * choose(random, &[-1.0, 1.0]);
     let wide = choose(random, &[2.0, 3.0, 4.0, 6.0, 8.0]);
     let row = between(random, 30.0, pair.height() as f64 - 30.0);
     let (from, to) =
         (between(random, d + 8.0, 120.0), between(random, 200.0, pair.width() as f64 - 8.0));
-    let (dark, bright) = (between(random, 15.0, 60.0), between(random, 190.0, 240.0));
-    let grey = choose(random, &[dark, bright]);
+    let grey = dark_or_bright(random);
     let width = pair.width();
     for y in 0..pair.height() {
         for x in 0..width {

@@ -4,9 +4,10 @@ use super::pair::{PastedPair, Pole, percentile};
 use anyhow::Result;
 use linestereo::results::{Bar, Point};
 use linestereo::unstable::{BarEvidence, Observer};
-use linestereo::{Params, Region, image::Span, objects::Run};
+use linestereo::{Params, Region};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::results::mask::Mask;
 use std::collections::BTreeMap;
 
 /// Least probability of what is said.
@@ -107,7 +108,7 @@ pub(crate) fn judge(
     let mut log = Log::default();
     let result = engine.run_observed(left.view()?, right.view()?, &mut log)?;
     let map = map_of(pair, &result);
-    let objects = objects(pair, &mut engine)?;
+    let objects = objects(pair, &mut engine);
     let poles = (1..).zip(&pair.poles).map(|(number, pole)| Said {
         rows: rows_of(pair, pole, &map),
         object: objects.get(&number).map(|d| is_right(pole, *d)),
@@ -177,24 +178,14 @@ fn is_right(pole: &Pole, d: f64) -> bool {
 }
 
 /// Disparity of each mask that has one, px.
-fn objects(pair: &PastedPair, engine: &mut Engine) -> Result<BTreeMap<u16, f64>> {
-    let mut runs: Vec<Run> = Vec::new();
-    for (y, row) in (0..).zip(pair.mask.chunks(pair.width())) {
-        for (x, &label) in (0..).zip(row) {
-            match runs.last_mut() {
-                Some(run) if run.y == y && run.label == label && run.span.end == x => {
-                    run.span.end += 1
-                }
-                _ => runs.push(Run { label, y, span: Span { start: x, end: x + 1 } }),
-            }
-        }
-    }
-    runs.retain(|run| run.label > 0);
+fn objects(pair: &PastedPair, engine: &mut Engine) -> BTreeMap<u16, f64> {
     let depth = |number: u16| {
+        let own = pair.mask.iter().map(|&label| label == number).collect();
+        let runs = Mask::new(pair.dims, own).runs(number);
         let region = Region::masked(number, &runs, pair.dims).ok()?; // a later pole may cover it
         Some((number, engine.object(&region).ok()?.disparity.to_num()))
     };
-    Ok((1..).take(pair.poles.len()).filter_map(depth).collect())
+    (1..).take(pair.poles.len()).filter_map(depth).collect()
 }
 
 fn toll(pair: &PastedPair, map: &[f64]) -> Toll {
@@ -217,22 +208,21 @@ fn errors_of(pair: &PastedPair, bar: &Bar) -> Vec<f32> {
     let mut errors = Vec::new();
     for y in first..=last {
         let d = from + (to - from) * f64::from(y - first) / f64::from((last - first).max(1));
-        let columns = bar.columns(y);
-        let truths = pair.truths(y.into(), columns.start.into(), columns.end.into());
-        errors.extend(truths.map(|truth| (truth - d).abs() as f32));
+        errors.extend(truths_of_row(pair, bar, y).map(|truth| (truth - d).abs() as f32));
     }
     errors
+}
+
+/// Truths of a bar's pixels in a row, px.
+fn truths_of_row(pair: &PastedPair, bar: &Bar, y: u16) -> impl Iterator<Item = f64> {
+    let columns = bar.columns(y);
+    pair.truths(y.into(), columns.start.into(), columns.end.into())
 }
 
 /// Distance of a bar from the truth on its pixels, px.
 fn error_of(pair: &PastedPair, bar: &Bar) -> Option<f64> {
     let [first, last] = bar.rows();
-    let truths: Vec<f64> = (first..=last)
-        .flat_map(|y| {
-            let columns = bar.columns(y);
-            pair.truths(y.into(), columns.start.into(), columns.end.into())
-        })
-        .collect();
+    let truths: Vec<f64> = (first..=last).flat_map(|y| truths_of_row(pair, bar, y)).collect();
     if truths.len() < 4 {
         return None;
     }
