@@ -231,15 +231,16 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
 /// Prints what objects cost, and pairs that are matched around them alone.
 fn print_objects(board: &Board, frames: &Path) -> Result<()> {
     for &dims in board.sizes {
-        let ObjectPairs { names, eight, tenth, one_box } = object_pairs(board, frames, dims)?;
+        let pairs = object_pairs(board, frames, dims)?;
         let Objects { eight: cost, points, tenth_permille, one_box_permille, .. } =
-            Objects::new(&eight, &tenth, &one_box);
+            Objects::new(&pairs);
         println!("{}, {dims}: eight objects {cost} instructions, all points {points}", board.name);
-        for (boxes, permille, parts) in
-            [("three boxes", tenth_permille, tenth), ("one box", one_box_permille, one_box)]
-        {
+        for (boxes, permille, parts) in [
+            ("three boxes", tenth_permille, pairs.tenth),
+            ("one box", one_box_permille, pairs.one_box),
+        ] {
             let costs: Vec<_> =
-                names.iter().cloned().zip(parts.iter().map(|part| part.costs)).collect();
+                pairs.names.iter().cloned().zip(parts.iter().map(|part| part.costs)).collect();
             println!(
                 "{boxes} with a tenth of the pixels: {permille} permille of a pair, thousands of \
                  instructions"
@@ -380,7 +381,7 @@ struct ObjectPairs {
 }
 
 impl Objects {
-    fn new(eight: &[BoardResult], tenth: &[BoardResult], one_box: &[BoardResult]) -> Self {
+    fn new(ObjectPairs { eight, tenth, one_box, .. }: &ObjectPairs) -> Self {
         let all = |part: &BoardResult| total(&part.costs) + part.objects_cost;
         let permille =
             |(whole, part): (&BoardResult, &BoardResult)| all(part) * 1000 / total(&whole.costs);
@@ -396,8 +397,7 @@ impl Objects {
 
 /// Measures on the scenes of [`captured`].
 pub(crate) fn objects(board: &Board, folder: &Path, dims: Dims) -> Result<Objects> {
-    let ObjectPairs { eight, tenth, one_box, .. } = object_pairs(board, folder, dims)?;
-    Ok(Objects::new(&eight, &tenth, &one_box))
+    Ok(Objects::new(&object_pairs(board, folder, dims)?))
 }
 
 fn object_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<ObjectPairs> {
