@@ -1,11 +1,9 @@
 //! Times of a frame that `live` reports.
 
+use crate::support::live::scripted;
 use crate::support::port::Port;
-use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
-use linestereo_firmware::memory::Memory;
-use linestereo_firmware::painter::Painter;
-use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, PairSource};
+use linestereo_firmware::ports::{ByteSink, ByteSource};
 use linestereo_firmware::programs::live::Live;
 use linestereo_firmware::session::Session;
 use linestereo_wire::{FrameTimes, Message, Request};
@@ -15,21 +13,7 @@ const LOOK_US: u32 = 100;
 const PAIR_US: u32 = 9000;
 const BYTE_US: u32 = 10;
 
-/// A camera for which the program waits.
-struct SlowCamera(Port, Painter);
-
-impl PairSource for SlowCamera {
-    fn next_pair(
-        &mut self,
-        memory: &mut impl Memory,
-        rectified: Option<Dims>,
-    ) -> Option<CapturedPair> {
-        self.0.pass(PAIR_US);
-        self.1.next_pair(memory, rectified)
-    }
-}
-
-/// A line for which it waits.
+/// A line for which the program waits.
 struct SlowLine(Port);
 
 impl ByteSource for SlowLine {
@@ -48,7 +32,10 @@ impl ByteSink for SlowLine {
 #[test]
 fn a_frame_says_how_long_it_waited_and_took_and_how_long_the_one_before_was_written() {
     let (port, mut memory) = (Port::with_look(LOOK_US), Box::new(BoardMemory::CLEARED));
-    let mut camera = SlowCamera(port.clone(), Painter::new(Dims { width: 128, height: 96 }));
+    let mut camera = scripted(|_, paint| {
+        port.pass(PAIR_US);
+        paint()
+    });
     let mut live = Live::start(Session::new(BOARD), port.clone(), SlowLine(port.clone()));
     let hello = port.bytes().len() as u32 - 1; // the first delimiter is written before anything is counted
     port.send(1, Request::Start);

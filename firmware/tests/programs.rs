@@ -1,6 +1,8 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
-use crate::support::port::{Port, push};
+use crate::support::live::{DIMS, Running, rig_numbers, scripted};
+use crate::support::port::{Port, heads, mavlink_frames, push};
+use core::cell::Cell;
 use linestereo::health::{HealthFlags, Skewed};
 use linestereo::{Dims, Matcher, Options, Params};
 use linestereo_boards::built_in::Scene;
@@ -8,8 +10,7 @@ use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
-use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSource};
-use linestereo_firmware::programs::live::Live;
+use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSource as _};
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::session::Session;
 use linestereo_firmware::settings::KeptSettings;
@@ -19,8 +20,6 @@ use linestereo_rig::{
 };
 use linestereo_wire::*;
 use std::collections::BTreeSet;
-
-const DIMS: Dims = Dims { width: 128, height: 96 };
 
 fn pair_head(dims: Dims, capture_time_us: u64) -> PairHead {
     PairHead {
@@ -446,55 +445,33 @@ fn a_rig_is_kept_where_there_is_flash() {
 
 /// A camera with a loose cable: no pair, a pair of a wrong size, one with a late right image, then
 /// painted ones.
-struct LooseCamera(u32, Painter);
-
-impl PairSource for LooseCamera {
-    fn next_pair(
-        &mut self,
-        memory: &mut impl Memory,
-        rectified: Option<Dims>,
-    ) -> Option<CapturedPair> {
-        self.0 += 1;
-        match self.0 {
-            1 => None,
-            2 => Some(CapturedPair::of(Dims { width: 320, height: 240 })),
-            3 => {
-                let times_us = Some([7_000_000, 7_002_500]);
-                let frame_start = Some(FrameStart::Free);
-                Painter::new(DIMS).next_pair(memory, rectified).map(|pair| CapturedPair {
-                    times_us,
-                    frame_start,
-                    ..pair
-                })
-            }
-            _ => self.1.next_pair(memory, rectified),
-        }
+fn loose(call: u32, paint: &mut dyn FnMut() -> Option<CapturedPair>) -> Option<CapturedPair> {
+    match call {
+        1 => None,
+        2 => Some(CapturedPair::of(Dims { width: 320, height: 240 })),
+        3 => Some(CapturedPair {
+            times_us: Some([7_000_000, 7_002_500]),
+            frame_start: Some(FrameStart::Free),
+            ..paint()?
+        }),
+        _ => paint(),
     }
 }
 
 #[test]
 fn live_serves_commands_and_survives_its_camera() {
-    let port = Port::with_look(1);
-    let (send, received) = (|id, request| port.send(id, request), || port.received());
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = LooseCamera(0, Painter::new(DIMS));
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-    assert!(matches!(&received()[..], [Message::Hello(hello)] if hello.board == BOARD.name));
-    live.turn(&mut *memory, &mut camera);
-    assert_eq!(received(), []); // nobody asked
+    let mut board = Running::start(Session::new(BOARD), &Port::with_look(1), scripted(loose));
+    let hello = board.port.received();
+    assert!(matches!(&hello[..], [Message::Hello(hello)] if hello.board == BOARD.name));
+    assert_eq!(board.messages(1), []); // nobody asked
 
-    send(1, Request::Start);
     let accepted = |command| Message::Answer(Answer { command, outcome: Outcome::Accepted });
-    live.turn(&mut *memory, &mut camera);
-    let answers = received();
+    let answers = board.ask(1, Request::Start);
     assert_eq!(answers[0], accepted(1));
     assert!(matches!(&answers[1..], [Message::Frame(head)] if head.health == Health::PAIR_MISSING));
-    live.turn(&mut *memory, &mut camera);
-    assert!(
-        matches!(&received()[..], [Message::Frame(head)] if head.health == Health::SIZE_MISMATCH)
-    );
-    live.turn(&mut *memory, &mut camera);
-    let skewed = received();
+    let wrong = board.messages(1);
+    assert!(matches!(wrong[..], [Message::Frame(head)] if head.health == Health::SIZE_MISMATCH));
+    let skewed = board.messages(1);
     let [Message::Frame(head)] = skewed[..] else {
         panic!("a head alone was expected: {skewed:?}")
     };
@@ -502,8 +479,7 @@ fn live_serves_commands_and_survives_its_camera() {
     assert!(head.health.of_pair().contains(HealthFlags::SKEW), "{}", head.health);
     assert_eq!(head.pair.unwrap().skew_us, Some(2500));
     assert!(head.health.contains(Health::FREE_RUNNING), "{}", head.health);
-    live.turn(&mut *memory, &mut camera);
-    let frame = received();
+    let frame = board.messages(1);
     let Message::Frame(head) = &frame[0] else { panic!("no frame: {frame:?}") };
     assert_eq!((head.sequence, head.width), (3, 128));
     assert!(head.pair.unwrap().skew_us.is_none() && head.pair.unwrap().cameras[0].level > 0);
@@ -515,15 +491,12 @@ fn live_serves_commands_and_survives_its_camera() {
     );
     assert_eq!(frame.len(), 1 + usize::from(head.segments).div_ceil(SEGMENTS_PER_PACKET));
 
-    send(2, Request::Pair(pair_head(Dims { width: 16, height: 16 }, 0)));
-    live.turn(&mut *memory, &mut camera);
+    let pair = Request::Pair(pair_head(Dims { width: 16, height: 16 }, 0));
     assert_eq!(
-        received()[0],
+        board.ask(2, pair)[0],
         Message::Answer(Answer { command: 2, outcome: Outcome::Refused(Refusal::Unsupported) })
     );
-    send(3, Request::Stop);
-    live.turn(&mut *memory, &mut camera);
-    assert_eq!(received(), [accepted(3)]);
+    assert_eq!(board.ask(3, Request::Stop), [accepted(3)]);
 }
 
 #[test]
@@ -539,14 +512,12 @@ fn of_what_takes_long_there_is_one_a_turn() {
     for (id, request) in (1..).zip(requests.into_iter().chain([Request::Stop, Request::Describe])) {
         push(&mut bytes, id, request);
     }
-    let port = Port::holding(bytes, 0);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    let mut board =
+        Running::start(Session::new(BOARD), &Port::holding(bytes, 0), Painter::new(DIMS));
     // The watchdog is fed between two turns, and waits for one sector that is erased, not for two.
     let mut answered_in = Vec::new();
     for turn in 0..200 {
-        live.turn(&mut *memory, &mut Painter::new(DIMS));
-        for message in port.received() {
+        for message in board.messages(1) {
             if let Message::Answer(answer) = message {
                 answered_in.push((turn, answer.command));
             }
@@ -558,40 +529,17 @@ fn of_what_takes_long_there_is_one_a_turn() {
     assert_eq!(slow.len(), 4, "{answered_in:?}");
 }
 
-/// Painted pairs of two moments, of which somebody says that nothing moves.
-struct InTurnCamera(Painter, Option<u32>);
-
-impl PairSource for InTurnCamera {
-    fn next_pair(
-        &mut self,
-        memory: &mut impl Memory,
-        rectified: Option<Dims>,
-    ) -> Option<CapturedPair> {
-        let pair = self.0.next_pair(memory, rectified)?;
-        Some(CapturedPair { times_us: Some([5_000, 27_000]), ..pair })
-    }
-
-    fn still_us(&self) -> Option<u32> {
-        self.1
-    }
-}
-
 #[test]
 fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
     for (still_us, is_matched) in [(None, false), (Some(21_000), false), (Some(30_000), true)] {
-        let port = Port::with_look(1);
-        port.send(1, Request::Start);
-        let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-        let mut camera = InTurnCamera(Painter::new(DIMS), still_us);
-        live.turn(&mut *Box::new(BoardMemory::CLEARED), &mut camera);
-        let received = port.received();
-        let head = received
-            .iter()
-            .find_map(|message| if let Message::Frame(head) = message { Some(head) } else { None });
-        let (head, health) = (head.unwrap(), head.unwrap().health);
+        let mut camera =
+            scripted(|_, paint| Some(CapturedPair { times_us: Some([5_000, 27_000]), ..paint()? }));
+        camera.still_us = still_us;
+        let mut board = Running::start(Session::new(BOARD), &Port::with_look(1), camera);
+        let head = heads(&board.ask(1, Request::Start))[0];
         assert_eq!(head.pair.unwrap().skew_us, Some(22_000), "it is told all the same");
         assert_eq!(
-            (head.segments > 10, health.of_pair().contains(HealthFlags::SKEW)),
+            (head.segments > 10, head.health.of_pair().contains(HealthFlags::SKEW)),
             (is_matched, !is_matched)
         );
     }
@@ -636,50 +584,28 @@ fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
     );
 }
 
-/// Id and payload of each MAVLink frame.
-fn mavlink_frames(mut bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
-    let mut frames = Vec::new();
-    while let [0xfd, length, _, _, _, 1, 196, id0, id1, id2, rest @ ..] = bytes {
-        let (payload, after) = rest.split_at((*length).into());
-        frames.push((u32::from_le_bytes([*id0, *id1, *id2, 0]), payload.to_vec()));
-        bytes = &after[2..];
-    }
-    assert!(bytes.is_empty(), "{bytes:?}");
-    frames
-}
-
 #[test]
 fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() {
     // A look at the clock takes 8.5 ms, a turn with a pair four looks: 60 turns are two seconds.
     let (port, autopilot) = (Port::with_look(8_500), Port::default());
     // But for questions of the time.
     let told = || {
-        mavlink_frames(&autopilot.bytes())
-            .into_iter()
-            .filter(|(id, _)| *id != 111)
-            .collect::<Vec<_>>()
+        let mut frames = mavlink_frames(&autopilot.bytes());
+        frames.retain(|(id, _)| *id != 111);
+        frames
     };
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = LooseCamera(0, Painter::new(DIMS));
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
-        .with_autopilot(autopilot.clone());
-    for _ in 0..5 {
-        live.turn(&mut *memory, &mut camera);
-    }
+    let is_silent = Cell::new(false);
+    let camera = scripted(|call, paint| if is_silent.get() { None } else { loose(call, paint) });
+    let mut board = Running::start(Session::new(BOARD), &port, camera).with_autopilot(&autopilot);
+    board.turns(5);
     assert_eq!(told(), [], "without a rig nothing has a distance");
-    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
-    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    port.send(1, rig_numbers(RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 }));
     port.bytes();
 
     // No pair, a pair of a wrong size and a skewed one come first: no view is known yet.
-    for _ in 0..3 {
-        live.turn(&mut *memory, &mut camera);
-    }
+    board.turns(3);
     assert_eq!(told(), []);
-    for _ in 0..60 {
-        live.turn(&mut *memory, &mut camera);
-    }
-    let answers = port.received();
+    let answers = board.messages(60);
     assert!(matches!(answers[..], [Message::Answer(_)]), "no host asked for results: {answers:?}");
     let frames = told();
     let (beats, distances): (Vec<_>, Vec<_>) = frames.iter().partition(|(id, _)| *id == 0);
@@ -698,10 +624,8 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
     assert!(known, "the painted scenes have something at a distance");
 
     // The camera falls silent: every sector in view is blocked at the near limit, 11 m px / 64 px.
-    let mut silent = Silent;
-    for _ in 0..8 {
-        live.turn(&mut *memory, &mut silent);
-    }
+    is_silent.set(true);
+    board.turns(8);
     let list = sectors(&told().iter().rfind(|(id, _)| *id == 330).unwrap().1);
     assert_eq!((list[0], list[5], list[67], list[36]), (17, 17, 17, u16::MAX));
 }
@@ -711,18 +635,16 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
 #[test]
 fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
     let port = Port::with_capacity(6000);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Painter::new(DIMS);
     let mut session = Session::new(BOARD);
     // The picture stays, and is small.
     session.limits.frozen_pairs = u8::MAX;
     session.limits.unwitnessed_permille = 0;
-    let mut live = Live::start(session, port.clone(), port.clone());
+    let mut board = Running::start(session, &port, Painter::new(DIMS));
     port.send(1, Request::Start);
     let (mut decoder, mut heads, mut expected) =
         (Decoder::<Message, MAX_PACKET>::new(), Vec::new(), 0);
     for _ in 0..200 {
-        live.turn(&mut *memory, &mut camera);
+        board.turn();
         for byte in port.fetch(100) {
             match decoder.push(byte) {
                 Some(Ok(Message::Frame(head))) => {
@@ -750,12 +672,9 @@ fn a_slow_host_gets_whole_frames_and_knows_what_it_misses() {
 #[test]
 fn a_photograph_is_no_pair_to_an_autopilot() {
     let (port, autopilot) = (Port::with_look(17_000), Port::default());
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Painter::new(DIMS);
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
-        .with_autopilot(autopilot.clone());
-    let rig = RigUpdate { focal_px: 110.0, baseline_m: 1.0, offset_px: 0.0 };
-    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    let mut board =
+        Running::start(Session::new(BOARD), &port, Painter::new(DIMS)).with_autopilot(&autopilot);
+    port.send(1, rig_numbers(RigUpdate { focal_px: 110.0, baseline_m: 1.0, offset_px: 0.0 }));
     // All directions are blocked at the near limit, as without pairs.
     let is_blocked = || {
         let messages = mavlink_frames(&autopilot.bytes());
@@ -765,65 +684,36 @@ fn a_photograph_is_no_pair_to_an_autopilot() {
         })
     };
     let seen = (0..100).any(|_| {
-        live.turn(&mut *memory, &mut camera);
+        board.turn();
         !is_blocked()
     });
     assert!(seen, "the painted scenes have something at a distance");
     port.send(2, Request::Photograph);
-    for _ in 0..5 {
-        live.turn(&mut *memory, &mut camera);
-    }
+    board.turns(5);
     assert!(is_blocked());
-}
-
-/// A camera that delivers one pair, and has a clock of its own.
-struct OnePair(Option<Painter>);
-
-impl PairSource for OnePair {
-    fn next_pair(
-        &mut self,
-        memory: &mut impl Memory,
-        rectified: Option<Dims>,
-    ) -> Option<CapturedPair> {
-        self.0.take()?.next_pair(memory, rectified)
-    }
-
-    fn clock_us(&self) -> Option<u64> {
-        Some(5_000_000)
-    }
 }
 
 #[test]
 fn a_photograph_that_fails_ends_the_one_before() {
     let port = Port::with_look(1);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = OnePair(Some(Painter::new(DIMS)));
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
+    let mut camera = scripted(|call, paint| if call == 1 { paint() } else { None });
+    camera.clock_us = Some(5_000_000);
+    let mut board = Running::start(Session::new(BOARD), &port, camera);
     port.send(1, Request::Photograph);
-    live.turn(&mut *memory, &mut camera);
+    board.turn();
     port.send(2, Request::Photograph);
-    for _ in 0..20 {
-        live.turn(&mut *memory, &mut camera);
-    }
-    let messages = port.received();
-    let of =
-        |wanted: fn(&Message) -> bool| messages.iter().filter(|message| wanted(message)).count();
-    assert_eq!(
-        of(|message| matches!(
-            message,
-            Message::Answer(Answer { outcome: Outcome::Refused(_), .. })
-        )),
-        1
-    );
+    let messages = board.messages(20);
+    let is_refused = |message: &&Message| {
+        matches!(message, Message::Answer(Answer { outcome: Outcome::Refused(_), .. }))
+    };
+    assert_eq!(messages.iter().filter(is_refused).count(), 1);
     let pixels: usize = messages
         .iter()
         .map(|message| if let Message::Pixels(part) = message { part.list.len() } else { 0 })
         .sum();
     assert!(pixels < 2 * 128 * 96, "a torn photograph came as a whole one");
     // Pairs that are missing have the time of those that come.
-    port.send(3, Request::Start);
-    live.turn(&mut *memory, &mut camera);
-    let last = port.received();
+    let last = board.ask(3, Request::Start);
     assert!(
         matches!(last.last(), Some(Message::Frame(head)) if head.capture_time_us == 5_000_000),
         "{last:?}"
@@ -840,13 +730,4 @@ fn a_new_rig_starts_anew() {
     let request = Request::SetRig(rig(DIMS).encode(0).into_iter().collect());
     session.command(&Command { id: 1, request }, &mut *memory);
     assert!(!session.matcher(DIMS).unwrap().knows_rows());
-}
-
-/// A camera without a cable.
-struct Silent;
-
-impl PairSource for Silent {
-    fn next_pair(&mut self, _: &mut impl Memory, _: Option<Dims>) -> Option<CapturedPair> {
-        None
-    }
 }

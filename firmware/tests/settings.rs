@@ -1,20 +1,20 @@
 //! Settings of hosts and autopilots, and what is left of them after a reset.
 
-use crate::support::port::Port;
+use crate::support::live::{DIMS, Running, rig, rig_numbers, scripted};
+use crate::support::port::{Port, heads, mavlink_frames};
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use linestereo::obstacles::Obstacles;
-use linestereo::{Dims, Matcher, Options, Params, units::Confidence};
+use linestereo::{Matcher, Options, Params, units::Confidence};
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
-use linestereo_firmware::ports::{ByteSink as _, CapturedPair, PairSource};
-use linestereo_firmware::programs::live::{Live, Turn};
+use linestereo_firmware::ports::{ByteSink as _, PairSource as _};
+use linestereo_firmware::programs::live::Turn;
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_firmware::settings::{self, KeptSettings};
 use linestereo_firmware::slot_store::{BoardStore, Keeper as _};
 use linestereo_firmware::vehicle::Vehicle;
 use linestereo_mavlink::{Fields, Mavlink, Policy, Sender};
-use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
 use linestereo_wire::*;
 
 /// Flash of four blocks.
@@ -78,6 +78,9 @@ const SECTORS: u8 = 19;
 fn set((number, value): (u8, f32)) -> Request {
     Request::Set(SettingValue { number, value })
 }
+
+/// The rig of a board that gets its numbers alone.
+const RIG: RigUpdate = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
 
 fn value(session: &Session<'_>, number: u8) -> f32 {
     session.values()[usize::from(number)]
@@ -224,21 +227,6 @@ fn what_is_refused_is_named_and_changes_nothing() {
     assert_eq!(report(&session), before);
 }
 
-/// A rig for these disparities.
-fn rig(max_disparity: u16) -> Request {
-    let dims = Dims { width: 128, height: 96 };
-    let camera = || Camera::new(dims, [100.0; 2], [63.5, 47.5], 0.0, Lens::NONE).unwrap();
-    let pair =
-        Calibration::new(camera(), camera(), [1.0, 0.0, 0.0, 0.0], [-0.1, 0.0, 0.0]).unwrap();
-    Request::SetRig(
-        RigImage::new(pair, dims, View::default(), (0, max_disparity))
-            .unwrap()
-            .encode(0)
-            .into_iter()
-            .collect(),
-    )
-}
-
 #[test]
 fn a_new_rig_brings_its_own_range_over_a_reset_as_well() {
     let (mut store, mut memory) = (store(), Box::new(BoardMemory::CLEARED));
@@ -310,27 +298,14 @@ fn frame(ask: &Ask<'_>) -> Vec<u8> {
 }
 
 /// Name, value, number and count of each PARAM_VALUE.
-fn values(mut bytes: &[u8]) -> Vec<(String, f32, u16, u16)> {
-    let mut found = Vec::new();
-    while let [0xfd, length, _, _, _, 1, 196, id, 0, 0, rest @ ..] = bytes {
-        let (payload, after) = rest.split_at((*length).into());
-        if *id == 22 {
-            let number = |at: usize| u16::from_le_bytes([payload[at], payload[at + 1]]);
-            let name = String::from_utf8(payload[8..24].to_vec())
-                .unwrap()
-                .trim_end_matches('\0')
-                .to_owned();
-            found.push((
-                name,
-                f32::from_le_bytes(payload[..4].try_into().unwrap()),
-                number(6),
-                number(4),
-            ));
-        }
-        bytes = &after[2..];
-    }
-    assert!(bytes.is_empty(), "{bytes:?}");
-    found
+fn values(bytes: &[u8]) -> Vec<(String, f32, u16, u16)> {
+    let value = |(id, payload): (u32, Vec<u8>)| {
+        let number = |at: usize| u16::from_le_bytes([payload[at], payload[at + 1]]);
+        let name = (id == 22).then(|| core::str::from_utf8(&payload[8..24]).unwrap())?;
+        let value = f32::from_le_bytes(payload[..4].try_into().unwrap());
+        Some((name.trim_end_matches('\0').to_owned(), value, number(6), number(4)))
+    };
+    mavlink_frames(bytes).into_iter().filter_map(value).collect()
 }
 
 #[test]
@@ -339,14 +314,10 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
     // A turn takes two looks at the clock at least, 50 ms.
     let (host, autopilot) = (Port::with_look(25_000), Port::default());
     let session = Session::with_flash(BOARD, &mut store, &mut *memory);
-    let mut live =
-        Live::start(session, host.clone(), host.clone()).with_autopilot(autopilot.clone());
-    let mut camera = Painter::new(Dims { width: 128, height: 96 });
+    let mut board = Running::start(session, &host, Painter::new(DIMS)).with_autopilot(&autopilot);
     let mut ask = |asks: &[Ask<'_>], turns: usize| {
         asks.iter().for_each(|ask| autopilot.give(&frame(ask)));
-        for _ in 0..turns {
-            live.turn(&mut *memory, &mut camera);
-        }
+        board.turns(turns);
         values(&autopilot.bytes())
     };
     let names = Setting::ALL.map(|of| of.name.to_uppercase());
@@ -404,25 +375,13 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
 
 #[test]
 fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
-    let port = Port::with_look(1000);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Painter::new(Dims { width: 128, height: 96 });
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-    let mut turn = |requests: &[Request]| {
-        requests.iter().for_each(|request| port.send(9, request.clone()));
-        live.turn(&mut *memory, &mut camera);
-        port.received()
-    };
-    turn(&[Request::Start]);
-    let time = |messages: &[Message]| {
-        messages.iter().find_map(|message| match message {
-            Message::Frame(head) => Some((head.capture_time_us, head.clock)),
-            _ => None,
-        })
-    };
-    let (own_us, clock) = time(&turn(&[])).unwrap();
+    let mut board = Running::start(Session::new(BOARD), &Port::with_look(1000), Painter::new(DIMS));
+    board.ask(9, Request::Start);
+    let time =
+        |messages: &[Message]| (heads(messages)[0].capture_time_us, heads(messages)[0].clock);
+    let (own_us, clock) = time(&board.messages(1));
     assert_eq!(clock, TimeSource::Board);
-    let asked = turn(&[Request::ReadClock]);
+    let asked = board.ask(9, Request::ReadClock);
     let said = asked.iter().find_map(|message| {
         if let Message::Clock(board_us) = message { Some(*board_us) } else { None }
     });
@@ -430,11 +389,11 @@ fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
     assert!(board_us > own_us && board_us < own_us + 20_000, "{board_us} after {own_us}");
 
     let ahead = 1_700_000_000_000_000;
-    let (host_us, clock) = time(&turn(&[Request::SetClock(ahead)])).unwrap();
+    let (host_us, clock) = time(&board.ask(9, Request::SetClock(ahead)));
     assert_eq!(clock, TimeSource::Host);
     assert!((ahead + board_us..ahead + board_us + 20_000).contains(&host_us), "{host_us}");
-    port.pass(10_000_000); // the host has gone
-    let (own_us, clock) = time(&turn(&[])).unwrap();
+    board.port.pass(10_000_000); // the host has gone
+    let (own_us, clock) = time(&board.messages(1));
     assert_eq!(clock, TimeSource::Board);
     assert!((10_000_000..10_100_000).contains(&own_us), "{own_us}");
 }
@@ -442,16 +401,13 @@ fn times_are_in_the_hosts_clock_as_long_as_it_says_so() {
 #[test]
 fn times_are_in_the_autopilots_clock_by_its_answers() {
     let (port, autopilot) = (Port::with_look(5000), Port::default());
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Painter::new(Dims { width: 128, height: 96 });
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone())
-        .with_autopilot(autopilot.clone());
-    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
-    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    let mut board =
+        Running::start(Session::new(BOARD), &port, Painter::new(DIMS)).with_autopilot(&autopilot);
+    port.send(1, rig_numbers(RIG));
     port.send(2, Request::Start);
     let (mut asked, mut clocks) = (0, Vec::new());
     for _ in 0..400 {
-        live.turn(&mut *memory, &mut camera);
+        board.turn();
         let bytes = autopilot.bytes();
         // TIMESYNC with tc1 0: the autopilot is 5 s ahead.
         if let Some(at) =
@@ -469,10 +425,8 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
             });
             asked += 1;
         }
-        clocks.extend(port.received().iter().find_map(|message| match message {
-            Message::Frame(head) => Some((head.clock, head.capture_time_us)),
-            _ => None,
-        }));
+        let heads = heads(&port.received());
+        clocks.extend(heads.first().map(|head| (head.clock, head.capture_time_us)));
     }
     assert_eq!(clocks[0].0, TimeSource::Board);
     let (last, time_us) = *clocks.last().unwrap();
@@ -491,13 +445,11 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
 /// off.
 #[test]
 fn a_host_that_wants_directions_gets_them_with_each_pair() {
-    let dims = Dims { width: 128, height: 96 };
-    let rig = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
     let mut memory = Box::new(BoardMemory::CLEARED);
-    let params = Params { rig: Some(rig.rig().unwrap()), ..Params::DEFAULT };
-    let plan = Vehicle::DEFAULT.directions().plan(&params, dims).unwrap();
-    Painter::new(dims).next_pair(&mut *memory, None).unwrap();
-    let mut matcher = Matcher::new(params, dims).unwrap();
+    let params = Params { rig: Some(RIG.rig().unwrap()), ..Params::DEFAULT };
+    let plan = Vehicle::DEFAULT.directions().plan(&params, DIMS).unwrap();
+    Painter::new(DIMS).next_pair(&mut *memory, None).unwrap();
+    let mut matcher = Matcher::new(params, DIMS).unwrap();
     let matched = memory.run(None, &mut matcher, Options::default()).unwrap();
     let mut obstacles = Obstacles::new();
     let (points, flags) = (matched.obstacle_points(), matched.health().flags);
@@ -508,17 +460,13 @@ fn a_host_that_wants_directions_gets_them_with_each_pair() {
     assert!(expected.len() > 3, "{expected:?}");
 
     let port = Port::with_look(1000);
-    let mut camera = Painter::new(dims);
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-    port.send(1, Request::SetParams(ParamUpdate { rig: Some(rig), ..ParamUpdate::default() }));
+    let mut board = Running::start(Session::new(BOARD), &port, Painter::new(DIMS));
+    port.send(1, rig_numbers(RIG));
     port.send(2, set((SECTORS, 1.0)));
     port.send(3, Request::Start);
     let mut frames = |turns: usize| {
         let mut frames = Vec::new();
-        for _ in 0..turns {
-            live.turn(&mut *memory, &mut camera);
-        }
-        for message in port.received() {
+        for message in board.messages(turns) {
             match message {
                 Message::Frame(head) => frames.push((head.sequence, None)),
                 Message::Sectors(sectors) => {
@@ -544,49 +492,32 @@ fn a_host_that_wants_directions_gets_them_with_each_pair() {
 
 #[test]
 fn a_board_leaves_for_its_boot_loader_after_the_answer() {
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Painter::new(Dims { width: 128, height: 96 });
     for (has_bootloader, expected) in [(false, Turn::Idle), (true, Turn::Leave)] {
-        let port = Port::with_look(1);
         let mut session = Session::new(BOARD);
         session.has_bootloader = has_bootloader;
-        let mut live = Live::start(session, port.clone(), port.clone());
-        port.received();
-        port.send(3, Request::Bootloader);
-        assert_eq!(live.turn(&mut *memory, &mut camera), expected);
+        let mut board = Running::start(session, &Port::with_look(1), Painter::new(DIMS));
+        board.port.received();
+        board.port.send(3, Request::Bootloader);
+        assert_eq!(board.turn(), expected);
         let outcome =
             if has_bootloader { Outcome::Accepted } else { Outcome::Refused(Refusal::Unsupported) };
-        assert_eq!(port.received(), [Message::Answer(Answer { command: 3, outcome })]);
+        assert_eq!(board.port.received(), [Message::Answer(Answer { command: 3, outcome })]);
     }
 }
 
 #[test]
 fn the_light_follows_the_pairs() {
-    /// A camera that delivers a pair, then none.
-    struct Once(Option<Painter>);
-
-    impl PairSource for Once {
-        fn next_pair(
-            &mut self,
-            memory: &mut impl Memory,
-            rectified: Option<Dims>,
-        ) -> Option<CapturedPair> {
-            self.0.take()?.next_pair(memory, rectified)
-        }
-    }
-
     let port = Port::with_look(0);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Once(Some(Painter::new(Dims { width: 128, height: 96 })));
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-    let mut lit_at = |live: &mut Live<'_, Port, Port>, ms: u32| {
+    let once = scripted(|call, paint| if call == 1 { paint() } else { None });
+    let mut board = Running::start(Session::new(BOARD), &port, once);
+    let mut lit_after = |ms: u32| {
         port.pass(1000 * ms);
-        live.turn(&mut *memory, &mut camera);
-        live.is_lit()
+        board.turn();
+        board.live.is_lit()
     };
-    assert!(lit_at(&mut live, 100) && !lit_at(&mut live, 300), "a short flash: nobody wants pairs");
+    assert!(lit_after(100) && !lit_after(300), "a short flash: nobody wants pairs");
     port.send(1, Request::Start);
-    assert!(lit_at(&mut live, 0), "0.4 s: fit, between two gaps");
-    assert!(!lit_at(&mut live, 0), "no pair comes any more");
-    assert!(lit_at(&mut live, 250) && !lit_at(&mut live, 250));
+    assert!(lit_after(0), "0.4 s: fit, between two gaps");
+    assert!(!lit_after(0), "no pair comes any more");
+    assert!(lit_after(250) && !lit_after(250));
 }

@@ -1,18 +1,18 @@
 //! A pair of sensors at work, from the first start to failures in the middle of a flight; and what
 //! the host is told of losses.
 
-use crate::support::port::Port;
+use crate::support::live::{DIMS, Running, rig, scripted};
+use crate::support::port::{Port, heads};
 use crate::support::sensor::Fake;
 use embedded_hal_mock::eh1::delay::NoopDelay;
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
 use linestereo::Dims;
-use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
+use linestereo_firmware::boards::mps2_an386::BOARD;
 use linestereo_firmware::camera::*;
 use linestereo_firmware::capture::Fault;
-use linestereo_firmware::memory::Memory;
-use linestereo_firmware::painter::Painter;
-use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource};
-use linestereo_firmware::programs::live::{Live, Turn};
+use linestereo_firmware::memory::Memory as _;
+use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
+use linestereo_firmware::programs::live::Turn;
 use linestereo_firmware::session::Session;
 use linestereo_wire::*;
 
@@ -125,47 +125,28 @@ fn a_camera_that_has_stopped_is_started_again_before_the_next_pair() {
     pin.done();
 }
 
-fn losses(port: &Port) -> Vec<CaptureReport> {
-    let report = |message| if let Message::Capture(lost) = message { Some(lost) } else { None };
-    port.received().into_iter().filter_map(report).collect()
-}
-
 /// Every second pair is lost, with a torn left frame.
-struct Lossy {
-    calls: u32,
-    painter: Painter,
-}
-
-impl PairSource for Lossy {
-    fn next_pair(
-        &mut self,
-        memory: &mut impl Memory,
-        rectified: Option<Dims>,
-    ) -> Option<CapturedPair> {
-        self.calls += 1;
-        if self.calls.is_multiple_of(2) { None } else { self.painter.next_pair(memory, rectified) }
-    }
-
-    fn losses(&self) -> Option<CaptureReport> {
-        let mut losses = CaptureReport::default();
-        losses.faults[0][Fault::TornFrame as usize] = self.calls / 2;
-        losses.unpaired = self.calls / 2;
+fn lossy() -> impl PairSource {
+    let mut camera = scripted(|call, paint| if call.is_multiple_of(2) { None } else { paint() });
+    camera.losses = |calls| {
+        let mut losses = CaptureReport { unpaired: calls / 2, ..CaptureReport::default() };
+        losses.faults[0][Fault::TornFrame as usize] = calls / 2;
         Some(losses)
-    }
+    };
+    camera
 }
 
 #[test]
 fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished_frames() {
-    let port = Port::default();
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Lossy { calls: 0, painter: Painter::new(Dims { width: 128, height: 96 }) };
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-    assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
+    let mut board = Running::start(Session::new(BOARD), &Port::default(), lossy());
+    assert_eq!(board.turn(), Turn::Idle);
     assert!(Turn::Idle.is_work() && Turn::Finished.is_work() && !Turn::Missing.is_work());
-    port.send(1, Request::Start);
+    board.port.send(1, Request::Start);
+    let report = |message| if let Message::Capture(lost) = message { Some(lost) } else { None };
     let mut turn = |after_us: u32| {
-        port.pass(after_us);
-        (live.turn(&mut *memory, &mut camera), losses(&port))
+        board.port.pass(after_us);
+        let turn = board.turn();
+        (turn, board.port.received().into_iter().filter_map(report).collect::<Vec<_>>())
     };
     assert_eq!(turn(0), (Turn::Finished, vec![]));
     let (missing, told) = turn(50_000);
@@ -181,26 +162,20 @@ fn the_host_is_told_of_losses_when_they_change_and_a_watchdog_is_fed_by_finished
 
 #[test]
 fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
-    let dims = Dims { width: 128, height: 96 };
-    let port = Port::default();
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut camera = Lossy { calls: 0, painter: Painter::new(dims) };
-    let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-    port.received();
-    port.send(1, Request::Photograph);
-    port.pass(77);
-    live.turn(&mut *memory, &mut camera);
-    let mut sent = port.received();
+    let mut board = Running::start(Session::new(BOARD), &Port::default(), lossy());
+    board.port.received();
+    board.port.pass(77);
+    let mut sent = board.ask(1, Request::Photograph);
     assert_eq!(sent[0], Message::Answer(Answer { command: 1, outcome: Outcome::Accepted }));
     let head =
         PairHead { width: 128, height: 96, capture_time_us: 77, right_capture_time_us: None };
     assert_eq!(sent[1], Message::Photo(head));
-    let expected = memory.frames().map(|frame| frame[..128 * 96].to_vec());
+    let expected = board.memory.frames().map(|frame| frame[..128 * 96].to_vec());
     let mut turns = 1;
     while sent.len() < 2 + 2 * (128 * 96) / PIXELS_PER_PACKET {
-        port.send(1, Request::Describe); // is answered in between
-        assert!(live.turn(&mut *memory, &mut camera).is_work());
-        let received = port.received();
+        board.port.send(1, Request::Describe); // is answered in between
+        assert!(board.turn().is_work());
+        let received = board.port.received();
         assert!(received.iter().any(|message| matches!(message, Message::Hello(_))));
         sent.extend(received.into_iter().filter(|message| matches!(message, Message::Pixels(_))));
         turns += 1;
@@ -215,74 +190,28 @@ fn a_photo_is_answered_then_sent_in_pieces_between_commands() {
     }
     assert_eq!(images, expected);
     // The second pair is missing, and nothing is left of the first one.
-    port.send(1, Request::Photograph);
-    live.turn(&mut *memory, &mut camera);
-    let refused = Outcome::Refused(Refusal::NoPair);
-    assert_eq!(port.received(), [Message::Answer(Answer { command: 1, outcome: refused })]);
-    assert_eq!(live.turn(&mut *memory, &mut camera), Turn::Idle);
-}
-
-/// Says that it delivers raw images of a size, and paints rectified ones. Counts them.
-struct Raw(Dims, Painter, u32);
-
-impl PairSource for Raw {
-    fn next_pair(
-        &mut self,
-        memory: &mut impl Memory,
-        rectified: Option<Dims>,
-    ) -> Option<CapturedPair> {
-        self.2 += 1;
-        self.1
-            .next_pair(memory, rectified)
-            .map(|pair| CapturedPair { dims: rectified.unwrap_or(self.0), ..pair })
-    }
-
-    fn raw_dims(&self) -> Option<Dims> {
-        Some(self.0)
-    }
+    let refused =
+        Message::Answer(Answer { command: 1, outcome: Outcome::Refused(Refusal::NoPair) });
+    assert_eq!(board.ask(1, Request::Photograph), [refused]);
+    assert_eq!(board.turn(), Turn::Idle);
 }
 
 #[test]
 fn a_rig_of_other_cameras_is_a_size_mismatch_and_no_depth() {
-    use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
-    let dims = Dims { width: 128, height: 96 };
-    let camera = || {
-        Camera::new(
-            dims,
-            [100.0; 2],
-            [63.5, 47.5],
-            0.0,
-            Lens::BrownConrady { k: [0.0; 3], p: [0.0; 2] },
-        )
-    };
-    let rig = Calibration::new(
-        camera().unwrap(),
-        camera().unwrap(),
-        [1.0, 0.0, 0.0, 0.0],
-        [-0.06, 0.0, 0.0],
-    )
-    .unwrap();
-    let image = RigImage::new(rig, dims, View::default(), (0, 48)).unwrap();
-    for (raw, good) in [(dims, true), (Dims { width: 160, height: 120 }, false)] {
-        let port = Port::default();
-        let mut memory = Box::new(BoardMemory::CLEARED);
-        let mut live = Live::start(Session::new(BOARD), port.clone(), port.clone());
-        port.send(1, Request::SetRig(RigBytes::from_slice(&image.encode(1)).unwrap()));
-        port.send(1, Request::Start);
-        let mut camera = Raw(raw, Painter::new(dims), 0);
+    for (raw, good) in [(DIMS, true), (Dims { width: 160, height: 120 }, false)] {
+        let mut camera = scripted(|_, paint| paint());
+        camera.raw_dims = Some(raw);
+        let mut board = Running::start(Session::new(BOARD), &Port::default(), camera);
+        board.port.send(1, rig(48));
+        board.port.send(1, Request::Start);
         // Commands may take two turns to come whole; none of them waits for cameras before.
-        let turns = core::iter::from_fn(|| Some(live.turn(&mut *memory, &mut camera)));
-        assert_eq!(turns.take(3).find(|turn| *turn != Turn::Idle), Some(Turn::Finished));
-        assert_eq!(camera.2, 1, "a frame a pair: the host is not flooded");
-        let heads = port.received().into_iter().filter_map(|message| match message {
-            Message::Frame(head) => Some(head),
-            Message::Answer(answer) => {
-                assert_eq!(answer.outcome, Outcome::Accepted);
-                None
-            }
-            _ => None,
-        });
-        let [head] = heads.collect::<Vec<_>>()[..] else { panic!("one frame") };
+        let turn = (0..3).map(|_| board.turn()).find(|turn| *turn != Turn::Idle);
+        assert_eq!(turn, Some(Turn::Finished));
+        assert_eq!(board.camera.calls, 1, "a frame a pair: the host is not flooded");
+        let messages = board.port.received();
+        let is_refused = |message: &Message| matches!(message, Message::Answer(answer) if answer.outcome != Outcome::Accepted);
+        assert!(!messages.iter().any(is_refused), "{messages:?}");
+        let [head] = heads(&messages)[..] else { panic!("one frame") };
         assert_eq!(head.health.contains(Health::SIZE_MISMATCH), !good, "{}", head.health);
         assert_eq!(head.segments > 0, good);
     }

@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use linestereo_firmware::ports::{ByteSink, ByteSource, Clock, Room};
 use linestereo_wire::{
-    Command, DELIMITER, Decoder, MAX_COMMAND, MAX_PACKET, Message, Request, encode,
+    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Request, encode,
 };
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -82,6 +82,25 @@ impl Port {
     pub(crate) fn pass(&self, us: u32) {
         self.0.borrow_mut().now_us += us;
     }
+}
+
+/// The heads of the frames among these.
+pub(crate) fn heads(messages: &[Message]) -> Vec<FrameHead> {
+    let head =
+        |message: &Message| if let Message::Frame(head) = message { Some(*head) } else { None };
+    messages.iter().filter_map(head).collect()
+}
+
+/// Id and payload of each MAVLink frame.
+pub(crate) fn mavlink_frames(mut bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
+    let mut frames = Vec::new();
+    while let [0xfd, length, _, _, _, 1, 196, id0, id1, id2, rest @ ..] = bytes {
+        let (payload, after) = rest.split_at((*length).into());
+        frames.push((u32::from_le_bytes([*id0, *id1, *id2, 0]), payload.to_vec()));
+        bytes = &after[2..];
+    }
+    assert!(bytes.is_empty(), "{bytes:?}");
+    frames
 }
 
 /// Puts a command at the end of `bytes`.
