@@ -1,7 +1,7 @@
 //! Records made of the core's results, sent and read back: objects, points, health and settings.
 
 use crate::support::*;
-use linestereo::health::{CameraHealth, HealthFlags, PairHealth, Rows, Still, Tear};
+use linestereo::health::{HealthFlags, PairHealth, Rows, Still, Tear};
 use linestereo::objects::{ObjectMetres, Reason};
 use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::{Point, Source};
@@ -162,13 +162,6 @@ fn points_of_any_bits_come_back_in_order() {
 
 #[test]
 fn the_health_of_a_pair_is_in_its_head() {
-    let camera = |level| CameraHealth {
-        level,
-        detail_q4: 2,
-        black_permille: 3,
-        white_permille: 4,
-        view_permille: 5,
-    };
     let pair = PairHealth {
         flags: HealthFlags::TORN,
         cameras: [camera(1), camera(6)],

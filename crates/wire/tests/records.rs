@@ -2,10 +2,9 @@
 //! bytes.
 
 use crate::support::*;
-use linestereo::health::{CameraHealth, HealthFlags, Rows, Still, Tear};
-use linestereo::params::{Margin, Parts};
-use linestereo::results::{ImagePosition, Match, Owner, Point, Rejection, Source, Techniques};
-use linestereo::units::{Confidence, Depth, Disparity, Position};
+use linestereo::params::Margin;
+use linestereo::results::Rejection;
+use linestereo::units::{Confidence, Depth, Disparity};
 use linestereo::{Capacity, Dims, Matcher, Params, Rig};
 use linestereo_wire::*;
 
@@ -187,174 +186,12 @@ fn the_layout_of_this_version_is_exactly_this() {
         payload.to_vec()
     }
     assert_eq!(VERSION, 7);
-    let rig = RigInUse { raw: [752, 480], rectified: [320, 204], slot: Some(1) };
-    let rig = RigReport { in_use: Some(rig), slots: [Err(RigFault::Damaged), Ok(300)] };
-    let hello = Hello {
-        board: "qemu".try_into().unwrap(),
-        largest_width: 320,
-        largest_height: 240,
-        segments: 512,
-        rig,
-        reset: Some(Reset { cause: ResetCause::Fault, location: 300 }),
-    };
-    let expected = [
-        7, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2,
-        0xcc, 1, 1, 1, 1, 6, 0, 0xac, 2, 1, 6, 0xac, 2,
-    ];
-    assert_eq!(payload(&Message::Hello(hello)), expected);
-    let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
-    let expected = [
-        7, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1, 2, 0, 1, 0xac, 2, 2, 1, 2, 3, 4, 11, 12, 10, 5, 0x80,
-        0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 3, 0,
-    ];
-    assert_eq!(payload(&Message::Frame(head)), expected);
-    let camera = |level| CameraHealth {
-        level,
-        detail_q4: 2,
-        black_permille: 3,
-        white_permille: 4,
-        view_permille: 5,
-    };
-    let pair = PairReport {
-        cameras: [camera(1), camera(6)],
-        skew_us: Some(7),
-        rows: Some(Rows { offset_q8: -1, spread_q8: 9, samples: 10 }),
-        row_offset_q8: Some(-6),
-        row_drift_q8: None,
-        least_disparity_q6: Some(6),
-        range: Some(RangeReport { windows: 13, beyond: 14, disparity: 15 }),
-        still: Some(Still { still_permille: 16, pattern_permille: -17 }),
-        tear: Some(Tear { row: 18, shift: -19 }),
-    };
-    let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
-    let watched = payload(&Message::Frame(FrameHead { health, pair: Some(pair), ..head }));
-    let report = [
-        1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 16,
-        33, 1, 18, 37,
-    ];
-    assert_eq!(
-        watched,
-        [&expected[..9], &[0x82, 0x80, 0x80, 2], &report, &expected[11..]].concat()
-    );
-    let px = Disparity::from_bits;
-    let segment = Match {
-        ends: [[1, 2], [3, 4]]
-            .map(|[x, y]| ImagePosition { x: Position::from_bits(x), y: Position::from_bits(y) }),
-        disparity: [5, -6].map(px),
-        sigma: px(7),
-        confidence: Confidence::from_bits(8),
-        owner: Owner::Right,
-        depth: Some([9, 10].map(Depth::from_bits)),
-        depth_sigma: None,
-        techniques: Techniques { feature: Some(px(11)), window: px(12), census: px(13) },
-    };
-    let segments = Segments { sequence: 2, first: 10, list: [segment].into_iter().collect() };
-    let expected = [7, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26];
-    assert_eq!(payload(&Message::Segments(segments)), expected);
-    let point = |source| Point {
-        x: 1,
-        y: 2,
-        disparity: px(-3),
-        confidence: Confidence::from_bits(4),
-        source,
-    };
-    let list =
-        [Source::Side, Source::Segment(300), Source::Support].map(point).into_iter().collect();
-    let expected = [7, 4, 5, 9, 3, 1, 2, 5, 4, 0, 1, 2, 5, 4, 1, 0xac, 2, 1, 2, 5, 4, 2];
-    assert_eq!(payload(&Message::Points(Points { sequence: 5, first: 9, list })), expected);
-    let margins = [
-        Margin::Pixels(px(1)),
-        Margin::Metres { nearer: Depth::from_bits(-1), farther: Depth::from_bits(1) },
-    ];
-    for (margin, expected) in margins.into_iter().zip([&[0, 2][..], &[1, 1, 2]]) {
-        let (min_confidence, parts) = (Some(Confidence::from_bits(300)), Some(Parts::Support));
-        let update =
-            ParamUpdate { margin: Some(margin), min_confidence, parts, ..ParamUpdate::default() };
-        let bytes = payload(&Command { id: 5, request: Request::SetParams(update) });
-        assert_eq!(
-            bytes,
-            [&[0x87, 5, 3, 0, 0, 0, 0, 0, 0, 1], expected, &[1, 0xac, 2, 0, 0, 1, 1]].concat()
-        );
+    for (message, expected) in examples::messages() {
+        assert_eq!(payload(&message), expected, "{message:?}");
     }
-    let refused =
-        Refusal::OutOfRange { name: "cell".try_into().unwrap(), value: 7, low: 8, high: 256 };
-    let answer = Answer { command: 3, outcome: Outcome::Refused(refused) };
-    let expected = [7, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4];
-    assert_eq!(payload(&Message::Answer(answer)), expected);
-    assert_eq!(payload(&Command { id: 4, request: Request::Stop }), [0x87, 4, 2]);
-    let update = ParamUpdate {
-        min_disparity: Some(-1),
-        cell: Some(16),
-        reach: Some(4),
-        ..ParamUpdate::default()
-    };
-    let expected = [0x87, 5, 3, 1, 1, 0, 0, 0, 0, 1, 16, 0, 0, 1, 4, 0, 0];
-    assert_eq!(payload(&Command { id: 5, request: Request::SetParams(update) }), expected);
-    let bytes = [7, 8, 9].into_iter().collect();
-    assert_eq!(
-        payload(&Command { id: 6, request: Request::SetRig(bytes) }),
-        [0x87, 6, 5, 3, 7, 8, 9]
-    );
-    let head =
-        PairHead { width: 752, height: 480, capture_time_us: 300, right_capture_time_us: None };
-    let expected = [0x87, 7, 6, 0xf0, 5, 0xe0, 3, 0xac, 2, 0];
-    assert_eq!(payload(&Command { id: 7, request: Request::RawPair(head) }), expected);
-    let of = RegionBox { label: 9, left: 1, top: 2, right: 300, bottom: 4 };
-    let regions = Regions { boxes: [of].into_iter().collect(), only: true };
-    let expected = [0x87, 8, 7, 1, 9, 1, 2, 0xac, 2, 4, 1];
-    assert_eq!(payload(&Command { id: 8, request: Request::SetRegions(regions) }), expected);
-    let object = ObjectRecord {
-        label: 9,
-        disparity_q6: Ok(64),
-        sigma_q6: 3,
-        slope_q10: [-1, 1],
-        spread_q6: 2,
-        depth_q16: Some([1, 2, 3]),
-        support: 5,
-        confidence_q16: 6,
-    };
-    let refused = ObjectRecord { disparity_q6: Err(2), depth_q16: None, ..object };
-    let objects = Objects { sequence: 4, list: [object, refused].into_iter().collect() };
-    let expected =
-        [7, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5, 6];
-    assert_eq!(payload(&Message::Objects(objects)), expected);
-    let silicon = Silicon {
-        processor_id: 1,
-        chip_id: 300,
-        core_hz: 2,
-        flash_wait: 3,
-        instruction_cache: true,
-        data_cache: false,
-    };
-    let machine = MachineReport {
-        firmware: "1.2".try_into().unwrap(),
-        unit: "ns".try_into().unwrap(),
-        cases: 22,
-        expected: 4,
-        silicon: Some(silicon),
-    };
-    let expected = [7, 9, 3, b'1', b'.', b'2', 2, b'n', b's', 22, 4, 1, 1, 0xac, 2, 2, 3, 1, 0];
-    assert_eq!(payload(&Message::Machine(machine)), expected);
-    let case = CaseReport {
-        case: 1,
-        name: "rows".try_into().unwrap(),
-        segments: 2,
-        costs: [3, 4, 5, 6, 7, 8, 9, 10, 300],
-        total: 11,
-        time_us: 12,
-        digests: [13; DIGESTS],
-    };
-    let (head, digests) = ([7, 10, 1, 4, b'r', b'o', b'w', b's', 2], [13; DIGESTS]);
-    let costs = [3, 4, 5, 6, 7, 8, 9, 10, 0xac, 2, 11, 12];
-    assert_eq!(payload(&Message::Case(case)), [&head[..], &costs, &digests].concat());
-    assert_eq!(payload(&Command { id: 9, request: Request::RunCase(300) }), [0x87, 9, 9, 0xac, 2]);
-    let seen = Sighting { distance_cm: 300, confidence_q16: 2, age_ms: 3 };
-    let of = SectorRecord { index: 71, nearest: Some(seen), drop_off: None };
-    let free = Sighting { distance_cm: 0, ..seen };
-    let both = SectorRecord { index: 0, nearest: Some(free), drop_off: Some(seen) };
-    let sectors = Sectors { sequence: 4, turn: 72, list: [of, both].into_iter().collect() };
-    let expected = [7, 14, 4, 72, 2, 71, 1, 0xac, 2, 2, 3, 0, 0, 1, 0, 2, 3, 1, 0xac, 2, 2, 3];
-    assert_eq!(payload(&Message::Sectors(sectors)), expected);
+    for (command, expected) in examples::commands() {
+        assert_eq!(payload(&command), expected, "{command:?}");
+    }
 }
 
 const DIMS: Dims = Dims { width: 320, height: 240 };

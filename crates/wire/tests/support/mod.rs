@@ -1,5 +1,7 @@
 //! Records with ordinary and with extreme numbers, and a seeded source of bytes.
 
+pub(crate) mod examples;
+
 use linestereo::health::{CameraHealth, Rows, Skewed, Still, Tear};
 use linestereo::params::{Margin, Parts};
 use linestereo::results::{ImagePosition, Match, Owner, Point, Source, Techniques};
@@ -105,6 +107,10 @@ pub(crate) fn head(sequence: u32, segments: u16) -> FrameHead {
     }
 }
 
+pub(crate) fn camera(level: u8) -> CameraHealth {
+    CameraHealth { level, detail_q4: 2, black_permille: 3, white_permille: 4, view_permille: 5 }
+}
+
 fn longest_report() -> PairReport {
     let camera = CameraHealth {
         level: u8::MAX,
@@ -173,24 +179,18 @@ pub(crate) fn messages() -> Vec<Message> {
     let rig = RigInUse { raw: [u16::MAX; 2], rectified: [u16::MAX; 2], slot: Some(1) };
     let longest_rig =
         RigReport { in_use: Some(rig), slots: [Ok(u32::MAX), Err(RigFault::TooLarge)] };
-    let mut list = vec![
-        Message::Hello(Hello {
-            board: "".try_into().unwrap(),
-            largest_width: 0,
-            largest_height: 0,
-            segments: 0,
-            rig: RigReport::NONE,
-            reset: None,
-        }),
-        Message::Hello(Hello {
-            board: longest_name,
-            largest_width: u16::MAX,
-            largest_height: u16::MAX,
-            segments: u16::MAX,
-            rig: longest_rig,
-            reset: Some(Reset { cause: ResetCause::Unknown, location: u32::MAX }),
-        }),
-        Message::Frame(head(5, 20)),
+    let longest_hello = Hello {
+        board: longest_name,
+        largest_width: u16::MAX,
+        largest_height: u16::MAX,
+        segments: u16::MAX,
+        rig: longest_rig,
+        reset: Some(Reset { cause: ResetCause::Unknown, location: u32::MAX }),
+    };
+    let mut list = examples::messages().into_iter().map(|(message, _)| message).collect::<Vec<_>>();
+    list.extend([
+        Message::Hello(Hello { rig: RigReport::NONE, reset: None, ..longest_hello.clone() }),
+        Message::Hello(longest_hello),
         Message::Frame(FrameHead {
             sequence: u32::MAX,
             capture_time_us: u64::MAX,
@@ -210,7 +210,7 @@ pub(crate) fn messages() -> Vec<Message> {
             list: [longest_match(); SEGMENTS_PER_PACKET].into(),
         }),
         Message::Answer(Answer { command: 0, outcome: Outcome::Accepted }),
-    ];
+    ]);
     list.extend(
         refusals.map(|why| {
             Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })
@@ -241,14 +241,10 @@ pub(crate) fn messages() -> Vec<Message> {
         support: u16::MAX,
         confidence_q16: u16::MAX,
     };
-    let refused = ObjectRecord { disparity_q6: Err(3), depth_q16: None, ..longest_object };
-    list.extend([
-        Message::Objects(Objects { sequence: 1, list: [refused].into_iter().collect() }),
-        Message::Objects(Objects {
-            sequence: u32::MAX,
-            list: [longest_object; OBJECTS_PER_PACKET].into(),
-        }),
-    ]);
+    list.push(Message::Objects(Objects {
+        sequence: u32::MAX,
+        list: [longest_object; OBJECTS_PER_PACKET].into(),
+    }));
     let seen = Sighting { distance_cm: u16::MAX, confidence_q16: u16::MAX, age_ms: u16::MAX };
     let longest_sector = SectorRecord { index: u8::MAX, nearest: Some(seen), drop_off: Some(seen) };
     list.extend([
@@ -291,13 +287,6 @@ pub(crate) fn messages() -> Vec<Message> {
     };
     list.extend([
         Message::Machine(MachineReport {
-            firmware: "".try_into().unwrap(),
-            unit: "".try_into().unwrap(),
-            cases: 0,
-            expected: 0,
-            silicon: None,
-        }),
-        Message::Machine(MachineReport {
             firmware: "y".repeat(24).as_str().try_into().unwrap(),
             unit: "instructions____".try_into().unwrap(),
             cases: u16::MAX,
@@ -331,21 +320,14 @@ pub(crate) fn messages() -> Vec<Message> {
 
 /// Every kind of command.
 pub(crate) fn commands() -> Vec<Command> {
-    let pixels =
-        ParamUpdate { margin: Some(Margin::Pixels(-Disparity::ONE)), ..ParamUpdate::default() };
-    let updates = [ParamUpdate::default(), pixels, full_update()].map(Request::SetParams);
     let pair = PairHead {
         width: u16::MAX,
         height: 240,
         capture_time_us: u64::MAX,
         right_capture_time_us: Some(u64::MAX),
     };
-    let raw_pair =
-        PairHead { width: 752, height: 480, capture_time_us: 0, right_capture_time_us: None };
     let mut random = Random(21);
-    let mut bytes = |length: usize| (0..length).map(|_| random.next() as u8).collect();
-    let rigs = [Request::SetRig(bytes(0)), Request::SetRig(bytes(RigImage::BYTES))];
-    let pairs = [Request::Pair(pair), Request::RawPair(raw_pair)];
+    let rig = (0..RigImage::BYTES).map(|_| random.byte()).collect();
     let longest = RegionBox {
         label: u16::MAX,
         left: u16::MAX,
@@ -353,35 +335,30 @@ pub(crate) fn commands() -> Vec<Command> {
         right: u16::MAX,
         bottom: u16::MAX,
     };
-    let all = Regions { boxes: [longest; MAX_REGIONS].into(), only: true };
-    let regions = [Regions::default(), all].map(Request::SetRegions);
-    let requests = [
+    let regions = Regions { boxes: [longest; MAX_REGIONS].into(), only: true };
+    let extremes = [
         Request::Describe,
         Request::Start,
-        Request::Stop,
         Request::Photograph,
         Request::RunCase(u16::MAX),
-    ]
-    .into_iter()
-    .chain(updates)
-    .chain(pairs);
-    let sets = [(0, -0.5), (u8::MAX, f32::MAX)]
-        .map(|(number, value)| Request::Set(SettingValue { number, value }));
-    let clocks = [Request::ReadClock, Request::SetClock(u64::MAX), Request::Bootloader];
-    let settings = [Request::Settings, Request::KeepSettings, Request::ResetSettings];
-    requests
-        .chain(rigs)
-        .chain(regions)
-        .chain(sets)
-        .chain(settings)
-        .chain(clocks)
-        .zip(
-            [0, 1, 127, 10, 11, 128, 255, u16::MAX, 300, 7, 8, u16::MAX, 9, u16::MAX]
-                .into_iter()
-                .cycle(),
-        )
-        .map(|(request, id)| Command { id, request })
-        .collect()
+        Request::SetParams(ParamUpdate::default()),
+        Request::SetParams(full_update()),
+        Request::Pair(pair),
+        Request::SetRig(RigBytes::new()),
+        Request::SetRig(rig),
+        Request::SetRegions(Regions::default()),
+        Request::SetRegions(regions),
+        Request::Set(SettingValue { number: 0, value: -0.5 }),
+        Request::Set(SettingValue { number: u8::MAX, value: f32::MAX }),
+        Request::Settings,
+        Request::KeepSettings,
+        Request::ResetSettings,
+        Request::ReadClock,
+        Request::SetClock(u64::MAX),
+        Request::Bootloader,
+    ];
+    let extremes = extremes.into_iter().map(|request| Command { id: u16::MAX, request });
+    examples::commands().into_iter().map(|(command, _)| command).chain(extremes).collect()
 }
 
 pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {
