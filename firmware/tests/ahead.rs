@@ -2,15 +2,14 @@
 //! interface with both cameras' rows.
 
 use crate::stream::{
-    DIMS, Fake, FakeStream, PERIOD_US, ROW_US, ROWS, Step, TWO_ROWS, WIDTH, both, frames_of,
-    injected, limits,
+    DIMS, Fake, FakeStream, PERIOD_US, ROW_US, ROWS, Step, TWO_ROWS, both, injected, limits,
 };
 use crate::support::random::Random;
+use crate::support::rows::{WIDTH, frames_in};
 use core::cell::RefCell;
 use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::capture::*;
-use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource, TimedCameras};
+use linestereo_firmware::ports::{Cameras, FrameStart, PairSource, TimedCameras};
 use linestereo_wire::CaptureReport;
 use std::rc::Rc;
 
@@ -73,12 +72,32 @@ impl TimedCameras for Joined {
     }
 }
 
-/// A run: of each call the number of the pair's frame, when it was captured, and when it was handed
-/// on; the shots; losses.
+/// Number of a pair's frame, when it was captured, and when it was handed on.
+type Taken = (u32, u64, u64);
+
+/// A run: the pair of each call; the shots; losses.
 struct Work {
-    pairs: Vec<Option<(u32, u64, u64)>>,
+    pairs: Vec<Option<Taken>>,
     shots: Vec<Shot>,
     losses: CaptureReport,
+}
+
+/// Takes pairs and works on each for its time.
+fn take(
+    mut source: impl PairSource,
+    fake: &RefCell<Fake>,
+    works_us: impl Iterator<Item = u64>,
+) -> (Vec<Option<Taken>>, CaptureReport) {
+    let mut memory = Box::new(BoardMemory::CLEARED);
+    let turn = |work_us: u64| {
+        let times_us = source.next_pair(&mut *memory, None)?.times_us.unwrap();
+        let [left, right] = frames_in(&mut *memory, ROWS).unwrap();
+        assert_eq!((left, times_us[0]), (right, times_us[1]));
+        let now_us = fake.borrow().now_us;
+        fake.borrow_mut().pass_to(now_us + work_us);
+        Some((left, times_us[0], now_us))
+    };
+    (works_us.map(turn).collect(), source.losses().unwrap())
 }
 
 /// Asks for so many pairs and works on each for a time that its number says.
@@ -95,28 +114,11 @@ fn work(
     let eyes = SideBySide::new(FakeStream(fake.clone()));
     let capture = Capture::new(limits(2 * WIDTH, 1), FrameStart::Triggered);
     let source = CameraSource::new(eyes.eyes(WIDTH), cameras, capture, DIMS, PATIENCE_US as u32);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut turn = |number: u64, pair: &mut dyn FnMut(&mut BoardMemory) -> Option<CapturedPair>| {
-        let times_us = pair(&mut memory)?.times_us.unwrap();
-        let count = usize::from(WIDTH * DIMS.height);
-        let [left, right] = frames_of(memory.frames().map(|frame| &frame[..count])).unwrap();
-        assert_eq!((left, times_us[0]), (right, times_us[1]));
-        let now_us = fake.borrow().now_us;
-        fake.borrow_mut().pass_to(now_us + work_us(number));
-        Some((left, times_us[0], now_us))
-    };
+    let works_us = (0..count).map(work_us);
     let (pairs, losses) = if is_ahead {
-        let mut source = AheadSource::new(source);
-        let pairs = (0..count)
-            .map(|number| turn(number, &mut |memory| source.next_pair(memory, None)))
-            .collect();
-        (pairs, source.losses().unwrap())
+        take(AheadSource::new(source), &fake, works_us)
     } else {
-        let mut source = source;
-        let pairs = (0..count)
-            .map(|number| turn(number, &mut |memory| source.next_pair(memory, None)))
-            .collect();
-        (pairs, source.losses().unwrap())
+        take(source, &fake, works_us)
     };
     let shots = shots.borrow().clone();
     Work { pairs, shots, losses }

@@ -1,9 +1,9 @@
 //! The capture path on fake hardware with faults.
 //!
-//! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. Every byte
-//! of a row says from which camera, frame and row it is, so that a row of another frame cannot go
-//! unnoticed. What is injected is counted where it is injected.
+//! Two fake cameras write rows into rings, as a DMA does, whether anybody looks or not. What is
+//! injected is counted where it is injected.
 
+use crate::support::rows::{WIDTH, faults, frames_in, frames_of, paint, read};
 use crate::support::{random::Random, rectification};
 use core::cell::RefCell;
 use linestereo::{Dims, Matcher, Options, Params, health::HealthFlags};
@@ -13,11 +13,10 @@ use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{CapturedPair, FrameStart, PairSource};
 use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeSet, VecDeque};
 use std::rc::Rc;
 
 const ROWS: u32 = 12;
-const WIDTH: u16 = 16;
 const RING: u32 = 4;
 /// Microseconds of a row, and of the pause between two frames.
 const ROW_US: u64 = 10;
@@ -101,30 +100,19 @@ fn script(
     steps
 }
 
-/// Value of every byte of a row.
-fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
-    let mut bytes = [0; WIDTH as usize];
-    let [a, b, c, d] = frame.to_le_bytes();
-    for (place, byte) in bytes.iter_mut().enumerate() {
-        *byte = [eye as u8, a, b, c, d, row as u8, !a, !b][place % 8] ^ (place as u8 & 8);
-    }
-    bytes
-}
-
-/// Camera, frame and row of a row; `None` when its bytes do not belong together.
-fn read(bytes: &[u8]) -> Option<(u8, u32, u8)> {
-    let [eye, a, b, c, d, row, ..] = *bytes else { return None };
-    let frame = u32::from_le_bytes([a, b, c, d]);
-    let eyes = [CameraSide::Left, CameraSide::Right];
-    let is_whole =
-        eyes.into_iter().any(|of| of as u8 == eye && paint(of, frame, row.into()) == *bytes);
-    is_whole.then_some((eye, frame, row))
-}
-
 /// Both cameras and their clock.
 struct Hardware {
     now_us: u64,
     cameras: [FakeCamera; 2],
+}
+
+impl Hardware {
+    /// Both send this frame, with what happens to it.
+    fn play(&mut self, frame: u32, what: impl Fn(CameraSide, u32) -> Injected) {
+        for camera in &mut self.cameras {
+            camera.steps.extend(script(camera.eye, frame, what(camera.eye, frame), None));
+        }
+    }
 }
 
 struct FakeCamera {
@@ -195,7 +183,7 @@ struct FakeRing {
 
 impl FakeRing {
     fn camera<T>(&self, with: impl FnOnce(&mut FakeCamera) -> T) -> T {
-        with(&mut self.hardware.borrow_mut().cameras[usize::from(self.eye == CameraSide::Right)])
+        with(&mut self.hardware.borrow_mut().cameras[self.eye as usize])
     }
 }
 
@@ -269,33 +257,21 @@ fn rings(hardware: &Rc<RefCell<Hardware>>) -> [FakeRing; 2] {
 const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
 type Frames = [[u8; WIDTH as usize * ROWS as usize]; 2];
 
-/// Contents of a board's memory.
-fn frames(memory: &mut impl Memory) -> Frames {
-    memory.frames().map(|frame| frame[..size_of::<Frames>() / 2].try_into().unwrap())
+/// The frame that lies there whole, of both cameras. Anything else is the failure that must not be.
+fn frame_of(frames: Result<[u32; 2], String>) -> Result<u32, String> {
+    let [left, right] = frames?;
+    if left == right { Ok(left) } else { Err(format!("frame {left} beside frame {right}")) }
 }
 
-/// The frame that lies there whole, of both cameras. Anything else is the failure that must not be.
-fn frame_of(frames: &Frames) -> Result<u32, String> {
-    let mut found = None;
-    for (eye, frame) in CameraSide::BOTH.into_iter().zip(frames) {
-        for (y, row) in (0..).zip(frame.chunks(WIDTH.into())) {
-            let (of, number, row) = read(row).ok_or(format!("{eye:?} row {y} is torn"))?;
-            if (of, row) != (eye as u8, y) || *found.get_or_insert(number) != number {
-                return Err(format!(
-                    "{eye:?} row {y} is row {row} of frame {number}, camera {of}, not of {found:?}"
-                ));
-            }
-        }
-    }
-    found.ok_or("no rows".into())
-}
+/// Faults of the left and the right camera, by kind.
+type Faults = [[u32; Fault::ALL.len()]; 2];
 
 /// Events, and the outcome that they must have.
 struct Plan {
     injected: [Vec<Injected>; 2],
     /// Before this frame's row 3 has come nothing is worked on, until its row 9.
     stalls: BTreeSet<u32>,
-    faults: BTreeMap<(u8, usize), u32>,
+    faults: Faults,
     /// Frames that nothing has happened to, in either camera.
     good: Vec<u32>,
 }
@@ -307,7 +283,7 @@ impl Plan {
         let mut plan = Self {
             injected: [const { Vec::new() }; 2],
             stalls: BTreeSet::new(),
-            faults: BTreeMap::new(),
+            faults: Faults::default(),
             good: Vec::new(),
         };
         // Faults of each camera's frame, for the reasons before it.
@@ -349,16 +325,14 @@ impl Plan {
                 list.push(what);
                 is_good &= fault.is_none();
                 if let Some(fault) = fault {
-                    *plan.faults.entry((eye as u8, fault as usize)).or_default() += 1;
+                    plan.faults[eye][fault as usize] += 1;
                 }
             }
             // A pair that all is well with is worked on too slowly.
             if is_good && frame > 0 && frame + 8 < frames && random.below(100) < percent / 2 {
                 plan.stalls.insert(frame);
                 // More rows than the ring holds come of both meanwhile.
-                for eye in CameraSide::BOTH {
-                    *plan.faults.entry((eye as u8, Fault::TooSlow as usize)).or_default() += 1;
-                }
+                plan.faults.iter_mut().for_each(|of| of[Fault::TooSlow as usize] += 1);
                 is_good = false;
             }
             if is_good {
@@ -372,7 +346,7 @@ impl Plan {
 /// Feeds the cameras frame by frame, and collects what is reported.
 struct Run {
     pairs: Vec<(u32, CapturedPair)>,
-    reported: BTreeMap<(u8, usize), u32>,
+    reported: Faults,
     losses: CaptureReport,
 }
 
@@ -381,7 +355,7 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
     let mut rings = rings(&hardware);
     let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
     let mut frames: Frames = [[0; _]; 2];
-    let (mut pairs, mut reported) = (Vec::new(), BTreeMap::new());
+    let (mut pairs, mut reported) = (Vec::new(), Faults::default());
     let mut rows_of = [0_u16; 2];
     let count = plan.injected[0].len() as u32;
     for frame in 0..count {
@@ -413,10 +387,10 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
                 let mut sink = Resumed { rows: rows_of, frames: &mut frames };
                 while let Some(report) = capture.turn(&mut rings, &mut sink) {
                     match report {
-                        Report::Pair(pair) => pairs.push((frame_of(sink.frames)?, pair)),
-                        Report::Fault(eye, fault) => {
-                            *reported.entry((eye as u8, fault as usize)).or_default() += 1
+                        Report::Pair(pair) => {
+                            pairs.push((frame_of(frames_of(*sink.frames))?, pair))
                         }
+                        Report::Fault(eye, fault) => reported[eye as usize][fault as usize] += 1,
                         other => return Err(format!("{other:?}")),
                     }
                 }
@@ -438,32 +412,23 @@ struct Resumed<'a> {
 
 impl RowSink for Resumed<'_> {
     fn restart(&mut self, eye: CameraSide) {
-        self.rows[usize::from(eye == CameraSide::Right)] = 0;
+        self.rows[eye as usize] = 0;
     }
 
     fn row(&mut self, eye: CameraSide) -> &mut [u8] {
-        let eye = usize::from(eye == CameraSide::Right);
-        let row = usize::from(self.rows[eye]);
-        self.frames[eye].chunks_mut(WIDTH.into()).nth(row).expect("a row too many")
+        let row = usize::from(self.rows[eye as usize]);
+        self.frames[eye as usize].chunks_mut(WIDTH.into()).nth(row).expect("a row too many")
     }
 
     /// A rectifier would use the row at once: it has to be whole, of this camera, in its place, and
     /// of the frame that it is in.
     fn push(&mut self, eye: CameraSide) -> Result<(), RowError> {
-        let place = usize::from(eye == CameraSide::Right);
-        let rows = &mut self.rows[place];
-        let mut all = self.frames[place].chunks(WIDTH.into()).map(read);
+        let rows = &mut self.rows[eye as usize];
+        let mut all = self.frames[eye as usize].chunks(WIDTH.into()).map(read);
+        let last = all.clone().nth((*rows).into()).unwrap();
         let first = all.next().unwrap().expect("the first row is torn").1;
-        let row = if *rows == 0 {
-            Some((eye as u8, first, 0))
-        } else {
-            all.nth(usize::from(*rows) - 1).unwrap()
-        };
-        assert_eq!(
-            row,
-            Some((eye as u8, first, *rows as u8)),
-            "a row that is torn or of another frame"
-        );
+        let expected = Some((eye, first, (*rows).into()));
+        assert_eq!(last, expected, "a row that is torn or of another frame");
         *rows += 1;
         Ok(())
     }
@@ -479,25 +444,9 @@ fn a_hundred_thousand_frames_with_faults() {
     for (frames, percent, first_row) in [(100_000, 12, 0), (10_000, 60, u32::MAX - 50_000)] {
         let plan = Plan::random(frames, percent, seed);
         let run = run(&plan, first_row).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-        let injected: u32 = plan.faults.values().sum();
-        println!(
-            "{frames} frames, {injected} faults: {} good pairs, {} delivered",
-            plan.good.len(),
-            run.pairs.len()
-        );
-        for (kind, fault) in Fault::ALL.into_iter().enumerate() {
-            let of = |counts: &BTreeMap<(u8, usize), u32>| {
-                [0, 1].map(|eye| counts.get(&(eye, kind)).copied().unwrap_or(0))
-            };
-            let (injected, reported) = (of(&plan.faults), of(&run.reported));
-            println!("  {fault:?}: injected {injected:?}, reported {reported:?}");
-            assert_eq!(reported, injected, "seed {seed}: {fault:?}");
-            assert_eq!(
-                CameraSide::BOTH.map(|eye| run.losses.faults[eye as usize][fault as usize]),
-                injected,
-                "seed {seed}: {fault:?}"
-            );
-            assert!(injected[0] > 0, "{fault:?} was never injected");
+        assert_eq!([run.reported, run.losses.faults], [plan.faults; 2], "seed {seed}");
+        for (fault, injected) in Fault::ALL.iter().zip(plan.faults[0]) {
+            assert!(injected > 0, "{fault:?} was never injected");
         }
         // Every pair that nothing happened to is delivered, in order, and no other.
         let delivered = run.pairs.iter().map(|(frame, _)| *frame).collect::<Vec<_>>();
@@ -509,7 +458,6 @@ fn a_hundred_thousand_frames_with_faults() {
             .iter()
             .map(|&frame| (0..frame).rev().take_while(|&before| !is_good(before)).count());
         let behind = recovery.filter(|&bad| bad > 0).count();
-        println!("  {behind} pairs came right behind a frame that was lost");
         assert!(behind as u32 > frames / 100);
         for (frame, pair) in &run.pairs {
             let start = u64::from(*frame) * PERIOD_US;
@@ -530,10 +478,7 @@ fn play(
     let hardware = hardware(0);
     // The cameras go on while the last pair is worked on.
     for frame in 0..frames + (work_us / PERIOD_US) as u32 + 4 {
-        for camera in &mut hardware.borrow_mut().cameras {
-            let eye = camera.eye;
-            camera.steps.extend(script(eye, frame, what(eye, frame), None));
-        }
+        hardware.borrow_mut().play(frame, &what);
     }
     let mut rings = rings(&hardware).map(|ring| FakeRing { copy_us, ..ring });
     let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
@@ -544,7 +489,7 @@ fn play(
         pass(&hardware, 1);
         while let Some(report) = capture.turn(&mut rings, &mut sink) {
             if let Report::Pair(_) = report {
-                delivered.push(frame_of(sink.frames).unwrap());
+                delivered.push(frame_of(frames_of(*sink.frames)).unwrap());
                 let before = *sink.frames;
                 pass(&hardware, work_us);
                 assert_eq!(*sink.frames, before, "a pair changes while it is worked on");
@@ -572,15 +517,10 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
         let is_skipped = work_us > PAUSE_US;
         assert_eq!(losses.skipped > 0, is_skipped, "{work_us}: {losses:?}");
         // Signals that nobody fetched are lost, and that is said, of each camera.
-        let slow =
-            CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize] > 0);
-        assert_eq!(slow, [is_lost; 2], "{work_us}: {losses:?}");
-        let others = losses.faults.iter().flatten().sum::<u32>()
-            - CameraSide::BOTH
-                .map(|eye| losses.faults[eye as usize][Fault::TooSlow as usize])
-                .iter()
-                .sum::<u32>();
-        assert_eq!(others, 0, "{work_us}: {losses:?}");
+        let slow = faults(&losses, Fault::TooSlow);
+        assert_eq!(slow.map(|count| count > 0), [is_lost; 2], "{work_us}: {losses:?}");
+        let all: u32 = losses.faults.iter().flatten().sum();
+        assert_eq!(all, slow[0] + slow[1], "{work_us}: {losses:?}");
         if !is_skipped {
             assert_eq!(delivered, (0..2000).collect::<Vec<_>>());
         }
@@ -591,19 +531,12 @@ fn work_that_takes_longer_than_a_frame_skips_frames() {
 fn a_row_that_is_overwritten_while_it_is_copied_is_not_used() {
     for copy_us in [2, 6, 11, 25, 39] {
         let (delivered, losses) = play(500, 0, |_, _| Injected::Nothing, copy_us);
-        let slow: u32 = CameraSide::BOTH
-            .iter()
-            .map(|&eye| losses.faults[eye as usize][Fault::TooSlow as usize])
-            .sum();
+        let is_slow = faults(&losses, Fault::TooSlow) != [0; 2];
         // A row of both takes 2 * copy_us and comes every 10: after 12 rows the ring has to hold
         // what is behind, in less than 4 rows.
         let is_late =
             u64::from(ROWS) * (2 * copy_us).saturating_sub(ROW_US) > u64::from(RING - 1) * ROW_US;
-        assert_eq!(
-            (slow > 0, delivered.len() == 500),
-            (is_late, !is_late),
-            "{copy_us}: {losses:?}"
-        );
+        assert_eq!((is_slow, delivered.len() == 500), (is_late, !is_late), "{copy_us}: {losses:?}");
     }
 }
 
@@ -616,10 +549,7 @@ fn both_cameras_stop_and_come_back() {
     };
     let (delivered, losses) = play(20, 0, what, 0);
     assert_eq!(delivered, (0..5).chain(10..20).collect::<Vec<_>>());
-    assert_eq!(
-        CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]),
-        [1, 1]
-    );
+    assert_eq!(faults(&losses, Fault::Stopped), [1, 1]);
     assert_eq!((losses.faults.iter().flatten().sum::<u32>(), losses.unpaired), (2, 0));
 }
 
@@ -631,10 +561,7 @@ fn a_frame_without_a_partner_is_counted() {
     };
     let (delivered, losses) = play(10, 0, what, 0);
     assert_eq!(delivered, (3..10).collect::<Vec<_>>());
-    assert_eq!(
-        (losses.unpaired, losses.faults[CameraSide::Right as usize][Fault::Stopped as usize]),
-        (3, 1)
-    );
+    assert_eq!((losses.unpaired, faults(&losses, Fault::Stopped)[1]), (3, 1));
 }
 
 /// Cameras that run by themselves, each at its own pace; the right one starts so much later.
@@ -660,8 +587,7 @@ fn cameras_that_run_free_say_so_and_are_paired_with_what_is_nearest() {
         assert_eq!(pair.frame_start, Some(FrameStart::Free));
         let [left_us, right_us] = pair.times_us.unwrap();
         // The times are those of the frames that lie there.
-        let [left, right] =
-            memory.frames().map(|frame| u64::from(read(&frame[..WIDTH.into()]).unwrap().1));
+        let [left, right] = frames_in(&mut *memory, ROWS).unwrap().map(u64::from);
         assert_eq!([left_us, right_us], [left * PERIOD_US, right * (PERIOD_US + 1)]);
         skews.push(left_us.abs_diff(right_us));
     }
@@ -675,11 +601,7 @@ fn no_pair_for_long_is_a_pair_that_is_missing() {
     let hardware = hardware(0);
     let mut source = source(&hardware, FrameStart::Triggered, 5000);
     assert_eq!(source.next_pair(&mut *Box::new(BoardMemory::CLEARED), None), None);
-    assert_eq!(
-        CameraSide::BOTH
-            .map(|eye| source.capture.losses().faults[eye as usize][Fault::Stopped as usize]),
-        [1, 1]
-    );
+    assert_eq!(faults(source.capture.losses(), Fault::Stopped), [1, 1]);
     assert!((5000..5010).contains(&hardware.borrow().now_us));
 }
 
@@ -691,10 +613,7 @@ fn cameras_that_nobody_asked_have_not_stopped() {
     // Two frames, far more than the longest silence apart, each just after it was asked for.
     for frame in [2, 40] {
         let start_us = u64::from(frame) * PERIOD_US;
-        for camera in &mut hardware.borrow_mut().cameras {
-            let eye = camera.eye;
-            camera.steps.extend(script(eye, frame, Injected::Nothing, None));
-        }
+        hardware.borrow_mut().play(frame, |_, _| Injected::Nothing);
         let now_us = hardware.borrow().now_us;
         pass(&hardware, start_us - 5 - now_us);
         assert!(source.next_pair(&mut *memory, None).is_some(), "frame {frame}");
@@ -705,16 +624,15 @@ fn cameras_that_nobody_asked_have_not_stopped() {
 #[test]
 fn a_frame_that_was_begun_for_another_call_is_left() {
     let hardware = hardware(0);
-    for camera in &mut hardware.borrow_mut().cameras {
-        let eye = camera.eye;
-        camera.steps.extend((2..6).flat_map(|frame| script(eye, frame, Injected::Nothing, None)));
-    }
+    (2..6).for_each(|frame| hardware.borrow_mut().play(frame, |_, _| Injected::Nothing));
     // The first call ends two rows after frame 2 has started.
     let mut source = source(&hardware, FrameStart::Triggered, 2 * PERIOD_US + 25);
     let mut memory = Box::new(BoardMemory::CLEARED);
     let mut next = || {
         let pair = source.next_pair(&mut *memory, None);
-        pair.map(|pair| (frame_of(&frames(&mut *memory)).unwrap(), pair.times_us.unwrap()[0]))
+        pair.map(|pair| {
+            (frame_of(frames_in(&mut *memory, ROWS)).unwrap(), pair.times_us.unwrap()[0])
+        })
     };
     assert_eq!(
         [next(), next(), next()],
@@ -798,37 +716,20 @@ fn frames_refuse_what_does_not_fit() {
     assert_eq!(left, [7, 7, 7, 1, 1, 1]);
 }
 
-/// A sink of a rig that does not fit the cameras.
-struct Unfit {
-    row: [u8; WIDTH as usize],
-    is_refused: bool,
-}
-
-impl RowSink for Unfit {
-    fn restart(&mut self, _: CameraSide) {}
-
-    fn row(&mut self, _: CameraSide) -> &mut [u8] {
-        &mut self.row
-    }
-
-    fn push(&mut self, _: CameraSide) -> Result<(), RowError> {
-        if self.is_refused { Err(RowError::NoMesh) } else { Ok(()) }
-    }
-
-    fn complete(&self) -> Option<Dims> {
-        None
-    }
-}
-
 #[test]
-fn a_rig_that_does_not_fit_is_told() {
-    for (is_refused, expected) in
-        [(true, Report::Refused(CameraSide::Left, RowError::NoMesh)), (false, Report::Incomplete)]
-    {
+fn rows_that_do_not_fit_are_told() {
+    let all = usize::from(WIDTH) * ROWS as usize;
+    let short = RowError::Frame { needed: all, given: all - 1 };
+    // A frame that is too small, and one of more rows than the cameras send.
+    for (height, bytes, expected) in [
+        (DIMS.height, all - 1, Report::Refused(CameraSide::Left, short)),
+        (DIMS.height + 1, 2 * all, Report::Incomplete),
+    ] {
         let hardware = running(2, 0, 0);
         let (mut rings, mut capture) =
             (rings(&hardware), Capture::new(LIMITS, FrameStart::Triggered));
-        let mut sink = Unfit { row: [0; _], is_refused };
+        let [mut left, mut right] = [vec![0; bytes], vec![0; bytes]];
+        let mut sink = FrameRows::new([&mut left, &mut right], Dims { height, ..DIMS });
         let report = loop {
             pass(&hardware, 1);
             if let Some(report) = capture.turn(&mut rings, &mut sink) {

@@ -1,6 +1,7 @@
 //! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows
 //! come; and what happens when they fail.
 
+use crate::support::rows::faults;
 use crate::support::sensor::Fake;
 use crate::support::{rectification, rectification_to};
 use core::cell::{Cell, RefCell};
@@ -15,7 +16,7 @@ use linestereo_firmware::camera::{
 };
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::{Cameras, FrameStart, PairSource, TimedCameras};
+use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource, TimedCameras};
 use linestereo_rig::{CameraSide, Remap, View};
 use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
@@ -202,57 +203,55 @@ fn ahead_a_call_has_its_own_rig_and_takes_what_was_triggered_before_it() {
     assert_eq!((bench.frames.get(), source.losses()), (7, Some(CaptureReport::default())));
 }
 
+/// The next pair, of which nobody looks at the pixels.
+fn next(source: &mut impl PairSource) -> Option<CapturedPair> {
+    source.next_pair(&mut *Box::new(BoardMemory::CLEARED), None)
+}
+
 #[test]
 fn ahead_cameras_that_fail_cost_what_comes_after_them() {
     let (bench, source) = source(0);
     let mut source = AheadSource::new(source);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     // Triggered already: it is whole, and the next one is not.
     bench.is_dead.set(true);
-    assert!(source.next_pair(&mut *memory, None).is_some());
-    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert!(next(&mut source).is_some());
+    assert_eq!(next(&mut source), None);
     bench.is_dead.set(false);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     bench.is_silent.set(true);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     let (stops, last_us) = (bench.stops.get(), bench.now_us.get());
-    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!(next(&mut source), None);
     assert!(bench.now_us.get() - last_us <= u64::from(PATIENCE_US) + 1000, "waited for two pairs");
     assert_eq!(bench.stops.get(), stops + 2, "both are told of, once each");
     bench.is_silent.set(false);
-    let pair = source.next_pair(&mut *memory, None).unwrap();
+    let pair = next(&mut source).unwrap();
     assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
 }
 
 #[test]
 fn sensors_that_cannot_be_triggered_give_no_pair_and_are_counted() {
     let (bench, mut source) = source(0);
-    let mut memory = Box::new(BoardMemory::CLEARED);
     bench.is_dead.set(true);
-    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!(next(&mut source), None);
     assert!(bench.now_us.get() > u64::from(PATIENCE_US), "a loop without a camera would not pause");
     assert_eq!(bench.rests.get(), bench.now_us.get() as u32 / 1000, "it sleeps all the time");
     assert_eq!(source.losses().unwrap().sensors, [1, 0]);
     bench.is_dead.set(false);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
 }
 
 #[test]
 fn a_camera_that_stops_is_started_again_and_its_next_pair_comes() {
     let (bench, mut source) = source(0);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     bench.is_silent.set(true);
-    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!(next(&mut source), None);
     assert_eq!(bench.stops.get(), 2, "both are told of, once each");
-    let losses = source.losses().unwrap();
-    assert_eq!(
-        CameraSide::BOTH.map(|eye| losses.faults[eye as usize][Fault::Stopped as usize]),
-        [1, 1]
-    );
+    assert_eq!(faults(&source.losses().unwrap(), Fault::Stopped), [1, 1]);
     bench.is_silent.set(false);
-    let pair = source.next_pair(&mut *memory, None).unwrap();
+    let pair = next(&mut source).unwrap();
     assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
 }
 
@@ -383,12 +382,11 @@ fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
     let cameras = Exposing { bench: bench.clone(), exposures_us: [3000, 1000] };
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
     let mut source = CameraSource::new(rings, cameras, capture, DIMS, 15_000);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!(next(&mut source), None);
     assert_eq!(source.losses().unwrap().unpaired, 1);
     for exposure_us in [3800, 4600, 5400] {
         let shot_us = bench.now_us.get();
-        let pair = source.next_pair(&mut *memory, None).expect("alike again");
+        let pair = next(&mut source).expect("alike again");
         // From the middle of the exposure that follows from what it was told after the missing
         // pair.
         assert_eq!(pair.times_us, Some([shot_us + exposure_us - exposure_us / 2; 2]));
@@ -464,11 +462,10 @@ fn last_pulse(bench: &Timed, before: usize) -> (u64, u64) {
 fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
     for late_us in [[300, 700], [700, 300], [500, 500], [0, 0]] {
         let (bench, mut source, _) = held(late_us.map(Some), LIMITS);
-        let mut memory = Box::new(BoardMemory::CLEARED);
         for pairs in 0..3 {
             let requested_us = bench.now_us.get();
             // Starting the sensors takes longer than the longest silence, and than a pair may take.
-            let pair = source.next_pair(&mut *memory, None).expect("a pair");
+            let pair = next(&mut source).expect("a pair");
             let (shot_us, held_us) = last_pulse(&bench, 2 * pairs);
             let second_us = late_us[0].max(late_us[1]);
             // Looked for every 50 us, while rows of the other camera are fetched.
@@ -489,25 +486,19 @@ fn a_level_is_high_from_the_shot_to_the_start_of_the_second_frame() {
 #[test]
 fn a_level_is_lowered_when_no_pair_comes() {
     let patient = Limits { silence_us: 1_000_000, ..LIMITS };
-    for (late_us, limits, least_us) in [
-        ([None, None], LIMITS, LIMITS.silence_us),
-        ([Some(300), None], LIMITS, LIMITS.silence_us),
-        ([None, Some(300)], LIMITS, LIMITS.silence_us),
-        ([None, None], patient, PATIENCE_US),
-        ([Some(300), None], patient, PATIENCE_US),
-        ([None, Some(300)], patient, PATIENCE_US),
-    ] {
-        let (bench, mut source, _) = held(late_us, limits);
-        let mut memory = Box::new(BoardMemory::CLEARED);
-        assert_eq!(source.next_pair(&mut *memory, None), None);
-        let (_, held_us) = last_pulse(&bench, 0);
-        let least_us = u64::from(least_us);
-        assert!((least_us..least_us + 500).contains(&held_us), "{late_us:?}: {held_us}");
-        // Frames under way end; then both work.
-        bench.pass(2 * PERIOD_US);
-        bench.late_us.set([Some(300); 2]);
-        assert!((0..2).any(|_| source.next_pair(&mut *memory, None).is_some()), "{late_us:?}");
-        assert_eq!(bench.edges.borrow().last().map(|&(_, is_high)| is_high), Some(false));
+    for late_us in [[None, None], [Some(300), None], [None, Some(300)]] {
+        for (limits, least_us) in [(LIMITS, LIMITS.silence_us), (patient, PATIENCE_US)] {
+            let (bench, mut source, _) = held(late_us, limits);
+            assert_eq!(next(&mut source), None);
+            let (_, held_us) = last_pulse(&bench, 0);
+            let least_us = u64::from(least_us);
+            assert!((least_us..least_us + 500).contains(&held_us), "{late_us:?}: {held_us}");
+            // Frames under way end; then both work.
+            bench.pass(2 * PERIOD_US);
+            bench.late_us.set([Some(300); 2]);
+            assert!((0..2).any(|_| next(&mut source).is_some()), "{late_us:?}");
+            assert_eq!(bench.edges.borrow().last().map(|&(_, is_high)| is_high), Some(false));
+        }
     }
 }
 
@@ -515,22 +506,20 @@ fn a_level_is_lowered_when_no_pair_comes() {
 fn a_level_is_not_raised_for_sensors_that_do_not_start() {
     let (bench, mut source, [left, _]) = held([Some(300); 2], LIMITS);
     left.0.borrow_mut().fails_after = Some(9);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    assert_eq!(source.next_pair(&mut *memory, None), None);
+    assert_eq!(next(&mut source), None);
     assert_eq!((bench.edges.borrow().len(), source.losses().unwrap().sensors), (0, [1, 0]));
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
 }
 
 #[test]
 fn frames_that_nobody_asked_for_do_not_lower_a_level() {
     let (bench, mut source, _) = held([Some(8000); 2], LIMITS);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     for eye in CameraSide::BOTH {
         bench.begin(eye, bench.now_us.get() + 50);
         bench.pass(PERIOD_US); // too far apart for a pair
     }
-    let pair = source.next_pair(&mut *memory, None).expect("a pair");
+    let pair = next(&mut source).expect("a pair");
     let (shot_us, held_us) = last_pulse(&bench, 2);
     assert!(pair.times_us.unwrap()[0].abs_diff(shot_us) < 20_000 && held_us >= 8000);
     assert_eq!(bench.begun(), [3; 2]);
@@ -539,16 +528,12 @@ fn frames_that_nobody_asked_for_do_not_lower_a_level() {
 #[test]
 fn sensors_that_are_started_again_have_not_been_silent() {
     let (_, mut source, [left, right]) = held([Some(300); 2], LIMITS);
-    let mut memory = Box::new(BoardMemory::CLEARED);
     // The right one does not take what the left one has chosen: neither runs.
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     [(0x0202, 0), (0x0203, 77)].into_iter().for_each(|(register, value)| left.set(register, value)); // rows
     right.0.borrow_mut().fails_after = Some(0);
-    assert!(source.next_pair(&mut *memory, None).is_some());
+    assert!(next(&mut source).is_some());
     assert_eq!(source.losses().unwrap().sensors, [0, 1]);
-    assert!(
-        source.next_pair(&mut *memory, None).is_some(),
-        "starting takes longer than the longest silence"
-    );
+    assert!(next(&mut source).is_some(), "starting takes longer than the longest silence");
     assert_eq!(source.losses().unwrap().faults, [[0; 7]; 2]);
 }

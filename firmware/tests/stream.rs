@@ -1,15 +1,14 @@
 //! One stream of rows for both eyes, on a fake camera interface and DMA.
 //!
 //! The fake moves bytes, not rows: its DMA knows only a place in a ring, its interrupts are flags
-//! that stay set until somebody looks, however late. Every byte says from which camera, frame and
-//! row it is.
+//! that stay set until somebody looks, however late.
 
 use crate::support::random::Random;
+use crate::support::rows::{WIDTH, faults, frames_in, frames_of, paint};
 use core::cell::{Cell, RefCell};
 use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::capture::*;
-use linestereo_firmware::memory::Memory;
 use linestereo_firmware::ports::{Cameras, FrameStart, PairSource};
 use linestereo_rig::CameraSide;
 use linestereo_wire::CaptureReport;
@@ -17,7 +16,6 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 pub(crate) const ROWS: u32 = 24;
-pub(crate) const WIDTH: u16 = 16;
 pub(crate) const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
 const BAND: u32 = 4;
 pub(crate) const ROW_US: u64 = 10;
@@ -36,14 +34,6 @@ pub(crate) const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
         silence_us,
         pair_us,
     }
-}
-
-/// Value of every byte of a camera's row.
-fn paint(eye: CameraSide, frame: u32, row: u32) -> [u8; WIDTH as usize] {
-    let [a, b, c, _] = frame.to_le_bytes();
-    core::array::from_fn(|place| {
-        [eye as u8, a, b, c, row as u8, !a, !b, place as u8][place % 8] ^ (place as u8 & 8)
-    })
 }
 
 /// Event in a stream.
@@ -215,21 +205,6 @@ impl Stream for FakeStream {
     }
 }
 
-/// The number of the frame that lies in the memory whole, of each camera.
-pub(crate) fn frames_of(frames: [&[u8]; 2]) -> Result<[u32; 2], String> {
-    let mut found = [0; 2];
-    for ((eye, frame), found) in CameraSide::BOTH.into_iter().zip(frames).zip(&mut found) {
-        let [_, a, b, c, ..] = *frame else { return Err("no frame".into()) };
-        *found = u32::from_le_bytes([a, b, c, 0]);
-        for (y, row) in (0..ROWS).zip(frame.chunks(WIDTH.into())) {
-            if *row != paint(eye, *found, y) {
-                return Err(format!("{eye:?} row {y} is not of frame {found}: {row:?}"));
-            }
-        }
-    }
-    Ok(found)
-}
-
 pub(crate) fn both(frame: u32) -> Vec<Vec<u8>> {
     (0..ROWS)
         .map(|row| {
@@ -250,52 +225,44 @@ pub(crate) fn injected(
 ) -> Option<Fault> {
     let row = 1 + random.below(ROWS - 2) as usize;
     let mut rows = both(frame);
-    match random.below(24) {
+    let fault = match random.below(24) {
         0 => {
             rows[row].truncate(2 * WIDTH as usize - 4 * (1 + random.below(7) as usize));
-            fake.play(start_us, rows);
             Some(Fault::ShortLine)
         }
         1 => {
             rows[row].extend([0x55; 12]);
-            fake.play(start_us, rows);
             Some(Fault::ShortLine)
         }
         // Short by as much as the next one is long: the frame has the right number of bytes.
         2 => {
             rows[row].truncate(2 * WIDTH as usize - 8);
             rows[row + 1].extend([0x66; 8]);
-            fake.play(start_us, rows);
             Some(Fault::ShortLine)
         }
         // A row without bytes is a row that is missing at the end.
         3 => {
             rows[row].clear();
-            fake.play(start_us, rows);
             Some(Fault::EarlyVsync)
         }
         4 => {
             rows.truncate(row);
-            fake.play(start_us, rows);
             Some(Fault::EarlyVsync)
         }
         5 => {
             rows.push(vec![0x77; 2 * WIDTH as usize]);
-            fake.play(start_us, rows);
             Some(Fault::MissingVsync)
         }
-        6 => {
-            fake.play(start_us, rows);
-            let lost = (start_us + row as u64 * ROW_US + 5, Step::Overrun);
-            let place = fake.steps.iter().position(|step| step.0 > lost.0).unwrap();
-            fake.steps.insert(place, lost);
-            Some(Fault::Overrun)
-        }
-        _ => {
-            fake.play(start_us, rows);
-            None
-        }
+        6 => Some(Fault::Overrun),
+        _ => None,
+    };
+    fake.play(start_us, rows);
+    if fault == Some(Fault::Overrun) {
+        let lost = (start_us + row as u64 * ROW_US + 5, Step::Overrun);
+        let place = fake.steps.iter().position(|step| step.0 > lost.0).unwrap();
+        fake.steps.insert(place, lost);
     }
+    fault
 }
 
 #[test]
@@ -350,24 +317,14 @@ fn ten_thousand_frames_side_by_side_with_faults() {
             assert_eq!(found, [frame; 2], "seed {seed}");
         }
     }
-    println!(
-        "{frames} frames: {} good, {} delivered, {:?}",
-        good.len(),
-        delivered.len(),
-        capture.losses().faults
-    );
     assert!(delivered == good, "seed {seed}: others were delivered than were good");
     assert_eq!(capture.losses().faults, expected.faults, "seed {seed}");
+    let count = |fault| faults(&expected, fault)[0];
     for fault in [Fault::ShortLine, Fault::EarlyVsync, Fault::MissingVsync, Fault::Overrun] {
-        assert!(
-            expected.faults[CameraSide::Left as usize][fault as usize] > 100,
-            "{fault:?} was hardly ever injected"
-        );
+        assert!(count(fault) > 100, "{fault:?} was hardly ever injected");
     }
     // Set to the start of the ring after wrong rows and overruns, and only then.
-    let restarts = expected.faults[CameraSide::Left as usize][Fault::ShortLine as usize]
-        + expected.faults[CameraSide::Left as usize][Fault::Overrun as usize];
-    assert_eq!(fake.borrow().restarts, restarts);
+    assert_eq!(fake.borrow().restarts, count(Fault::ShortLine) + count(Fault::Overrun));
 }
 
 #[test]
@@ -488,9 +445,7 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     let mut seen = Vec::new();
     for _ in 0..5 {
         let pair = source.next_pair(&mut *memory, None);
-        let count = usize::from(WIDTH * DIMS.height);
-        let numbers =
-            pair.map(|_| frames_of(memory.frames().map(|frame| &frame[..count])).unwrap());
+        let numbers = pair.map(|_| frames_in(&mut *memory, ROWS).unwrap());
         if let Some(times_us) = pair.and_then(|pair| pair.times_us) {
             // A frame apart, and said so.
             let [left_us, right_us] = times_us;
@@ -507,9 +462,6 @@ fn cameras_in_turn_are_triggered_one_after_the_other() {
     assert_eq!(let_go.get(), 4 + 5);
     let [l, r] = CameraSide::BOTH;
     assert_eq!(*shots.borrow(), [l, r, l, r, l, l, r, l, r]);
-    assert_eq!(
-        source.losses().unwrap().faults[CameraSide::Left as usize][Fault::EarlyVsync as usize],
-        1
-    );
-    assert_eq!(source.losses().unwrap().faults[1], [0; 7]);
+    let losses = source.losses().unwrap();
+    assert_eq!((faults(&losses, Fault::EarlyVsync), losses.faults[1]), ([1, 0], [0; 7]));
 }

@@ -3,6 +3,7 @@
 pub(crate) mod live;
 pub(crate) mod port;
 pub(crate) mod random;
+pub(crate) mod rows;
 pub(crate) mod sensor;
 
 use linestereo::Dims;
