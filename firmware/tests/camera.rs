@@ -5,12 +5,15 @@
 //! compared with the file in `traces/`, read by people against the datasheet. Then each of its
 //! transactions fails in turn, on a bus that accepts nothing but what is expected.
 
-use crate::support::sensor::Fake;
+use crate::support::sensor::{
+    AEC_AGC_ENABLE, AEC_EXPOSURE_OUTPUT, AGC_GAIN_OUTPUT, COARSE_SHUTTER_WIDTH_TOTAL, Fake, Said,
+    text,
+};
 use core::cell::Cell;
-use core::fmt::Write as _;
 use embedded_hal::i2c::{ErrorKind, I2c, NoAcknowledgeSource, Operation};
 use embedded_hal_mock::eh1::delay::NoopDelay;
-use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as Edge};
+use embedded_hal_mock::eh1::digital::State::{self, High, Low};
+use embedded_hal_mock::eh1::digital::{Mock as Pin, Transaction as Edge};
 use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use linestereo::Dims;
 use linestereo_firmware::camera::*;
@@ -18,32 +21,8 @@ use linestereo_firmware::ports::FrameStart;
 use linestereo_rig::CameraSide;
 use std::rc::Rc;
 
-/// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is
-/// read alone.
-fn text(said: &[Transaction]) -> String {
-    let mut text = String::new();
-    for transaction in said {
-        let debug = format!("{transaction:?}");
-        let list = |name: &str| {
-            let from = debug.split(&format!("{name}: [")).nth(1).unwrap();
-            let bytes = from.split(']').next().unwrap().split(", ").filter(|byte| !byte.is_empty());
-            bytes
-                .map(|byte| format!("{:02x}", byte.parse::<u8>().unwrap()))
-                .collect::<Vec<_>>()
-                .join(" ")
-        };
-        let (written, read) = (list("expected_data"), list("response_data"));
-        let _ = match (written.is_empty(), read.is_empty()) {
-            (false, true) => writeln!(text, "w {written}"),
-            (false, false) => writeln!(text, "r {written} -> {read}"),
-            _ => writeln!(text, "s {read}"),
-        };
-    }
-    text
-}
-
 /// Compares with `traces/NAME.txt`; `LINESTEREO_BLESS=1` writes it.
-fn assert_trace(name: &str, said: &[Transaction]) {
+fn assert_trace(name: &str, said: &[Said]) {
     let path = format!("{}/tests/traces/{name}.txt", env!("CARGO_MANIFEST_DIR"));
     if std::env::var_os("LINESTEREO_BLESS").is_some() {
         std::fs::write(&path, text(said)).unwrap();
@@ -75,14 +54,8 @@ struct Case {
 fn mt9v034() -> Case {
     let config = config(320, 240, Binning::Two);
     let (fixed, other) = (FIXED, Exposure { rows: 480, gain_code: 64 });
-    Case {
-        name: "mt9v034",
-        address: Mt9v034::ADDRESSES[0],
-        config,
-        fixed,
-        other,
-        has_trigger: true,
-    }
+    let (name, address) = ("mt9v034", Mt9v034::ADDRESSES[0]);
+    Case { name, address, config, fixed, other, has_trigger: true }
 }
 
 fn hm01b0() -> Case {
@@ -133,30 +106,25 @@ impl Asked {
 }
 
 /// Everything that can be asked of a sensor, with a name for its trace.
-fn everything(case: &Case) -> Vec<(String, Asked)> {
-    let fixed = ExposureControl::Fixed(case.fixed);
+fn everything(case: &Case) -> Vec<(&'static str, Asked)> {
+    let fixed = Config { exposure: ExposureControl::Fixed(case.fixed), ..case.config };
     let mut list = vec![
-        ("auto".into(), Asked::Start(case.config)),
-        ("fixed".into(), Asked::Start(Config { exposure: fixed, ..case.config })),
-        (
-            "pattern".into(),
-            Asked::Start(Config { exposure: fixed, test_pattern: true, ..case.config }),
-        ),
-        ("expose".into(), Asked::Expose(case.other)),
-        ("read_exposure".into(), Asked::ReadExposure),
-        ("stop".into(), Asked::Stop),
+        ("auto", Asked::Start(case.config)),
+        ("fixed", Asked::Start(fixed)),
+        ("pattern", Asked::Start(Config { test_pattern: true, ..fixed })),
+        ("expose", Asked::Expose(case.other)),
+        ("read_exposure", Asked::ReadExposure),
+        ("stop", Asked::Stop),
     ];
     if case.has_trigger {
-        list.push((
-            "triggered".into(),
-            Asked::Start(Config { exposure: fixed, start: FrameStart::Triggered, ..case.config }),
-        ));
+        let triggered = Config { start: FrameStart::Triggered, ..fixed };
+        list.push(("triggered", Asked::Start(triggered)));
     }
     list
 }
 
 /// Writes to a sensor that runs, or is started.
-fn trace<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
+fn trace<M: Model>(case: &Case, asked: Asked) -> Vec<Said> {
     let fake = Fake::of::<M>();
     let mut chip = OnFake::<M>::new(fake.clone(), case.address, NoReset);
     if !matches!(asked, Asked::Start(_)) {
@@ -167,9 +135,16 @@ fn trace<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
     fake.said()
 }
 
-/// Writes that put a sensor into standby.
-fn standby<M: Model>(case: &Case) -> Vec<Transaction> {
-    trace::<M>(case, Asked::Stop)
+/// The same for a bus that accepts nothing else.
+fn transactions<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
+    trace::<M>(case, asked).iter().map(Said::transaction).collect()
+}
+
+/// What is said up to a transaction that fails.
+fn failing(said: &[Transaction], place: usize, error: ErrorKind) -> Vec<Transaction> {
+    let mut said = said[..=place].to_vec();
+    said[place] = said[place].clone().with_error(error);
+    said
 }
 
 /// A sensor on a bus that accepts nothing else; it runs already, unless it is to be started.
@@ -180,7 +155,7 @@ fn replay<M: Model>(
 ) -> (Result<(), CameraError<ErrorKind>>, Chip<M, Mock, NoReset>) {
     let before = match asked {
         Asked::Start(_) => Vec::new(),
-        _ => trace::<M>(case, Asked::Start(case.config)),
+        _ => transactions::<M>(case, Asked::Start(case.config)),
     };
     let all = [&before, then].concat();
     let mut chip = Chip::<M, Mock, NoReset>::new(Mock::new(&all), case.address, NoReset);
@@ -199,51 +174,39 @@ fn done<M: Model, R: ResetLine>(chip: Chip<M, Mock, R>) -> R {
 
 /// Every transaction of every operation fails in turn; returns how many there were.
 fn fail_everywhere<M: Model>(case: &Case) -> usize {
-    let standby = standby::<M>(case);
+    let standby = transactions::<M>(case, Asked::Stop);
     let mut count = 0;
     for (name, asked) in everything(case) {
-        let trace = trace::<M>(case, asked);
+        let trace = transactions::<M>(case, asked);
         // The two halves of an SCCB read begin with a write as well.
         let identity = if let Asked::Start(_) = asked { M::IDENTITY.len() } else { 0 };
         let identity = if M::WIRE == Wire::Sccb { 2 * identity } else { identity };
         for place in 0..trace.len() {
             count += 1;
-            let failing = trace[place].clone().with_error(ErrorKind::Bus);
-            let so_far = [&trace[..place], &[failing]].concat();
+            let so_far = failing(&trace, place, ErrorKind::Bus);
             let what = format!("{} {name}, transaction {place} of {}", case.name, trace.len());
-            let is_read_only = asked == Asked::ReadExposure;
-            if is_read_only || place < identity {
-                // Nothing was written: nothing is touched.
-                let (result, chip) = replay::<M>(case, asked, &so_far);
-                let error = result.expect_err(&what);
-                assert!(
-                    matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }),
-                    "{what}: {error}"
-                );
-                let left = if is_read_only { Condition::Running } else { Condition::Unknown };
-                assert_eq!((error.left, chip.condition()), (left, left), "{what}");
-                done(chip);
-                continue;
-            }
-            // The bus works again: standby.
-            let then = [&so_far[..], &standby].concat();
-            let (result, chip) = replay::<M>(case, asked, &then);
+            // Where nothing was written nothing is touched. Else, the bus works again: standby.
+            let (left, then) = match asked {
+                Asked::ReadExposure => (Condition::Running, &[][..]),
+                _ if place < identity => (Condition::Unknown, &[][..]),
+                _ => (Condition::Standby, &standby[..]),
+            };
+            let (result, chip) = replay::<M>(case, asked, &[&so_far, then].concat());
             let error = result.expect_err(&what);
             assert!(
                 matches!(error.cause, Cause::Bus { error: ErrorKind::Bus, .. }),
                 "{what}: {error}"
             );
-            assert_eq!(
-                (error.left, chip.condition()),
-                (Condition::Standby, Condition::Standby),
-                "{what}"
-            );
+            assert_eq!((error.left, chip.condition()), (left, left), "{what}");
             done(chip);
+            if then.is_empty() {
+                continue;
+            }
             // It does not, at each transaction of the way to standby: said so, and nothing but a
             // start is taken.
             for stop in 0..standby.len() {
-                let broken = standby[stop].clone().with_error(ErrorKind::ArbitrationLoss);
-                let then = [&so_far[..], &standby[..stop], &[broken]].concat();
+                let broken = failing(&standby, stop, ErrorKind::ArbitrationLoss);
+                let then = [&so_far[..], &broken].concat();
                 let (result, mut chip) = replay::<M>(case, asked, &then);
                 let error = result.expect_err(&what);
                 assert_eq!(
@@ -288,26 +251,18 @@ fn a_register_that_keeps_something_else_is_named() {
     fn check<M: Model>(case: &Case) {
         let config = Config { exposure: ExposureControl::Fixed(case.fixed), ..case.config };
         let mut checked = Vec::new();
-        for line in text(&trace::<M>(case, Asked::Start(config)))
-            .lines()
-            .filter(|line| line.starts_with('w'))
-        {
-            let bytes = line
-                .split(' ')
-                .skip(1)
-                .map(|byte| u16::from_str_radix(byte, 16).unwrap())
-                .collect::<Vec<_>>();
-            let register = match (M::WIRE, &bytes[..]) {
-                (Wire::Long8, [high, low, _]) => high << 8 | low,
-                (_, [register, _, ..]) => *register,
-                _ => continue, // the first half of a read
+        for Said { written, .. } in trace::<M>(case, Asked::Start(config)) {
+            let register = match (M::WIRE, &written[..]) {
+                (Wire::Long8, [high, low, _]) => u16::from_be_bytes([*high, *low]),
+                (Wire::Short16 | Wire::Sccb, [register, _, ..]) => (*register).into(),
+                _ => continue, // a read, or its first half
             };
             let fake = Fake::of::<M>();
             // Every bit that can be wrong is; of a register that is written several times, the
             // first write already.
             let value = if M::WIRE == Wire::Short16 { 0xffff } else { 0xff };
-            let written = bytes.last().unwrap();
-            fake.0.borrow_mut().stuck.insert(register, value ^ written);
+            let last = u16::from(*written.last().unwrap());
+            fake.0.borrow_mut().stuck.insert(register, value ^ last);
             let mut chip = OnFake::<M>::new(fake, case.address, NoReset);
             let Err(error) = chip.start(&config, &mut NoopDelay) else { continue }; // a command
             let Cause::NotKept { register: named, .. } = error.cause else { panic!("{error}") };
@@ -340,16 +295,9 @@ fn another_chip_is_not_written_to() {
                     left: Condition::Unknown
                 }
             );
-            let length = if M::WIRE == Wire::Short16 || M::WIRE == Wire::Sccb {
-                "w 00".len()
-            } else {
-                "w 00 00".len()
-            };
-            let written = text(&fake.said())
-                .lines()
-                .filter(|line| line.starts_with('w'))
-                .any(|line| line.len() > length);
-            assert!(!written, "{}", case.name);
+            let register_bytes = if M::WIRE == Wire::Long8 { 2 } else { 1 };
+            let is_written = fake.said().iter().any(|said| said.written.len() > register_bytes);
+            assert!(!is_written, "{}", case.name);
         }
     }
     of_each_model!(check);
@@ -373,20 +321,23 @@ fn edges(states: &[State]) -> Vec<Edge> {
     states.iter().cloned().map(Edge::set).collect()
 }
 
-fn pin_error() -> embedded_hal_mock::eh1::MockError {
-    embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::Other)
+/// The same, of which one fails.
+fn edges_failing(states: &[State], place: usize) -> Vec<Edge> {
+    let error = embedded_hal_mock::eh1::MockError::Io(std::io::ErrorKind::Other);
+    let mut edges = edges(states);
+    edges[place] = edges[place].clone().with_error(error);
+    edges
 }
 
 #[test]
 fn a_reset_pin_holds_what_has_failed() {
     let case = mt9v034();
-    let trace = trace::<Mt9v034>(&case, Asked::Start(case.config));
+    let trace = transactions::<Mt9v034>(&case, Asked::Start(case.config));
     for place in 0..trace.len() {
-        let failing = trace[place].clone().with_error(ErrorKind::Bus);
-        let said = [&trace[..place], &[failing]].concat();
+        let said = failing(&trace, place, ErrorKind::Bus);
         // Held and released, then held for good: nothing more is said on the bus, and it is in
         // reset already when it is to stop.
-        let pin = Pin::new(&edges(&[State::Low, State::High, State::Low]));
+        let pin = Pin::new(&edges(&[Low, High, Low]));
         let mut chip = Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(pin));
         let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
         assert_eq!(error.left, Condition::InReset, "{place}");
@@ -399,9 +350,8 @@ fn a_reset_pin_holds_what_has_failed() {
 #[test]
 fn a_reset_pin_that_fails_is_told() {
     let case = mt9v034();
-    for (place, states) in [(0, vec![State::Low]), (1, vec![State::Low, State::High])] {
-        let mut edges = edges(&states);
-        edges[place] = edges[place].clone().with_error(pin_error());
+    for (place, states) in [(0, &[Low][..]), (1, &[Low, High])] {
+        let edges = edges_failing(states, place);
         let mut chip =
             Chip::<Mt9v034, Mock, _>::new(Mock::new(&[]), case.address, ResetPin(Pin::new(&edges)));
         let error = chip.start(&case.config, &mut NoopDelay).unwrap_err();
@@ -409,11 +359,10 @@ fn a_reset_pin_that_fails_is_told() {
         done(chip).0.done();
     }
     // It fails only when it is needed most: standby does.
-    let said = trace::<Mt9v034>(&case, Asked::Start(case.config));
-    let failing = said[1].clone().with_error(ErrorKind::Bus);
-    let said = [&said[..1], &[failing], &standby::<Mt9v034>(&case)[..]].concat();
-    let mut edges = edges(&[State::Low, State::High, State::Low]);
-    edges[2] = edges[2].clone().with_error(pin_error());
+    let said = transactions::<Mt9v034>(&case, Asked::Start(case.config));
+    let standby = transactions::<Mt9v034>(&case, Asked::Stop);
+    let said = [failing(&said, 1, ErrorKind::Bus), standby].concat();
+    let edges = edges_failing(&[Low, High, Low], 2);
     let mut chip =
         Chip::<Mt9v034, Mock, _>::new(Mock::new(&said), case.address, ResetPin(Pin::new(&edges)));
     assert_eq!(chip.start(&case.config, &mut NoopDelay).unwrap_err().left, Condition::Standby);
@@ -430,47 +379,35 @@ fn what_a_model_cannot_do_is_refused_before_anything_is_said() {
         let Cause::Unsupported(what) = error.cause else { panic!("{error}") };
         what
     }
-    fn exposed(config: Config, rows: u16, gain_code: u16) -> Config {
-        Config { exposure: ExposureControl::Fixed(Exposure { rows, gain_code }), ..config }
+    fn refuses_size<M: Model>(width: u16, height: u16, binning: Binning) {
+        let expected = Unsupported::Size(Dims { width, height }, binning);
+        assert_eq!(refused::<M>(config(width, height, binning)), expected);
     }
-    for (width, height, binning) in
-        [(756, 480, Binning::One), (320, 241, Binning::One), (378, 240, Binning::Two)]
-    {
-        let dims = Dims { width, height };
-        assert_eq!(
-            refused::<Mt9v034>(config(width, height, binning)),
-            Unsupported::Size(dims, binning)
-        );
+    fn exposed<M: Model>(case: &Case, rows: u16, gain_code: u16) -> Unsupported {
+        let exposure = ExposureControl::Fixed(Exposure { rows, gain_code });
+        refused::<M>(Config { exposure, ..case.config })
     }
-    let fits = mt9v034().config;
-    assert_eq!(refused::<Mt9v034>(exposed(fits, 0, 16)), Unsupported::Rows(0));
-    assert_eq!(refused::<Mt9v034>(exposed(fits, 1, 15)), Unsupported::Gain(15));
-    let dims = Dims { width: 320, height: 240 };
-    assert_eq!(
-        refused::<Hm01b0>(config(320, 240, Binning::One)),
-        Unsupported::Size(dims, Binning::One)
-    );
-    assert_eq!(refused::<Hm01b0>(exposed(hm01b0().config, 259, 0x100)), Unsupported::Rows(259));
-    assert_eq!(refused::<Hm01b0>(exposed(hm01b0().config, 258, 0x3f)), Unsupported::Gain(0x3f));
-    assert_eq!(
-        refused::<Ov7670>(config(320, 240, Binning::One)),
-        Unsupported::Size(dims, Binning::One)
-    );
-    assert_eq!(refused::<Ov7670>(exposed(ov7670().config, 511, 0)), Unsupported::Rows(511));
-    assert_eq!(
-        refused::<Ov7670>(exposed(ov7670().config, 510, 1 << 10)),
-        Unsupported::Gain(1 << 10)
-    );
+    refuses_size::<Mt9v034>(756, 480, Binning::One);
+    refuses_size::<Mt9v034>(320, 241, Binning::One);
+    refuses_size::<Mt9v034>(378, 240, Binning::Two);
+    refuses_size::<Hm01b0>(320, 240, Binning::One);
+    refuses_size::<Ov7670>(320, 240, Binning::One);
+    assert_eq!(exposed::<Mt9v034>(&mt9v034(), 0, 16), Unsupported::Rows(0));
+    assert_eq!(exposed::<Mt9v034>(&mt9v034(), 1, 15), Unsupported::Gain(15));
+    assert_eq!(exposed::<Hm01b0>(&hm01b0(), 259, 0x100), Unsupported::Rows(259));
+    assert_eq!(exposed::<Hm01b0>(&hm01b0(), 258, 0x3f), Unsupported::Gain(0x3f));
+    assert_eq!(exposed::<Ov7670>(&ov7670(), 511, 0), Unsupported::Rows(511));
+    assert_eq!(exposed::<Ov7670>(&ov7670(), 510, 1 << 10), Unsupported::Gain(1 << 10));
     let triggered = Config { start: FrameStart::Triggered, ..ov7670().config };
     let what = refused::<Ov7670>(triggered);
     assert_eq!(what.to_string(), "the sensor has no trigger pin: let it run free");
     assert_eq!(Unsupported::Gain(15).to_string(), "the sensor has no gain 0xf");
     assert_eq!(Unsupported::Rows(9).to_string(), "the sensor cannot be exposed for 9 rows");
-    let size = Unsupported::Size(dims, Binning::Four).to_string();
+    let size = Unsupported::Size(Dims { width: 320, height: 240 }, Binning::Four).to_string();
     assert_eq!(size, "the sensor has no images of 320x240 with 4x4 pixels made one");
     // A running sensor goes on.
     let mut chip = OnFake::<Mt9v034>::new(Fake::of::<Mt9v034>(), 0x48, NoReset);
-    chip.start(&fits, &mut NoopDelay).unwrap();
+    chip.start(&mt9v034().config, &mut NoopDelay).unwrap();
     let error = chip.set_exposure(Exposure { rows: 5, gain_code: 65 }, &mut NoopDelay).unwrap_err();
     assert_eq!(
         error,
@@ -480,25 +417,15 @@ fn what_a_model_cannot_do_is_refused_before_anything_is_said() {
 
 #[test]
 fn other_sizes_have_their_registers() {
-    for (name, dims, binning) in
-        [("full", (752, 480), Binning::One), ("small", (160, 120), Binning::Four)]
-    {
-        let case = Case { config: config(dims.0, dims.1, binning), ..mt9v034() };
-        assert_trace(
-            &format!("mt9v034_{name}"),
-            &trace::<Mt9v034>(&case, Asked::Start(case.config)),
-        );
+    fn check<M: Model>(name: &str, case: &Case, config: Config) {
+        assert_trace(&format!("{}_{name}", case.name), &trace::<M>(case, Asked::Start(config)));
     }
-    let case = Case { config: config(162, 122, Binning::Two), ..hm01b0() };
-    assert_trace("hm01b0_small", &trace::<Hm01b0>(&case, Asked::Start(case.config)));
-    let case = hm01b0();
-    assert_trace("hm01b0_nibbles", &trace::<Hm01b0Nibbles>(&case, Asked::Start(case.config)));
-    for (name, dims, binning) in
-        [("full", (640, 480), Binning::One), ("small", (160, 120), Binning::Four)]
-    {
-        let case = Case { config: config(dims.0, dims.1, binning), ..ov7670() };
-        assert_trace(&format!("ov7670_{name}"), &trace::<Ov7670>(&case, Asked::Start(case.config)));
-    }
+    check::<Mt9v034>("full", &mt9v034(), config(752, 480, Binning::One));
+    check::<Mt9v034>("small", &mt9v034(), config(160, 120, Binning::Four));
+    check::<Hm01b0>("small", &hm01b0(), config(162, 122, Binning::Two));
+    check::<Hm01b0Nibbles>("nibbles", &hm01b0(), hm01b0().config);
+    check::<Ov7670>("full", &ov7670(), config(640, 480, Binning::One));
+    check::<Ov7670>("small", &ov7670(), config(160, 120, Binning::Four));
 }
 
 #[test]
@@ -541,10 +468,15 @@ fn both<M: Model>(address: u8) -> (Both<M>, [Fake; 2]) {
     (CameraPair::new(left, right), fakes)
 }
 
-const AEC_AGC_ENABLE: u16 = 0xaf;
-const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
-const AGC_GAIN_OUTPUT: u16 = 0xba;
-const COARSE_SHUTTER_WIDTH_TOTAL: u16 = 0x0b;
+/// Two MT9V034 that run, the left one with an exposure of so many rows.
+fn started(rows: u16) -> (Both<Mt9v034>, [Fake; 2]) {
+    let (mut pair, fakes) = both::<Mt9v034>(0x48);
+    fakes[0].set(AEC_EXPOSURE_OUTPUT, rows);
+    fakes[0].set(AGC_GAIN_OUTPUT, 16);
+    pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    (pair, fakes)
+}
+
 const ANALOG_GAIN: u16 = 0x35;
 
 #[test]
@@ -635,10 +567,7 @@ fn one_of_two_cameras_is_missing() {
 fn a_camera_that_fails_later_stops_the_other_one() {
     const CHIP_CONTROL: u16 = 0x07;
     // The right one does not take the left one's choice.
-    let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
-    left.set(AEC_EXPOSURE_OUTPUT, 100);
-    left.set(AGC_GAIN_OUTPUT, 16);
-    pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    let (mut pair, [left, right]) = started(100);
     right.0.borrow_mut().stuck.insert(COARSE_SHUTTER_WIDTH_TOTAL, 7);
     left.set(AEC_EXPOSURE_OUTPUT, 101);
     let error = pair.follow(&mut NoopDelay).unwrap_err();
@@ -649,10 +578,7 @@ fn a_camera_that_fails_later_stops_the_other_one() {
     assert!(pair.follow(&mut NoopDelay).is_err_and(|error| error.error.cause == Cause::NotRunning));
 
     // The left one does not keep its own.
-    let (mut pair, [left, right]) = both::<Mt9v034>(0x48);
-    left.set(AEC_EXPOSURE_OUTPUT, 100);
-    left.set(AGC_GAIN_OUTPUT, 16);
-    pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
+    let (mut pair, [left, right]) = started(100);
     left.0.borrow_mut().stuck.insert(ANALOG_GAIN, 18);
     let error = pair.freeze(&mut NoopDelay).unwrap_err();
     assert_eq!(
@@ -676,22 +602,12 @@ fn a_camera_that_fails_later_stops_the_other_one() {
 
 #[test]
 fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
-    let states = [State::Low, State::Low, State::High, State::Low];
-    let mut trigger = Trigger::new(Pin::new(&edges(&states))).unwrap();
+    let mut trigger = Trigger::new(Pin::new(&edges(&[Low, Low, High, Low]))).unwrap();
     trigger.fire(10, &mut NoopDelay).unwrap();
     trigger.lower().unwrap(); // it is
     trigger.release().done();
     // It stays high once; the next pulse starts low.
-    let mut stuck = edges(&[
-        State::Low,
-        State::Low,
-        State::High,
-        State::Low,
-        State::Low,
-        State::High,
-        State::Low,
-    ]);
-    stuck[3] = stuck[3].clone().with_error(pin_error());
+    let stuck = edges_failing(&[Low, Low, High, Low, Low, High, Low], 3);
     let mut trigger = Trigger::new(Pin::new(&stuck)).unwrap();
     assert!(trigger.fire(10, &mut NoopDelay).is_err());
     trigger.fire(10, &mut NoopDelay).unwrap();
@@ -700,16 +616,7 @@ fn a_trigger_is_one_pulse_and_never_a_missing_edge() {
 
 #[test]
 fn a_trigger_that_is_held_is_lowered_until_it_is_low() {
-    let mut states = edges(&[
-        State::Low,
-        State::Low,
-        State::High,
-        State::Low,
-        State::Low,
-        State::Low,
-        State::High,
-    ]);
-    states[3] = states[3].clone().with_error(pin_error());
+    let states = edges_failing(&[Low, Low, High, Low, Low, Low, High], 3);
     let mut trigger = Trigger::new(Pin::new(&states)).unwrap();
     trigger.lower().unwrap(); // it is
     trigger.raise().unwrap();
@@ -844,27 +751,19 @@ fn what_went_wrong_is_said_in_words() {
 
 #[test]
 fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
+    type Ask = fn(&mut Both<Mt9v034>) -> bool;
     /// Starts a pair, or lets it follow or freeze, with a failure after so many transactions of a
     /// camera; `None` when there are fewer.
-    fn fail<M: Model>(
-        case: &Case,
-        eye: CameraSide,
-        after: usize,
-        ask: fn(&mut Both<M>) -> bool,
-    ) -> Option<[Condition; 2]> {
-        let (mut pair, fakes) = both::<M>(case.address);
-        fakes[0].set(AGC_GAIN_OUTPUT, 16);
-        fakes[0].set(AEC_EXPOSURE_OUTPUT, 76);
-        pair.start(&case.config, PairExposure::LeftChooses, &mut NoopDelay).unwrap();
-        let fake = &fakes[usize::from(eye == CameraSide::Right)];
+    fn fail(eye: CameraSide, after: usize, ask: Ask) -> Option<[Condition; 2]> {
+        let (mut pair, fakes) = started(76);
+        let fake = &fakes[eye as usize];
         fakes[0].set(AEC_EXPOSURE_OUTPUT, 77);
         fake.0.borrow_mut().fails_after = Some(after);
         let is_done = ask(&mut pair);
         let is_left = fake.0.borrow().fails_after.is_some();
-        assert_eq!(is_done, is_left, "{}: a failure was not told", case.name);
+        assert_eq!(is_done, is_left, "a failure was not told");
         (!is_left).then(|| pair.conditions())
     }
-    type Ask = fn(&mut Both<Mt9v034>) -> bool;
     let start: Ask =
         |pair| pair.start(&mt9v034().config, PairExposure::LeftChooses, &mut NoopDelay).is_ok();
     let asks: [(Ask, [usize; 2]); 3] = [
@@ -874,9 +773,7 @@ fn a_pair_of_which_any_transaction_fails_runs_as_a_whole_or_not_at_all() {
     ];
     for (ask, least) in asks {
         for (eye, least) in CameraSide::BOTH.into_iter().zip(least) {
-            let ends = (0..)
-                .map_while(|after| fail::<Mt9v034>(&mt9v034(), eye, after, ask))
-                .collect::<Vec<_>>();
+            let ends = (0..).map_while(|after| fail(eye, after, ask)).collect::<Vec<_>>();
             assert!(ends.len() >= least, "{}", ends.len());
             for (after, ends) in ends.iter().enumerate() {
                 // All three that `follow` asks of the left one are reads: what runs goes on.

@@ -1,17 +1,63 @@
 //! A fake sensor on a bus.
 
 use core::cell::RefCell;
+use core::fmt::Write as _;
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
 use embedded_hal_mock::eh1::i2c::Transaction;
 use linestereo_firmware::camera::{Model, Wire};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
+// Registers of the MT9V034.
+pub(crate) const COARSE_SHUTTER_WIDTH_TOTAL: u16 = 0x0b;
+pub(crate) const AEC_AGC_ENABLE: u16 = 0xaf;
+pub(crate) const AGC_GAIN_OUTPUT: u16 = 0xba;
+pub(crate) const AEC_EXPOSURE_OUTPUT: u16 = 0xbb;
+
 /// A sensor that keeps what is written to it until it is reset by register, and writes down what
 /// was said. Registers not written since the reset answer with what a reset leaves in them, as far
 /// as drivers rely on it, or with 0.
 #[derive(Clone)]
 pub(crate) struct Fake(pub(crate) Rc<RefCell<Registers>>);
+
+/// A transaction.
+#[derive(Clone)]
+pub(crate) struct Said {
+    address: u8,
+    pub(crate) written: Vec<u8>,
+    read: Vec<u8>,
+}
+
+impl Said {
+    /// For a bus that accepts nothing else.
+    pub(crate) fn transaction(&self) -> Transaction {
+        let Self { address, written, read } = self.clone();
+        match (written.is_empty(), read.is_empty()) {
+            (false, true) => Transaction::write(address, written),
+            (false, false) => Transaction::write_read(address, written, read),
+            (true, _) => Transaction::read(address, read),
+        }
+    }
+}
+
+/// One line each: `w` and what is written, `r` and what is written and then read, `s` and what is
+/// read alone.
+pub(crate) fn text(said: &[Said]) -> String {
+    let mut text = String::new();
+    for Said { written, read, .. } in said {
+        let kind = match (written.is_empty(), read.is_empty()) {
+            (false, true) => 'w',
+            (false, false) => 'r',
+            (true, _) => 's',
+        };
+        text.push(kind);
+        written.iter().for_each(|byte| write!(text, " {byte:02x}").unwrap());
+        text.push_str(if kind == 'r' { " ->" } else { "" });
+        read.iter().for_each(|byte| write!(text, " {byte:02x}").unwrap());
+        text.push('\n');
+    }
+    text
+}
 
 pub(crate) struct Registers {
     wire: Wire,
@@ -23,7 +69,7 @@ pub(crate) struct Registers {
     pointer: u16,
     /// Transactions until one fails, once.
     pub(crate) fails_after: Option<usize>,
-    said: Vec<Transaction>,
+    said: Vec<Said>,
 }
 
 impl Fake {
@@ -41,15 +87,8 @@ impl Fake {
         }
         let (stuck, said) = (BTreeMap::new(), Vec::new());
         let (wire, pointer, fails_after) = (M::WIRE, 0, None);
-        Self(Rc::new(RefCell::new(Registers {
-            wire,
-            values,
-            reset,
-            stuck,
-            pointer,
-            fails_after,
-            said,
-        })))
+        let registers = Registers { wire, values, reset, stuck, pointer, fails_after, said };
+        Self(Rc::new(RefCell::new(registers)))
     }
 
     pub(crate) fn set(&self, register: u16, value: u16) {
@@ -60,7 +99,7 @@ impl Fake {
         self.0.borrow().values.get(&register).copied().unwrap_or(0)
     }
 
-    pub(crate) fn said(&self) -> Vec<Transaction> {
+    pub(crate) fn said(&self) -> Vec<Said> {
         core::mem::take(&mut self.0.borrow_mut().said)
     }
 }
@@ -81,8 +120,7 @@ impl I2c for Fake {
             return Err(ErrorKind::Bus);
         }
         chip.fails_after = chip.fails_after.map(|left| left - 1);
-        let mut written = Vec::new();
-        let mut read = None;
+        let mut said = Said { address, written: Vec::new(), read: Vec::new() };
         for operation in operations {
             match operation {
                 Operation::Write(bytes) => {
@@ -108,21 +146,16 @@ impl I2c for Fake {
                             chip.values.insert(register, kept);
                         }
                     }
-                    written = bytes.to_vec();
+                    said.written = bytes.to_vec();
                 }
                 Operation::Read(bytes) => {
                     let value = chip.values.get(&chip.pointer).copied().unwrap_or(0).to_be_bytes();
                     let skipped = 2 - bytes.len();
                     bytes.copy_from_slice(&value[skipped..]);
-                    read = Some(bytes.to_vec());
+                    said.read = bytes.to_vec();
                 }
             }
         }
-        let said = match (written.is_empty(), read) {
-            (false, None) => Transaction::write(address, written),
-            (false, Some(read)) => Transaction::write_read(address, written, read),
-            (true, read) => Transaction::read(address, read.unwrap()),
-        };
         chip.said.push(said);
         Ok(())
     }
