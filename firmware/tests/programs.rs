@@ -1,10 +1,11 @@
 //! The programs `replay` and `live` on a PC, with fakes for what a board has.
 
+use crate::support::flash::Flash;
 use crate::support::live::{DIMS, Running, rig_numbers, scripted};
-use crate::support::port::{Port, heads, mavlink_frames, push};
+use crate::support::port::{Port, heads, mavlink_frames};
 use core::cell::Cell;
 use linestereo::health::{HealthFlags, Skewed};
-use linestereo::{Dims, Matcher, Options, Params};
+use linestereo::{Dims, Matcher, Options, Params, results::Match};
 use linestereo_boards::built_in::Scene;
 use linestereo_firmware::boards::NODES;
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
@@ -13,11 +14,7 @@ use linestereo_firmware::painter::Painter;
 use linestereo_firmware::ports::{ByteSink as _, CapturedPair, FrameStart, PairSource as _};
 use linestereo_firmware::programs::replay::{self, Event};
 use linestereo_firmware::session::Session;
-use linestereo_firmware::settings::KeptSettings;
-use linestereo_firmware::slot_store::{Keeper as Kept, Loaded, Slot, SlotError, StoreError};
-use linestereo_rig::{
-    Band, Calibration, Camera, CameraSide, Lens, Mesh, RigImage, RigImageError, View,
-};
+use linestereo_rig::{Band, Calibration, Camera, CameraSide, Lens, Mesh, RigImage, View};
 use linestereo_wire::*;
 use std::collections::BTreeSet;
 
@@ -37,19 +34,54 @@ fn painted(dims: Dims, scene: Scene) -> [Vec<u8>; 2] {
     [left, right]
 }
 
-fn push_pair(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
-    push(bytes, id, Request::Pair(pair_head(dims, 1000 * u64::from(id))));
-    bytes.extend(painted(dims, scene).concat());
+/// Bytes of a host: commands, numbered from 1, and pixels.
+#[derive(Clone, Default)]
+struct Input {
+    bytes: Vec<u8>,
+    count: u16,
+}
+
+impl Input {
+    fn ask(mut self, request: Request) -> Self {
+        self.count += 1;
+        let command = Command { id: self.count, request };
+        self.bytes.push(DELIMITER);
+        self.bytes.extend_from_slice(encode(&command, &mut [0; MAX_COMMAND]).unwrap());
+        self
+    }
+
+    fn pixels(mut self, pixels: impl IntoIterator<Item = u8>) -> Self {
+        self.bytes.extend(pixels);
+        self
+    }
+
+    fn pair(self, dims: Dims, scene: Scene) -> Self {
+        let head = pair_head(dims, 1000 * u64::from(self.count + 1));
+        self.ask(Request::Pair(head)).pixels(painted(dims, scene).concat())
+    }
+
+    /// A raw pair, its rows in turn.
+    fn raw(self, dims: Dims, scene: Scene) -> Self {
+        let [left, right] = painted(dims, scene);
+        let width = usize::from(dims.width);
+        let rows = left.chunks(width).zip(right.chunks(width));
+        let rows = rows.flat_map(|(left, right)| [left, right].concat());
+        self.ask(Request::RawPair(pair_head(dims, 0))).pixels(rows)
+    }
+
+    fn rig(self, image: &[u8]) -> Self {
+        self.ask(Request::SetRig(image.iter().copied().collect()))
+    }
 }
 
 /// Output of `replay` for this input, which comes in pieces of so many bytes.
 fn replay(
     session: &mut Session<'_>,
     memory: &mut BoardMemory,
-    input: Vec<u8>,
+    input: Input,
     step: usize,
 ) -> (Port, Counters, Vec<Event>) {
-    let (port, mut events) = (Port::holding(input, step), Vec::new());
+    let (port, mut events) = (Port::holding(input.bytes, step), Vec::new());
     let (mut source, mut sink) = (port.clone(), port.clone());
     let report = |event: &Event| events.push(event.clone());
     let counters = replay::run(memory, &port, session, &mut source, &mut sink, |_, _| (), report);
@@ -69,6 +101,20 @@ fn objects(messages: &[Message]) -> Vec<Vec<ObjectRecord>> {
     pairs
 }
 
+/// Segments of a frame, in order.
+fn segments(messages: &[Message], sequence: u32) -> Vec<Match> {
+    let mut all = Vec::new();
+    for message in messages {
+        if let Message::Segments(part) = message
+            && part.sequence == sequence
+        {
+            assert_eq!(usize::from(part.first), all.len());
+            all.extend(part.list.clone());
+        }
+    }
+    all
+}
+
 #[test]
 fn objects_that_are_asked_for_come_with_every_pair() {
     let boxes = [(7, 20, 20, 90, 70), (9, 60, 30, 150, 110), (300, 0, 0, 160, 120)];
@@ -81,22 +127,16 @@ fn objects_that_are_asked_for_come_with_every_pair() {
     });
     let regions = |only| Request::SetRegions(Regions { boxes: boxes.into_iter().collect(), only });
     let outside = RegionBox { left: 160, right: 200, ..boxes[0] };
-    let mut input = Vec::new();
-    push(&mut input, 1, regions(false));
-    push_pair(&mut input, 2, DIMS, Scene::Bricks);
-    push(&mut input, 3, regions(true));
-    push_pair(&mut input, 4, DIMS, Scene::Blocks);
-    push(
-        &mut input,
-        5,
-        Request::SetRegions(Regions {
-            boxes: [boxes[0], outside].into_iter().collect(),
-            only: true,
-        }),
-    );
-    push_pair(&mut input, 6, DIMS, Scene::Bricks); // what was refused changed nothing
-    push(&mut input, 7, Request::SetRegions(Regions::default()));
-    push_pair(&mut input, 8, DIMS, Scene::Blocks);
+    let wrong = Regions { boxes: [boxes[0], outside].into_iter().collect(), only: true };
+    let input = Input::default()
+        .ask(regions(false))
+        .pair(DIMS, Scene::Bricks)
+        .ask(regions(true))
+        .pair(DIMS, Scene::Blocks)
+        .ask(Request::SetRegions(wrong))
+        .pair(DIMS, Scene::Bricks) // what was refused changed nothing
+        .ask(Request::SetRegions(Regions::default()))
+        .pair(DIMS, Scene::Blocks);
 
     let messages = replay(&mut Session::new(BOARD), &mut Box::new(BoardMemory::CLEARED), input, 64)
         .0
@@ -126,13 +166,14 @@ fn objects_that_are_asked_for_come_with_every_pair() {
 
 #[test]
 fn replay_gives_the_same_however_the_bytes_arrive() {
-    let mut input = b"noise before the first command".to_vec();
-    push(&mut input, 1, Request::Describe);
-    push_pair(&mut input, 2, DIMS, Scene::Blocks);
-    push_pair(&mut input, 3, Dims { width: 161, height: 100 }, Scene::Noise);
-    push_pair(&mut input, 4, DIMS, Scene::Bricks);
-    input.truncate(input.len() - 1);
-    push(&mut input, 5, Request::Stop); // the delimiter before it is taken for the last pixel
+    let mut input = Input::default()
+        .pixels(*b"noise before the first command")
+        .ask(Request::Describe)
+        .pair(DIMS, Scene::Blocks)
+        .pair(Dims { width: 161, height: 100 }, Scene::Noise)
+        .pair(DIMS, Scene::Bricks);
+    input.bytes.pop();
+    input = input.ask(Request::Stop); // the delimiter before it is taken for the last pixel
     let mut outputs = Vec::new();
     for step in [1, 7, 256, usize::MAX] {
         let (port, counters, events) = replay(
@@ -158,31 +199,20 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
     let [left, right] = memory.frames();
     Scene::Blocks.paint(DIMS, left, right);
     let mut matcher = Matcher::new(Params::DEFAULT, DIMS).unwrap();
-    let (mut matches, mut points, mut heads, mut answers) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for message in outputs.swap_remove(0) {
+    let (mut points, mut answers) = (Vec::new(), Vec::new());
+    let messages = outputs.swap_remove(0);
+    for message in &messages {
         match message {
             Message::Hello(hello) => {
                 assert_eq!((hello.largest_width, hello.largest_height), (160, 120))
             }
-            Message::Frame(head) => heads.push(head),
-            Message::Segments(list) if list.sequence == 0 => {
-                assert_eq!(usize::from(list.first), matches.len());
-                matches.extend(list.list);
-            }
             Message::Points(list) if list.sequence == 0 => {
                 assert_eq!(list.first as usize, points.len());
-                points.extend(list.list);
+                points.extend(list.list.clone());
             }
-            Message::Segments(_) | Message::Points(_) => {}
-            Message::Objects(list) => panic!("nobody asked for {list:?}"),
-            Message::Capture(lost) => panic!("a file loses nothing: {lost}"),
-            Message::Photo(_) | Message::Pixels(_) => panic!("nobody asked for a photo"),
-            Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
-            Message::Machine(_) | Message::Case(_) => panic!("of another program: {message:?}"),
-            Message::Setting(_) | Message::Kept(_) | Message::Clock(_) | Message::Sectors(_) => {
-                panic!("nobody asked for settings, the time or sectors")
-            }
+            Message::Answer(answer) => answers.push((answer.command, answer.outcome.clone())),
+            Message::Frame(_) | Message::Segments(_) | Message::Points(_) => {}
+            other => panic!("nobody asked for {other:?}"),
         }
     }
     let mut matched = memory.run(None, &mut matcher, Options::default()).unwrap();
@@ -193,8 +223,9 @@ fn replay_gives_the_same_however_the_bytes_arrive() {
         points.len(),
         listed.len()
     );
-    assert_eq!(matches, matched.segments());
-    assert_eq!(heads.iter().map(|head| head.capture_time_us).collect::<Vec<_>>(), [2000, 4000]);
+    assert_eq!(segments(&messages, 0), matched.segments());
+    let times_us: Vec<_> = heads(&messages).iter().map(|head| head.capture_time_us).collect();
+    assert_eq!(times_us, [2000, 4000]);
     let name: Name = "width".try_into().unwrap();
     let too_wide = Refusal::OutOfRange { name, value: 161, low: 16, high: 160 };
     let expected = [
@@ -219,50 +250,34 @@ fn rig(rectified: Dims) -> RigImage {
     RigImage::new(calibration, rectified, View::default(), (0, 40)).unwrap()
 }
 
-fn push_rig(bytes: &mut Vec<u8>, id: u16, image: &[u8]) {
-    push(bytes, id, Request::SetRig(image.iter().copied().collect()));
-}
-
-/// A raw pair, its rows in turn.
-fn push_raw(bytes: &mut Vec<u8>, id: u16, dims: Dims, scene: Scene) {
-    push(bytes, id, Request::RawPair(pair_head(dims, 0)));
-    let [left, right] = painted(dims, scene);
-    let width = usize::from(dims.width);
-    left.chunks(width)
-        .zip(right.chunks(width))
-        .for_each(|(left, right)| bytes.extend([left, right].concat()));
-}
-
 /// Answers of `replay`: by command, and the frames.
 fn replayed(
     session: &mut Session<'_>,
     memory: &mut BoardMemory,
-    input: Vec<u8>,
+    input: Input,
 ) -> (Vec<(u16, Outcome)>, Vec<Message>) {
     let (port, counters, _) = replay(session, memory, input, 97);
     assert_eq!(counters.bad(), 0);
-    let (answers, others): (Vec<_>, Vec<_>) =
-        port.received().into_iter().partition(|message| matches!(message, Message::Answer(_)));
-    let outcome = |message| {
-        if let Message::Answer(answer) = message {
-            (answer.command, answer.outcome)
-        } else {
-            panic!()
+    let (mut answers, mut others) = (Vec::new(), Vec::new());
+    for message in port.received() {
+        match message {
+            Message::Answer(answer) => answers.push((answer.command, answer.outcome)),
+            other => others.push(other),
         }
-    };
-    (answers.into_iter().map(outcome).collect(), others)
+    }
+    (answers, others)
 }
 
 #[test]
 fn raw_pairs_are_rectified_row_by_row() {
     let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(BOARD);
-    let mut input = Vec::new();
-    push_raw(&mut input, 1, RAW, Scene::Blocks);
-    push_rig(&mut input, 2, &rig(DIMS).encode(0));
-    push_raw(&mut input, 3, RAW, Scene::Blocks);
-    push_raw(&mut input, 4, DIMS, Scene::Blocks);
-    push_raw(&mut input, 5, RAW, Scene::Blocks);
+    let input = Input::default()
+        .raw(RAW, Scene::Blocks)
+        .rig(&rig(DIMS).encode(0))
+        .raw(RAW, Scene::Blocks)
+        .raw(DIMS, Scene::Blocks)
+        .raw(RAW, Scene::Blocks);
     let (answers, frames) = replayed(&mut session, &mut memory, input);
     let wrong_size = Refusal::RawSize { needed: [200, 150], given: [128, 96] };
     let expected = [
@@ -292,20 +307,9 @@ fn raw_pairs_are_rectified_row_by_row() {
         "{}",
         expected.len()
     );
-    let matches_of = |sequence| {
-        let lists = frames.iter().filter_map(|message| match message {
-            Message::Segments(list) if list.sequence == sequence => Some(&list.list),
-            _ => None,
-        });
-        lists.flatten().copied().collect::<Vec<_>>()
-    };
-    assert_eq!(matches_of(1), expected);
-    assert_eq!(matches_of(3), [], "both images are those of the pair before: frozen");
-    let heads: Vec<_> = frames
-        .iter()
-        .filter_map(|m| if let Message::Frame(head) = m { Some(head) } else { None })
-        .collect();
-    assert!(heads.iter().all(|head| (head.width, head.height) == (128, 96)));
+    assert_eq!(segments(&frames, 1), expected);
+    assert_eq!(segments(&frames, 3), [], "both images are those of the pair before: frozen");
+    assert!(heads(&frames).iter().all(|head| (head.width, head.height) == (128, 96)));
 }
 
 #[test]
@@ -323,14 +327,9 @@ fn what_is_no_rig_for_this_board_is_refused_and_the_old_one_stays() {
     let rolled =
         Calibration::new(camera, camera, [0.9848, 0.0, 0.0, 0.1736], [-0.1, 0.0, 0.0]).unwrap();
     let rolled = RigImage::new(rolled, DIMS, View::default(), (0, 40)).unwrap().encode(0);
-    let mut input = Vec::new();
-    push_rig(&mut input, 1, &good);
-    for (id, image) in (2..).zip([&damaged[..], &good[..100], b"rubbish", &[], &too_wide, &rolled])
-    {
-        push_rig(&mut input, id, image);
-    }
-    push_raw(&mut input, 8, RAW, Scene::Bricks);
-    push(&mut input, 9, Request::Describe);
+    let images = [&good[..], &damaged, &good[..100], b"rubbish", &[], &too_wide, &rolled];
+    let input = images.into_iter().fold(Input::default(), Input::rig);
+    let input = input.raw(RAW, Scene::Bricks).ask(Request::Describe);
     let (answers, frames) = replayed(&mut session, &mut memory, input);
     let texts: Vec<String> = answers
         .iter()
@@ -361,70 +360,37 @@ fn what_is_no_rig_for_this_board_is_refused_and_the_old_one_stays() {
     );
 }
 
-/// Slots without a flash under them.
-#[derive(Debug)]
-struct Keeper {
-    loaded: Loaded<RigImage>,
-    keeps: bool,
-}
-
-impl Kept for Keeper {
-    fn load_settings(&mut self) -> Loaded<KeptSettings> {
-        Loaded { newest: None, slots: [Err(SlotError::Image(RigImageError::Empty)); 2] }
-    }
-
-    fn store_settings(&mut self, _: &KeptSettings) -> Result<Slot, StoreError> {
-        Err(StoreError::NotKept)
-    }
-
-    fn load_rig(&mut self) -> Loaded<RigImage> {
-        self.loaded
-    }
-
-    fn store_rig(&mut self, image: &RigImage) -> Result<Slot, StoreError> {
-        if !self.keeps {
-            return Err(StoreError::NotKept);
-        }
-        let slot = self.loaded.newest.map_or(Slot::First, |(slot, _)| slot.other());
-        self.loaded.newest = Some((slot, *image));
-        self.loaded.slots[slot as usize] = Ok(7);
-        Ok(slot)
-    }
-}
-
 #[test]
 fn a_rig_is_kept_where_there_is_flash() {
     let mut memory = Box::new(BoardMemory::CLEARED);
-    let empty = Err(SlotError::Image(RigImageError::Empty));
-    let damaged = Err(SlotError::Image(RigImageError::Damaged));
-    let mut keeper =
-        Keeper { loaded: Loaded { newest: None, slots: [empty, damaged] }, keeps: true };
-    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    let mut damaged = rig(DIMS).encode(7);
+    damaged[50] ^= 8;
+    let mut store = Flash::with_second_rig(&damaged).store();
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(session.hello().rig.to_string(), "rig: none; slots: empty, damaged");
-    let mut input = Vec::new();
-    push_rig(&mut input, 1, &rig(DIMS).encode(0));
-    let (answers, _) = replayed(&mut session, &mut memory, input.clone());
+    let input = Input::default().rig(&rig(DIMS).encode(0));
+    let (answers, _) = replayed(&mut session, &mut memory, input);
     assert_eq!(answers, [(1, Outcome::Accepted)]);
-    let expected = "rig: 200x150 rectified to 128x96; slots: image 7 (in use), damaged";
+    let expected = "rig: 200x150 rectified to 128x96; slots: image 0 (in use), damaged";
     assert_eq!(session.hello().rig.to_string(), expected);
 
     // After a reset.
     let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(session.hello().rig.to_string(), expected);
-    let mut raw = Vec::new();
-    push_raw(&mut raw, 1, RAW, Scene::Blocks);
-    let (answers, frames) = replayed(&mut session, &mut memory, raw.clone());
+    let raw = Input::default().raw(RAW, Scene::Blocks);
+    let (answers, frames) = replayed(&mut session, &mut memory, raw);
     assert_eq!(answers, [(1, Outcome::Accepted)]);
     assert!(frames.len() > 1);
 
     // Flash that does not keep: nothing changes.
-    keeper.keeps = false;
+    let mut flash = store.into_flash();
+    flash.is_stuck = true;
+    let mut store = flash.store();
     let mut memory = Box::new(BoardMemory::CLEARED);
-    let mut session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
-    let mut other = Vec::new();
-    push_rig(&mut other, 1, &rig(Dims { width: 100, height: 80 }).encode(0));
-    push_raw(&mut other, 2, RAW, Scene::Blocks);
+    let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);
+    let other = rig(Dims { width: 100, height: 80 }).encode(0);
+    let other = Input::default().rig(&other).raw(RAW, Scene::Blocks);
     let (answers, again) = replayed(&mut session, &mut memory, other);
     assert_eq!(answers, [(1, Outcome::Refused(Refusal::NotKept)), (2, Outcome::Accepted)]);
     assert_eq!(again, frames);
@@ -432,11 +398,8 @@ fn a_rig_is_kept_where_there_is_flash() {
 
     // A rig that another firmware left and this board cannot hold.
     let large = rig(Dims { width: 320, height: 240 });
-    let mut keeper = Keeper {
-        loaded: Loaded { newest: Some((Slot::Second, large)), slots: [empty, Ok(3)] },
-        keeps: true,
-    };
-    let session = Session::with_flash(BOARD, &mut keeper, &mut *memory);
+    let mut store = Flash::with_second_rig(&large.encode(3)).store();
+    let session = Session::with_flash(BOARD, &mut store, &mut *memory);
     assert_eq!(
         session.hello().rig.to_string(),
         "rig: none; slots: empty, too large for this board"
@@ -501,19 +464,16 @@ fn live_serves_commands_and_survives_its_camera() {
 
 #[test]
 fn of_what_takes_long_there_is_one_a_turn() {
-    let image: RigBytes = rig(DIMS).encode(0).into_iter().collect();
-    let mut bytes = Vec::new();
-    let requests = [
-        Request::SetRig(image.clone()),
-        Request::SetRig(image),
-        Request::Photograph,
-        Request::Photograph,
-    ];
-    for (id, request) in (1..).zip(requests.into_iter().chain([Request::Stop, Request::Describe])) {
-        push(&mut bytes, id, request);
-    }
-    let mut board =
-        Running::start(Session::new(BOARD), &Port::holding(bytes, 0), Painter::new(DIMS));
+    let image = rig(DIMS).encode(0);
+    let input = Input::default()
+        .rig(&image)
+        .rig(&image)
+        .ask(Request::Photograph)
+        .ask(Request::Photograph)
+        .ask(Request::Stop)
+        .ask(Request::Describe);
+    let port = Port::holding(input.bytes, 0);
+    let mut board = Running::start(Session::new(BOARD), &port, Painter::new(DIMS));
     // The watchdog is fed between two turns, and waits for one sector that is erased, not for two.
     let mut answered_in = Vec::new();
     for turn in 0..200 {
@@ -548,19 +508,14 @@ fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
 #[test]
 fn a_pair_of_two_moments_is_refused_and_named_for_a_while() {
     let [left, right] = painted(DIMS, Scene::Blocks);
-    let mut input = Vec::new();
-    for (id, skew_us, changed) in
-        [(1, None, 0), (2, Some(1001), 1), (3, Some(1000), 2), (4, Some(0), 3), (5, Some(7), 4)]
-    {
-        let capture_time_us = 50_000 * u64::from(id);
+    let mut input = Input::default();
+    for (changed, skew_us) in (0..).zip([None, Some(1001), Some(1000), Some(0), Some(7)]) {
+        let capture_time_us = 50_000 * (1 + u64::from(changed));
         let right_capture_time_us = skew_us.map(|skew_us| capture_time_us - skew_us);
-        push(
-            &mut input,
-            id,
-            Request::Pair(PairHead { right_capture_time_us, ..pair_head(DIMS, capture_time_us) }),
-        );
+        let head = PairHead { right_capture_time_us, ..pair_head(DIMS, capture_time_us) };
         // A sensor never gives the same picture twice.
-        input.extend([&left, &right].into_iter().flatten().map(|&grey| grey + changed));
+        let pixels = [&left, &right].into_iter().flatten().map(|&grey| grey + changed);
+        input = input.ask(Request::Pair(head)).pixels(pixels);
     }
     let (port, ..) =
         replay(&mut Session::new(BOARD), &mut Box::new(BoardMemory::CLEARED), input, 256);

@@ -1,5 +1,6 @@
 //! Code common to test files.
 
+pub(crate) mod flash;
 pub(crate) mod live;
 pub(crate) mod port;
 pub(crate) mod random;

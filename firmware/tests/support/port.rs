@@ -3,7 +3,7 @@
 use core::cell::RefCell;
 use linestereo_firmware::ports::{ByteSink, ByteSource, Clock, Room};
 use linestereo_wire::{
-    Command, DELIMITER, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Request, encode,
+    Command, Decoder, FrameHead, MAX_COMMAND, MAX_PACKET, Message, Request, encode,
 };
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -101,12 +101,6 @@ pub(crate) fn mavlink_frames(mut bytes: &[u8]) -> Vec<(u32, Vec<u8>)> {
     }
     assert!(bytes.is_empty(), "{bytes:?}");
     frames
-}
-
-/// Puts a command at the end of `bytes`.
-pub(crate) fn push(bytes: &mut Vec<u8>, id: u16, request: Request) {
-    bytes.push(DELIMITER);
-    bytes.extend_from_slice(encode(&Command { id, request }, &mut [0; MAX_COMMAND]).unwrap());
 }
 
 impl ByteSource for Port {
