@@ -46,30 +46,27 @@ fn boards_take_the_rigs_of_their_sensors_and_name_what_is_too_large() {
     let [strong_lens, wide, rolled] =
         [strong(QVGA, 0.0), strong(Dims { width: 640, height: 480 }, 0.0), strong(QVGA, 6.0)];
     let rigs = [&strong_lens, &wide, &rolled];
-    let accepted = "accepted";
-    for found in [
-        answers(Board::STM32H743, &mut *Box::new(stm32h743::BoardMemory::CLEARED), rigs),
-        answers(Board::PORTENTA_H7, &mut *Box::new(portenta_h7::BoardMemory::CLEARED), rigs),
-        answers(Board::PICO2, &mut *Box::new(pico2::BoardMemory::CLEARED), rigs),
+    for ([first, second, third], row, band) in [
+        (
+            answers(Board::STM32H743, &mut *Box::new(stm32h743::BoardMemory::CLEARED), rigs),
+            320,
+            12_288,
+        ),
+        (
+            answers(Board::PORTENTA_H7, &mut *Box::new(portenta_h7::BoardMemory::CLEARED), rigs),
+            320,
+            12_288,
+        ),
+        (answers(Board::PICO2, &mut *Box::new(pico2::BoardMemory::CLEARED), rigs), 320, 12_288),
+        (
+            answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::BoardMemory::CLEARED), rigs),
+            480,
+            12_800,
+        ),
     ] {
-        let [first, second, third] = found.each_ref().map(String::as_str);
-        assert_eq!(
-            [first, second],
-            [accepted, "raw row of the board's memory holds 320, these images need 640"]
-        );
-        assert!(
-            third.starts_with("band of the board's memory holds 12288, these images need "),
-            "{third}"
-        );
+        let too_wide = format!("raw row of the board's memory holds {row}, these images need 640");
+        assert_eq!([first, second], ["accepted", &too_wide]);
+        let too_large = format!("band of the board's memory holds {band}, these images need ");
+        assert!(third.starts_with(&too_large), "{third}");
     }
-    let [first, second, third] =
-        answers(Board::MPS2_AN500, &mut *Box::new(mps2_an500::BoardMemory::CLEARED), rigs);
-    assert_eq!(
-        [&*first, &*second],
-        [accepted, "raw row of the board's memory holds 480, these images need 640"]
-    );
-    assert!(
-        third.starts_with("band of the board's memory holds 12800, these images need "),
-        "{third}"
-    );
 }

@@ -3,9 +3,9 @@
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
-use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::i2c::{Error as _, ErrorKind, I2c, NoAcknowledgeSource, Operation};
+use embedded_hal_mock::eh1::delay::NoopDelay;
 use linestereo_firmware::boards::rp235x::bus::{
     Block, BusError, LIMIT_US, LimitedI2c, Order, State, clear,
 };
@@ -288,7 +288,6 @@ impl Bus {
 
 struct Clock<'a>(&'a Bus);
 struct Data<'a>(&'a Bus);
-struct Never;
 
 impl ErrorType for Clock<'_> {
     type Error = Infallible;
@@ -341,17 +340,13 @@ impl InputPin for Data<'_> {
     }
 }
 
-impl DelayNs for Never {
-    fn delay_ns(&mut self, _: u32) {}
-}
-
 #[test]
 fn a_device_in_the_middle_of_a_byte_is_clocked_until_it_lets_go() {
     let play = |bits: &[bool], is_short| {
         let (clock, data, bits) =
             (Cell::new(true), Cell::new(true), RefCell::new(bits.iter().copied().collect()));
         let bus = Bus { clock, data, bits, is_short, pulses: Cell::new(0), stops: Cell::new(0) };
-        let is_free = clear(&mut Clock(&bus), &mut Data(&bus), &mut Never);
+        let is_free = clear(&mut Clock(&bus), &mut Data(&bus), &mut NoopDelay);
         (is_free, bus.pulses.get(), bus.stops.get(), bus.sda() && bus.clock.get())
     };
     for zeros in 0..=8 {
