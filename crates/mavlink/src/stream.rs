@@ -80,9 +80,7 @@ impl AutopilotParams {
         widen: true,
         distance_sensor: false,
     };
-}
 
-impl AutopilotParams {
     /// The defaults with the near limit of this plan as the shortest and the blocking distance.
     #[must_use]
     pub fn of(plan: &ObstaclePlan) -> Self {

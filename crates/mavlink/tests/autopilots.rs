@@ -8,12 +8,12 @@
 //! `AP_Proximity_Boundary_3D.cpp` (`get_face`, `check_face_timeout`),
 //! `libraries/AC_Avoidance/AC_Avoid.cpp` (`adjust_velocity_proximity`).
 
-use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles};
+use crate::frames::{plan, read};
+use linestereo::health::HealthFlags;
+use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::results::{ImagePosition, Match, Owner, Techniques};
 use linestereo::units::{Confidence, Disparity, Position};
-use linestereo::{Dims, Params, Rig, health::HealthFlags};
 use linestereo_mavlink::{AutopilotParams, AutopilotStream, Policy};
-use mavlink::MavlinkReader;
 use mavlink::dialects::common::{MavMessage, OBSTACLE_DISTANCE_DATA};
 
 /// RANGE_STREAM_TIMEOUT_US and TIMEOUT_HOLD_US.
@@ -156,11 +156,6 @@ impl ArduPilot {
     }
 }
 
-fn plan() -> ObstaclePlan {
-    let params = Params { rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap()), ..Params::default() };
-    ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap()
-}
-
 /// A sure vertical edge; its distance ahead is 30 m / disparity.
 fn edge(x: u16, disparity: f64) -> Match {
     let d = Disparity::from_num(disparity);
@@ -182,6 +177,31 @@ fn far() -> Vec<Match> {
     (0..320).step_by(4).map(|x| edge(x, 1.5)).collect()
 }
 
+/// Obstacles of a pair of these.
+fn seen(plan: &ObstaclePlan, matches: &[Match], time_us: u64) -> Obstacles {
+    let mut obstacles = Obstacles::new();
+    obstacles.update(plan, matches, None, HealthFlags::GOOD, time_us);
+    obstacles
+}
+
+/// Distances that a stream sends at this time.
+fn sent(
+    stream: &mut AutopilotStream,
+    obstacles: &Obstacles,
+    plan: &ObstaclePlan,
+    now_us: u64,
+) -> Option<OBSTACLE_DISTANCE_DATA> {
+    let mut distances = None;
+    let turned = stream.turn(obstacles, plan, now_us, &mut |frame: &[u8]| {
+        if let (_, MavMessage::OBSTACLE_DISTANCE(message)) = read(frame) {
+            distances = Some(message);
+        }
+        Ok::<(), ()>(())
+    });
+    assert_eq!(turned, Ok(()));
+    distances
+}
+
 /// The vehicle: pairs every 50 ms, fit until `unfit_ms`; both autopilots asked every 10 ms whether
 /// they go ahead.
 struct Flight {
@@ -201,17 +221,10 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
             let health =
                 if now_ms < unfit_ms { HealthFlags::GOOD } else { HealthFlags::FEW_MATCHES };
             obstacles.update(&plan, matches, None, health, now_ms * 1000);
-            stream
-                .turn(&obstacles, &plan, now_ms * 1000, &mut |frame: &[u8]| {
-                    if let (_, MavMessage::OBSTACLE_DISTANCE(message)) =
-                        MavlinkReader::new(frame).read_any_message()?
-                    {
-                        flight.px4.receive(&message, now_ms);
-                        flight.ardu.receive(&message, now_ms);
-                    }
-                    Ok::<(), mavlink::error::MessageReadError>(())
-                })
-                .unwrap();
+            if let Some(message) = sent(&mut stream, &obstacles, &plan, now_ms * 1000) {
+                flight.px4.receive(&message, now_ms);
+                flight.ardu.receive(&message, now_ms);
+            }
         }
         flight.log.push((now_ms, flight.px4.moves(0, now_ms), flight.ardu.says(0, now_ms)));
     }
@@ -221,23 +234,21 @@ fn fly(params: AutopilotParams, matches: &[Match], unfit_ms: u64, end_ms: u64) -
 impl Flight {
     /// The one state of PX4 in this time.
     fn px4(&self, from: u64, to: u64) -> Px4Says {
-        let said: Vec<_> = self
-            .log
-            .iter()
-            .filter(|(time, ..)| (from..to).contains(time))
-            .map(|&(_, px4, _)| px4)
-            .collect();
-        assert!(said.iter().all(|says| *says == said[0]), "{from} to {to} ms: {said:?}");
-        said[0]
+        self.only(from, to, |&(_, px4, _)| px4)
     }
 
     fn ardu(&self, from: u64, to: u64) -> ArduSays {
-        let said: Vec<_> = self
-            .log
-            .iter()
-            .filter(|(time, ..)| (from..to).contains(time))
-            .map(|&(.., ardu)| ardu)
-            .collect();
+        self.only(from, to, |&(.., ardu)| ardu)
+    }
+
+    fn only<T: Copy + PartialEq + core::fmt::Debug>(
+        &self,
+        from: u64,
+        to: u64,
+        of: fn(&(u64, Px4Says, ArduSays)) -> T,
+    ) -> T {
+        let is_then = |(time, ..): &&(u64, _, _)| (from..to).contains(time);
+        let said: Vec<T> = self.log.iter().filter(is_then).map(of).collect();
         assert!(said.iter().all(|says| *says == said[0]), "{from} to {to} ms: {said:?}");
         said[0]
     }
@@ -343,21 +354,12 @@ fn px4_with_36_bins_sees_an_obstacle_between_them_because_it_is_widened() {
     let plan = plan();
     let mut matches = far();
     matches.push(edge(187, 20.0)); // 5.2 degrees to the right: sector 1, which is not read
-    let mut obstacles = Obstacles::new();
-    obstacles.update(&plan, &matches, None, HealthFlags::GOOD, 0);
+    let obstacles = seen(&plan, &matches, 0);
     for (widen, expected) in [(false, Px4Says::Moves), (true, Px4Says::Stops)] {
         let params = AutopilotParams { widen, ..policy(Policy::Block) };
         let mut stream = AutopilotStream::new(params, &plan).unwrap();
         let mut px4 = Px4::new(36);
-        let sent = stream.turn(&obstacles, &plan, 0, &mut |frame: &[u8]| {
-            if let (_, MavMessage::OBSTACLE_DISTANCE(message)) =
-                MavlinkReader::new(frame).read_any_message()?
-            {
-                px4.receive(&message, 0);
-            }
-            Ok::<(), mavlink::error::MessageReadError>(())
-        });
-        assert!(sent.is_ok());
+        px4.receive(&sent(&mut stream, &obstacles, &plan, 0).unwrap(), 0);
         assert_eq!(px4.moves(0, 0), expected);
     }
 }
@@ -368,8 +370,7 @@ fn distances_are_never_0_clear_is_beyond_the_range_and_outside_stays_unknown() {
     let plan = plan();
     let mut matches = far();
     matches.extend([edge(160, 64.0), edge(240, 29.0)]);
-    let mut obstacles = Obstacles::new();
-    obstacles.update(&plan, &matches, None, HealthFlags::GOOD, 0);
+    let obstacles = seen(&plan, &matches, 0);
     let params =
         AutopilotParams { min_distance_cm: 60, block_cm: 60, widen: false, ..Default::default() };
     let message = AutopilotStream::new(params, &plan).unwrap().distances(&obstacles, &plan, 7);
@@ -393,25 +394,18 @@ fn distances_are_never_0_clear_is_beyond_the_range_and_outside_stays_unknown() {
 #[test]
 fn the_sensor_ahead_is_clear_only_if_all_ahead_is() {
     let plan = plan();
-    let stream =
-        AutopilotStream::new(AutopilotParams { widen: false, ..Default::default() }, &plan)
-            .unwrap();
+    let params = AutopilotParams { widen: false, ..Default::default() };
+    let stream = AutopilotStream::new(params, &plan).unwrap();
     let ahead = |matches: &[Match]| {
-        let mut obstacles = Obstacles::new();
-        obstacles.update(&plan, matches, None, HealthFlags::GOOD, 0);
-        stream
-            .forward(&stream.distances(&obstacles, &plan, 0), &plan)
-            .map(|sensor| sensor.current_distance)
+        let distances = stream.distances(&seen(&plan, matches, 0), &plan, 0);
+        stream.forward(&distances, &plan).map(|sensor| sensor.current_distance)
     };
     assert_eq!(ahead(&far()), Some(1001));
     assert_eq!(ahead(&[edge(160, 1.5)]), None, "free ahead, unknown beside it");
     assert_eq!(ahead(&[edge(160, 15.0)]), Some(200), "an obstacle is enough");
     assert_eq!(ahead(&[]), None);
-    let sensor = {
-        let mut obstacles = Obstacles::new();
-        obstacles.update(&plan, &far(), None, HealthFlags::GOOD, 1_000_000);
-        stream.forward(&stream.distances(&obstacles, &plan, 1_234_567), &plan).unwrap()
-    };
+    let later = stream.distances(&seen(&plan, &far(), 1_000_000), &plan, 1_234_567);
+    let sensor = stream.forward(&later, &plan).unwrap();
     assert_eq!(sensor.time_boot_ms, 1234);
     assert!((sensor.horizontal_fov.to_degrees() - 15.0).abs() < 1e-4);
 }
