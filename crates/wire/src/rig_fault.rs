@@ -10,38 +10,53 @@ use serde::{Deserialize, Serialize};
 
 /// Why an image, or what lies in a slot, is no rig: a [`RigImageError`] without its numbers, or
 /// that there is no image to look at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RigFault {
     /// The board has no flash for rigs.
+    #[error("no flash")]
     NoFlash,
     /// The flash cannot be read.
+    #[error("unreadable")]
     Unreadable,
     /// [`RigImageError::Empty`].
+    #[error("empty")]
     Empty,
     /// [`RigImageError::Foreign`].
+    #[error("foreign")]
     Foreign,
     /// [`RigImageError::Truncated`].
+    #[error("truncated")]
     Truncated,
     /// [`RigImageError::Surplus`].
+    #[error("surplus bytes")]
     Surplus,
     /// [`RigImageError::Damaged`].
+    #[error("damaged")]
     Damaged,
     /// [`RigImageError::OtherVersion`].
+    #[error("other version")]
     OtherVersion,
     /// [`RigImageError::Length`].
+    #[error("damaged or of another version")]
     Length,
     /// The left camera: [`RigImageError::Camera`], [`RigImageError::LensKind`].
+    #[error("left camera unusable")]
     LeftCamera,
     /// The right camera.
+    #[error("right camera unusable")]
     RightCamera,
     /// [`RigImageError::View`], or no pixel of it lies inside a raw image.
+    #[error("view unusable")]
     View,
     /// [`RigImageError::Range`].
+    #[error("disparity range unusable")]
     Range,
     /// A rig, but one whose images or bands this board has no memory for.
+    #[error("too large for this board")]
     TooLarge,
     /// Settings of which one is out of its range.
+    #[error("a setting out of its range")]
     OutOfRange,
 }
 
@@ -62,28 +77,6 @@ impl From<RigImageError> for RigFault {
             RigImageError::View(_) => Self::View,
             RigImageError::Range(_) => Self::Range,
         }
-    }
-}
-
-impl fmt::Display for RigFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoFlash => "no flash",
-            Self::Unreadable => "unreadable",
-            Self::Empty => "empty",
-            Self::Foreign => "foreign",
-            Self::Truncated => "truncated",
-            Self::Surplus => "surplus bytes",
-            Self::Damaged => "damaged",
-            Self::OtherVersion => "other version",
-            Self::Length => "damaged or of another version",
-            Self::LeftCamera => "left camera unusable",
-            Self::RightCamera => "right camera unusable",
-            Self::View => "view unusable",
-            Self::Range => "disparity range unusable",
-            Self::TooLarge => "too large for this board",
-            Self::OutOfRange => "a setting out of its range",
-        })
     }
 }
 

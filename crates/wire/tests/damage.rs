@@ -14,6 +14,13 @@ fn example() -> (Message, Message, Vec<u8>, Vec<u8>) {
     (first, second, first_packet, second_packet)
 }
 
+/// The packet with one bit of it flipped.
+fn flipped(good: &[u8], bit: usize) -> Vec<u8> {
+    let mut damaged = good.to_vec();
+    damaged[bit / 8] ^= 1 << (bit % 8);
+    damaged
+}
+
 #[test]
 fn a_flipped_bit_costs_its_packet_and_no_other() {
     let mut random = Random(12);
@@ -26,9 +33,7 @@ fn a_flipped_bit_costs_its_packet_and_no_other() {
     for message in messages {
         let good = packet(&message);
         for bit in 0..8 * (good.len() - 1) {
-            let mut damaged = good.clone();
-            damaged[bit / 8] ^= 1 << (bit % 8);
-            damaged.extend_from_slice(&next_packet);
+            let damaged = [flipped(&good, bit), next_packet.clone()].concat();
             let (results, counters) = decode::<Message>(&damaged);
             let (last, before) = results.split_last().unwrap();
             assert_eq!(last, &Ok(next.clone()), "bit {bit} of {message:?}");
@@ -43,11 +48,8 @@ fn a_flipped_bit_costs_its_packet_and_no_other() {
             assert_eq!(counters.bad() as usize, before.len());
         }
         // A damaged delimiter joins two packets: both are lost, the third is received.
-        for bit in 0..8 {
-            let mut damaged = good.clone();
-            *damaged.last_mut().unwrap() ^= 1 << bit;
-            damaged.extend_from_slice(&next_packet);
-            damaged.extend_from_slice(&next_packet);
+        for bit in 8 * (good.len() - 1)..8 * good.len() {
+            let damaged = [&flipped(&good, bit)[..], &next_packet, &next_packet].concat();
             let (results, counters) = decode::<Message>(&damaged);
             assert!(matches!(&results[..], [Err(_), Ok(last)] if *last == next), "{results:?}");
             assert_eq!((counters.good, counters.bad()), (1, 1));
@@ -56,12 +58,8 @@ fn a_flipped_bit_costs_its_packet_and_no_other() {
     for command in commands() {
         let good = packet(&command);
         for bit in 0..8 * (good.len() - 1) {
-            let mut damaged = good.clone();
-            damaged[bit / 8] ^= 1 << (bit % 8);
-            assert!(
-                decode::<Command>(&damaged).0.iter().all(Result::is_err),
-                "bit {bit} of {command:?}"
-            );
+            let results = decode::<Command>(&flipped(&good, bit)).0;
+            assert!(results.iter().all(Result::is_err), "bit {bit} of {command:?}");
         }
     }
 }
