@@ -33,17 +33,79 @@ const LIMITS: Limits = Limits {
 };
 const PATIENCE_US: u32 = 50_000;
 
-/// State common to both cameras and their clock.
+/// Microseconds that pass with a row on its way, with a row that is copied, and with a rest.
+#[derive(Clone, Copy, Default)]
+struct Pace {
+    row_us: u64,
+    copy_us: u64,
+    rest_us: u64,
+}
+
+/// All rows of a frame are there at once.
+const AT_ONCE: Pace = Pace { row_us: 0, copy_us: 0, rest_us: 1000 };
+/// Fetching a row takes so long that two cameras at once are not followed.
+const TIMED: Pace = Pace { row_us: 100, copy_us: 60, rest_us: 50 };
+/// From the start of a frame to that of the next one, while a sensor sends without a pause.
+const PERIOD_US: u64 = 52 * TIMED.row_us;
+
+/// Two cameras whose signals come when it is time, and their clock.
 #[derive(Default)]
 struct Bench {
     now_us: Cell<u64>,
-    signals: [RefCell<VecDeque<Signal>>; 2],
-    frames: Cell<u32>,
+    pace: Pace,
+    signals: [RefCell<VecDeque<(u64, Signal)>>; 2],
+    begun: [Cell<u32>; 2],
     /// Of the sensors: do they work, are they to send, what happened.
     is_dead: Cell<bool>,
     is_silent: Cell<bool>,
     stops: Cell<u32>,
     rests: Cell<u32>,
+    /// Of those that act on a level: is it high, since when and until when; from its rise to the
+    /// start of each one's frame, if it sends any.
+    edges: RefCell<Vec<(u64, bool)>>,
+    late_us: Cell<[Option<u64>; 2]>,
+    next_us: Cell<[Option<u64>; 2]>,
+}
+
+impl Bench {
+    fn new(pace: Pace) -> Rc<Self> {
+        Rc::new(Self { pace, ..Self::default() })
+    }
+
+    fn rings(self: &Rc<Self>) -> [Ring; 2] {
+        CameraSide::BOTH.map(|eye| Ring(self.clone(), eye))
+    }
+
+    fn pass(&self, us: u64) {
+        self.now_us.set(self.now_us.get() + us);
+    }
+
+    fn begin(&self, eye: CameraSide, time_us: u64) {
+        let first = 48 * self.begun[eye as usize].get();
+        let start = (time_us, Signal::FrameStart { time_us, row: first });
+        let rows = (1..=48).map(|row| {
+            let time_us = time_us + u64::from(row) * self.pace.row_us;
+            (time_us, Signal::Rows { end: first + row, bytes: 64, time_us })
+        });
+        self.signals[eye as usize].borrow_mut().extend([start].into_iter().chain(rows));
+        self.begun[eye as usize].set(self.begun[eye as usize].get() + 1);
+    }
+
+    /// Frames that have started by the level until now.
+    fn run(&self) {
+        let mut next_us = self.next_us.get();
+        for (eye, next_us) in CameraSide::BOTH.into_iter().zip(&mut next_us) {
+            while let Some(start_us) = next_us.filter(|&start_us| start_us <= self.now_us.get()) {
+                self.begin(eye, start_us);
+                *next_us = Some(start_us + PERIOD_US);
+            }
+        }
+        self.next_us.set(next_us);
+    }
+
+    fn begun(&self) -> [u32; 2] {
+        self.begun.each_ref().map(Cell::get)
+    }
 }
 
 /// The grey level of a pixel of a frame.
@@ -51,7 +113,7 @@ fn grey(eye: CameraSide, frame: u32, x: usize, y: u32) -> u8 {
     (x as u32 * 3 + y * 5 + eye as u32 * 77 + frame * 11) as u8
 }
 
-/// A ring that holds the last frame, whose rows are there at once.
+/// A ring that holds the last frame.
 struct Ring(Rc<Bench>, CameraSide);
 
 impl RowRing for Ring {
@@ -60,17 +122,22 @@ impl RowRing for Ring {
     }
 
     fn next_signal(&mut self) -> Option<Signal> {
-        self.0.signals[self.1 as usize].borrow_mut().pop_front()
+        self.0.run();
+        let mut signals = self.0.signals[self.1 as usize].borrow_mut();
+        signals
+            .pop_front_if(|(time_us, _)| *time_us <= self.0.now_us.get())
+            .map(|(_, signal)| signal)
     }
 
     fn written(&self) -> u32 {
-        48 * self.0.frames.get()
+        48 * self.0.begun[self.1 as usize].get()
     }
 
     fn copy(&self, row: u32, into: &mut [u8]) {
         for (x, pixel) in into.iter_mut().enumerate() {
             *pixel = grey(self.1, row / 48, x, row % 48);
         }
+        self.0.pass(self.0.pace.copy_us);
     }
 
     fn now_us(&self) -> u64 {
@@ -78,7 +145,7 @@ impl RowRing for Ring {
     }
 
     fn rest(&self) {
-        self.0.now_us.set(self.0.now_us.get() + 1000);
+        self.0.pass(self.0.pace.rest_us);
         self.0.rests.set(self.0.rests.get() + 1);
     }
 }
@@ -92,15 +159,9 @@ impl Cameras for Sensors {
         if bench.is_dead.get() {
             return false;
         }
-        if bench.is_silent.get() {
-            return true;
+        if !bench.is_silent.get() {
+            CameraSide::BOTH.into_iter().for_each(|eye| bench.begin(eye, bench.now_us.get()));
         }
-        let (time_us, first) = (bench.now_us.get(), 48 * bench.frames.get());
-        for signals in &bench.signals {
-            let rows = Signal::Rows { end: first + 48, bytes: 48 * 64, time_us: time_us + 100 };
-            signals.borrow_mut().extend([Signal::FrameStart { time_us, row: first }, rows]);
-        }
-        bench.frames.set(bench.frames.get() + 1);
         true
     }
 
@@ -124,11 +185,11 @@ impl TimedCameras for Sensors {
 }
 
 fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
-    let bench = Rc::new(Bench::default());
+    let bench = Bench::new(AT_ONCE);
     bench.now_us.set(start_us);
-    let rings = CameraSide::BOTH.map(|eye| Ring(bench.clone(), eye));
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
-    (bench.clone(), CameraSource::new(rings, Sensors(bench), capture, DIMS, PATIENCE_US))
+    let sensors = Sensors(bench.clone());
+    (bench.clone(), CameraSource::new(bench.rings(), sensors, capture, DIMS, PATIENCE_US))
 }
 
 /// The pair that lies in a memory.
@@ -200,7 +261,7 @@ fn ahead_a_call_has_its_own_rig_and_takes_what_was_triggered_before_it() {
         bench.now_us.set(bench.now_us.get() + 25_000);
     }
     assert_ne!(rectified(&first, 0), rectified(&second, 0));
-    assert_eq!((bench.frames.get(), source.losses()), (7, Some(CaptureReport::default())));
+    assert_eq!((bench.begun(), source.losses()), ([7; 2], Some(CaptureReport::default())));
 }
 
 /// The next pair, of which nobody looks at the pixels.
@@ -262,94 +323,10 @@ fn nobody_says_that_nothing_moves_unless_somebody_does() {
     assert_eq!(source.still(40_000).still_us(), Some(40_000));
 }
 
-const ROW_US: u64 = 100;
-/// From the start of a frame to that of the next one, while a sensor sends without a pause.
-const PERIOD_US: u64 = 52 * ROW_US;
-
-/// Two cameras whose signals come when it is time.
-#[derive(Default)]
-struct Timed {
-    now_us: Cell<u64>,
-    signals: [RefCell<VecDeque<(u64, Signal)>>; 2],
-    begun: [Cell<u32>; 2],
-    /// Of those that act on a level: is it high, since when and until when; from its rise to the
-    /// start of each one's frame, if it sends any.
-    edges: RefCell<Vec<(u64, bool)>>,
-    late_us: Cell<[Option<u64>; 2]>,
-    next_us: Cell<[Option<u64>; 2]>,
-}
-
-impl Timed {
-    fn pass(&self, us: u64) {
-        self.now_us.set(self.now_us.get() + us);
-    }
-
-    fn begin(&self, eye: CameraSide, time_us: u64) {
-        let first = 48 * self.begun[eye as usize].get();
-        let start = (time_us, Signal::FrameStart { time_us, row: first });
-        let rows = (1..=48).map(|row| {
-            let time_us = time_us + u64::from(row) * ROW_US;
-            (time_us, Signal::Rows { end: first + row, bytes: 64, time_us })
-        });
-        self.signals[eye as usize].borrow_mut().extend([start].into_iter().chain(rows));
-        self.begun[eye as usize].set(self.begun[eye as usize].get() + 1);
-    }
-
-    /// Frames that have started by the level until now.
-    fn run(&self) {
-        let mut next_us = self.next_us.get();
-        for (eye, next_us) in CameraSide::BOTH.into_iter().zip(&mut next_us) {
-            while let Some(start_us) = next_us.filter(|&start_us| start_us <= self.now_us.get()) {
-                self.begin(eye, start_us);
-                *next_us = Some(start_us + PERIOD_US);
-            }
-        }
-        self.next_us.set(next_us);
-    }
-
-    fn begun(&self) -> [u32; 2] {
-        self.begun.each_ref().map(Cell::get)
-    }
-}
-
-/// Fetching a row takes so long that two cameras at once are not followed.
-struct TimedRing(Rc<Timed>, CameraSide);
-
-impl RowRing for TimedRing {
-    fn rows(&self) -> u32 {
-        64
-    }
-
-    fn next_signal(&mut self) -> Option<Signal> {
-        self.0.run();
-        let mut signals = self.0.signals[self.1 as usize].borrow_mut();
-        signals
-            .pop_front_if(|(time_us, _)| *time_us <= self.0.now_us.get())
-            .map(|(_, signal)| signal)
-    }
-
-    fn written(&self) -> u32 {
-        48 * self.0.begun[self.1 as usize].get()
-    }
-
-    fn copy(&self, _: u32, into: &mut [u8]) {
-        into.fill(7);
-        self.0.pass(ROW_US * 6 / 10);
-    }
-
-    fn now_us(&self) -> u64 {
-        self.0.now_us.get()
-    }
-
-    fn rest(&self) {
-        self.0.pass(50);
-    }
-}
-
 /// Sensors that expose after the trigger and then send, the right one like the left one was last
 /// told to be. The left one makes its exposure longer by itself.
 struct Exposing {
-    bench: Rc<Timed>,
+    bench: Rc<Bench>,
     exposures_us: [u64; 2],
 }
 
@@ -376,12 +353,11 @@ impl Cameras for Exposing {
 
 #[test]
 fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
-    let bench = Rc::new(Timed::default());
-    let rings = CameraSide::BOTH.map(|eye| TimedRing(bench.clone(), eye));
+    let bench = Bench::new(TIMED);
     // Further apart than `pair_us` from the beginning.
     let cameras = Exposing { bench: bench.clone(), exposures_us: [3000, 1000] };
     let capture = Capture::new(LIMITS, FrameStart::Triggered);
-    let mut source = CameraSource::new(rings, cameras, capture, DIMS, 15_000);
+    let mut source = CameraSource::new(bench.rings(), cameras, capture, DIMS, 15_000);
     assert_eq!(next(&mut source), None);
     assert_eq!(source.losses().unwrap().unpaired, 1);
     for exposure_us in [3800, 4600, 5400] {
@@ -393,8 +369,8 @@ fn a_pair_that_is_missing_because_exposures_differ_makes_them_alike() {
     }
 }
 
-/// The pin of [`Timed`]'s level, and its pause.
-struct Level(Rc<Timed>);
+/// The pin of [`Bench`]'s level, and its pause.
+struct Level(Rc<Bench>);
 
 impl ErrorType for Level {
     type Error = Infallible;
@@ -432,8 +408,8 @@ type Held = StereoCamera<Hm01b0Nibbles, Fake, NoReset, Fake, NoReset, Level, Lev
 fn held(
     late_us: [Option<u64>; 2],
     limits: Limits,
-) -> (Rc<Timed>, CameraSource<TimedRing, Held>, [Fake; 2]) {
-    let bench = Rc::new(Timed::default());
+) -> (Rc<Bench>, CameraSource<Ring, Held>, [Fake; 2]) {
+    let bench = Bench::new(TIMED);
     bench.late_us.set(late_us);
     let fakes = [Fake::of::<Hm01b0Nibbles>(), Fake::of::<Hm01b0Nibbles>()];
     let [left, right] = fakes.clone().map(|fake| Chip::new(fake, Hm01b0Nibbles::ADDRESS, NoReset));
@@ -445,14 +421,14 @@ fn held(
     };
     let trigger = Trigger::new(Level(bench.clone())).unwrap();
     let cameras = StereoCamera::new((left, right), Some(trigger), Level(bench.clone()), config);
-    let rings = CameraSide::BOTH.map(|eye| TimedRing(bench.clone(), eye));
     let capture = Capture::new(limits, FrameStart::Triggered);
-    (bench, CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US), fakes)
+    let source = CameraSource::new(bench.rings(), cameras, capture, DIMS, PATIENCE_US);
+    (bench, source, fakes)
 }
 
 /// The last two edges: when the level was raised, and for how long it was high. There were so many
 /// before.
-fn last_pulse(bench: &Timed, before: usize) -> (u64, u64) {
+fn last_pulse(bench: &Bench, before: usize) -> (u64, u64) {
     let edges = bench.edges.borrow();
     let [(from_us, true), (to_us, false)] = edges[before..] else { panic!("{edges:?}") };
     (from_us, to_us - from_us)
