@@ -474,8 +474,7 @@ unsafe fn directions<'a>(obstacles: *mut Obstacles) -> Result<&'a mut Directions
 /// A status in words; never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn linestereo_status_text(status: i32) -> *const c_char {
-    let known = Status::ALL.into_iter().find(|&known| known as i32 == status);
-    known.map_or(c"no status of linestereo", Status::text).as_ptr()
+    Status::text(status).unwrap_or(c"no status of linestereo").as_ptr()
 }
 
 /// Name of a fault by its bit, 0 to 23, as in the JSON of the PC's program; null for other bits.

@@ -120,134 +120,84 @@ pub enum Status {
 }
 
 impl Status {
-    /// Every code.
-    pub(crate) const ALL: [Self; 53] = [
-        Self::Ok,
-        Self::Null,
-        Self::Misaligned,
-        Self::MemoryTooSmall,
-        Self::NotInitialised,
-        Self::Busy,
-        Self::NoPair,
-        Self::NoSuchSegment,
-        Self::TooMany,
-        Self::PairUnfit,
-        Self::ImageSize,
-        Self::Stride,
-        Self::ImageTooShort,
-        Self::SpanCount,
-        Self::Span,
-        Self::Segments,
-        Self::MinDisparity,
-        Self::MaxDisparity,
-        Self::AnchorGradient,
-        Self::EdgeGradient,
-        Self::MinExtent,
-        Self::Cell,
-        Self::Reach,
-        Self::MinConfidence,
-        Self::Margin,
-        Self::Focal,
-        Self::Baseline,
-        Self::Offset,
-        Self::PrincipalPoint,
-        Self::NoRig,
-        Self::Infinite,
-        Self::NoSuchBar,
-        Self::RegionEmpty,
-        Self::RegionOutside,
-        Self::RegionRun,
-        Self::NoSuchSector,
-        Self::Yaw,
-        Self::Sectors,
-        Self::SectorRange,
-        Self::Heights,
-        Self::DropDepth,
-        Self::ErrorProbability,
-        Self::LittleSupport,
-        Self::TwoSurfaces,
-        Self::OnlyOutline,
-        Self::UnhealthyPair,
-        Self::NoParallax,
-        Self::PixelOutside,
-        Self::NearBorder,
-        Self::NoTexture,
-        Self::LeftRight,
-        Self::NotUnique,
-        Self::LowConfidence,
+    /// Every code in words, with the range of a number that is outside it.
+    const TEXTS: [(Self, &CStr); 53] = [
+        (Self::Ok, c"all is well"),
+        (Self::Null, c"a pointer is null"),
+        (
+            Self::Misaligned,
+            c"a pointer is not aligned: memory needs 8 bytes, structures their C alignment",
+        ),
+        (Self::MemoryTooSmall, c"the memory is smaller than linestereo_scratch_size says"),
+        (
+            Self::NotInitialised,
+            c"nothing at this address: not initialised, or copied from elsewhere",
+        ),
+        (Self::Busy, c"a callback called the matcher that runs it"),
+        (Self::NoPair, c"no pair has been matched yet"),
+        (Self::NoSuchSegment, c"no segment has this index"),
+        (Self::TooMany, c"more elements than memory can hold"),
+        (Self::PairUnfit, c"the pair is not fit to be used: linestereo_health says why"),
+        (Self::ImageSize, c"an image is outside 16x16 to 1280x1280"),
+        (Self::Stride, c"a stride is shorter than a row"),
+        (Self::ImageTooShort, c"an image ends before its last row does"),
+        (Self::SpanCount, c"one span of valid pixels is needed for each row"),
+        (Self::Span, c"the valid pixels of a row are no part of the image"),
+        (Self::Segments, c"segments is outside 1 to 4096"),
+        (Self::MinDisparity, c"min_disparity is outside -32 to 0"),
+        (
+            Self::MaxDisparity,
+            c"max_disparity is outside 8 to 256 above min_disparity, or not below the width",
+        ),
+        (Self::AnchorGradient, c"anchor_gradient is outside 4 to 1020"),
+        (Self::EdgeGradient, c"edge_gradient is outside 4 to anchor_gradient"),
+        (Self::MinExtent, c"min_extent is outside 6 to 32"),
+        (Self::Cell, c"cell is outside 8 to 256"),
+        (Self::Reach, c"reach is outside 1 to 6"),
+        (Self::MinConfidence, c"min_confidence_q16 is outside 10 to 99 percent"),
+        (Self::Margin, c"margin_q6 is outside 16 to 1024"),
+        (Self::Focal, c"focal_px is outside 1 to 100000"),
+        (Self::Baseline, c"baseline_m is outside 0.0001 to 10: is it in mm?"),
+        (Self::Offset, c"disparity_offset_px is outside -4096 to 4096"),
+        (Self::PrincipalPoint, c"principal_point_px is outside -2048 to 2048"),
+        (Self::NoRig, c"depths in metres need a rig: focal length and baseline"),
+        (Self::Infinite, c"the depth of this disparity is infinite"),
+        (Self::NoSuchBar, c"no bar has this index"),
+        (Self::RegionEmpty, c"a region without pixels"),
+        (Self::RegionOutside, c"a region outside of the image"),
+        (
+            Self::RegionRun,
+            c"a run of the mask is empty, outside of the image, or not behind the run before it",
+        ),
+        (Self::NoSuchSector, c"no sector has this index"),
+        (Self::Yaw, c"yaw_deg is outside -180 to 180"),
+        (Self::Sectors, c"sectors is outside 4 to 72"),
+        (Self::SectorRange, c"range_m is outside 0.1 to 600"),
+        (Self::Heights, c"heights_m is outside -1000 to 1000, or the lowest is above the highest"),
+        (Self::DropDepth, c"drop_m is outside 0 to 100"),
+        (Self::ErrorProbability, c"error_probability is outside 0.00002 to 0.5"),
+        (Self::LittleSupport, c"too few credible hypotheses in the region"),
+        (Self::TwoSurfaces, c"two surfaces explain the region equally well"),
+        (
+            Self::OnlyOutline,
+            c"hypotheses on the outline only: they may belong to what is beside the region",
+        ),
+        (Self::UnhealthyPair, c"the pair is not fit to be used"),
+        (
+            Self::NoParallax,
+            c"the same pixels in both images: too far for a depth, or dirt, or overlaid text",
+        ),
+        (Self::PixelOutside, c"the pixel lies outside of the valid image"),
+        (Self::NearBorder, c"too close to the border to compare disparities"),
+        (Self::NoTexture, c"nothing to match around the pixel"),
+        (Self::LeftRight, c"hidden in the right image, most likely"),
+        (Self::NotUnique, c"another disparity matches nearly as well"),
+        (Self::LowConfidence, c"not credible enough"),
     ];
 
-    /// The error in words, with the range of a number that is outside it.
-    pub const fn text(self) -> &'static CStr {
-        match self {
-            Self::Ok => c"all is well",
-            Self::Null => c"a pointer is null",
-            Self::Misaligned => {
-                c"a pointer is not aligned: memory needs 8 bytes, structures their C alignment"
-            }
-            Self::MemoryTooSmall => c"the memory is smaller than linestereo_scratch_size says",
-            Self::NotInitialised => {
-                c"nothing at this address: not initialised, or copied from elsewhere"
-            }
-            Self::Busy => c"a callback called the matcher that runs it",
-            Self::NoPair => c"no pair has been matched yet",
-            Self::NoSuchSegment => c"no segment has this index",
-            Self::TooMany => c"more elements than memory can hold",
-            Self::PairUnfit => c"the pair is not fit to be used: linestereo_health says why",
-            Self::ImageSize => c"an image is outside 16x16 to 1280x1280",
-            Self::Stride => c"a stride is shorter than a row",
-            Self::ImageTooShort => c"an image ends before its last row does",
-            Self::SpanCount => c"one span of valid pixels is needed for each row",
-            Self::Span => c"the valid pixels of a row are no part of the image",
-            Self::Segments => c"segments is outside 1 to 4096",
-            Self::MinDisparity => c"min_disparity is outside -32 to 0",
-            Self::MaxDisparity => {
-                c"max_disparity is outside 8 to 256 above min_disparity, or not below the width"
-            }
-            Self::AnchorGradient => c"anchor_gradient is outside 4 to 1020",
-            Self::EdgeGradient => c"edge_gradient is outside 4 to anchor_gradient",
-            Self::MinExtent => c"min_extent is outside 6 to 32",
-            Self::Cell => c"cell is outside 8 to 256",
-            Self::Reach => c"reach is outside 1 to 6",
-            Self::MinConfidence => c"min_confidence_q16 is outside 10 to 99 percent",
-            Self::Margin => c"margin_q6 is outside 16 to 1024",
-            Self::Focal => c"focal_px is outside 1 to 100000",
-            Self::Baseline => c"baseline_m is outside 0.0001 to 10: is it in mm?",
-            Self::Offset => c"disparity_offset_px is outside -4096 to 4096",
-            Self::PrincipalPoint => c"principal_point_px is outside -2048 to 2048",
-            Self::NoRig => c"depths in metres need a rig: focal length and baseline",
-            Self::Infinite => c"the depth of this disparity is infinite",
-            Self::NoSuchBar => c"no bar has this index",
-            Self::RegionEmpty => c"a region without pixels",
-            Self::RegionOutside => c"a region outside of the image",
-            Self::RegionRun => {
-                c"a run of the mask is empty, outside of the image, or not behind the run before it"
-            }
-            Self::NoSuchSector => c"no sector has this index",
-            Self::Yaw => c"yaw_deg is outside -180 to 180",
-            Self::Sectors => c"sectors is outside 4 to 72",
-            Self::SectorRange => c"range_m is outside 0.1 to 600",
-            Self::Heights => {
-                c"heights_m is outside -1000 to 1000, or the lowest is above the highest"
-            }
-            Self::DropDepth => c"drop_m is outside 0 to 100",
-            Self::ErrorProbability => c"error_probability is outside 0.00002 to 0.5",
-            Self::LittleSupport => c"too few credible hypotheses in the region",
-            Self::TwoSurfaces => c"two surfaces explain the region equally well",
-            Self::OnlyOutline => {
-                c"hypotheses on the outline only: they may belong to what is beside the region"
-            }
-            Self::UnhealthyPair => c"the pair is not fit to be used",
-            Self::NoParallax => {
-                c"the same pixels in both images: too far for a depth, or dirt, or overlaid text"
-            }
-            Self::PixelOutside => c"the pixel lies outside of the valid image",
-            Self::NearBorder => c"too close to the border to compare disparities",
-            Self::NoTexture => c"nothing to match around the pixel",
-            Self::LeftRight => c"hidden in the right image, most likely",
-            Self::NotUnique => c"another disparity matches nearly as well",
-            Self::LowConfidence => c"not credible enough",
-        }
+    /// The text of a code.
+    pub(crate) fn text(code: i32) -> Option<&'static CStr> {
+        Self::TEXTS.iter().find(|(known, _)| *known as i32 == code).map(|&(_, text)| text)
     }
 }
 
