@@ -25,19 +25,7 @@ impl Random {
     }
 }
 
-/// One of our frames.
-fn ours<M: Mavlink>(sender: Sender, message: &M) -> Vec<u8> {
-    let (mut sender, mut bytes) = (sender, Vec::new());
-    let sent = sender.send(message, &mut |frame: &[u8]| {
-        bytes.extend_from_slice(frame);
-        Ok::<(), ()>(())
-    });
-    assert_eq!(sent, Ok(()));
-    assert!(bytes.len() <= MAX_FRAME);
-    bytes
-}
-
-/// The same message in the words of the crate.
+/// A frame of the crate.
 fn frame_of(header: MavHeader, message: &theirs::MavMessage) -> Vec<u8> {
     let mut raw = MAVLinkV2MessageRaw::new();
     raw.serialize_message(header, message);
@@ -48,26 +36,27 @@ pub(crate) fn read(bytes: &[u8]) -> (MavHeader, theirs::MavMessage) {
     MavlinkReader::new(bytes).read_any_message().unwrap()
 }
 
-/// Compares both encodings, and what the crate reads from ours with what it was told.
-fn check<M: Mavlink>(sender: Sender, message: &M, expected: &theirs::MavMessage) {
+/// Compares both encodings of a message from any sender, and what the crate reads from ours with
+/// what it was told.
+fn check<M: Mavlink>(random: &mut Random, message: &M, expected: &theirs::MavMessage) {
+    let mut byte = || random.next() as u8;
+    let mut sender = Sender { system: byte(), component: byte(), sequence: byte() };
     let header = MavHeader {
         system_id: sender.system.into(),
         component_id: sender.component,
         sequence: sender.sequence,
     };
-    let bytes = ours(sender, message);
+    let mut bytes = Vec::new();
+    let sent = sender.send(message, &mut |frame: &[u8]| {
+        bytes.extend_from_slice(frame);
+        Ok::<(), ()>(())
+    });
+    assert_eq!(sent, Ok(()));
+    assert!(bytes.len() <= MAX_FRAME);
     assert_eq!(bytes, frame_of(header, expected), "{expected:?}");
     let (found_header, found) = read(&bytes);
     assert_eq!(found_header, header);
     assert_eq!(frame_of(header, &found), bytes, "{found:?} instead of {expected:?}");
-}
-
-fn any_sender(random: &mut Random) -> Sender {
-    Sender {
-        system: random.next() as u8,
-        component: random.next() as u8,
-        sequence: random.next() as u8,
-    }
 }
 
 fn their_obstacles(message: &ObstacleDistance) -> theirs::MavMessage {
@@ -117,7 +106,7 @@ fn heartbeats_are_those_of_the_crate() {
             mavlink_version: 3,
         });
         for _ in 0..300 {
-            check(any_sender(&mut random), &Heartbeat { status }, &expected);
+            check(&mut random, &Heartbeat { status }, &expected);
         }
     }
 }
@@ -138,7 +127,7 @@ fn distances_of_any_values_are_those_of_the_crate() {
             increment_f: [5.0, 7.5, 0.0, 90.0][round % 4],
             angle_offset: f32::from(word()) / 64.0 - 500.0,
         };
-        check(any_sender(&mut random), &message, &their_obstacles(&message));
+        check(&mut random, &message, &their_obstacles(&message));
 
         let mut word = || if zeros { 0 } else { random.next() as u16 };
         let message = DistanceSensor {
@@ -151,7 +140,7 @@ fn distances_of_any_values_are_those_of_the_crate() {
             vertical_fov: f32::from(word()) / 10_000.0,
             signal_quality: if round % 3 == 0 { 0 } else { word() as u8 },
         };
-        check(any_sender(&mut random), &message, &their_sensor(&message));
+        check(&mut random, &message, &their_sensor(&message));
     }
 }
 
@@ -351,15 +340,11 @@ fn parameters_and_times_are_sent_as_the_crate_sends_them() {
             param_id: id(name).into(),
             param_type: theirs::MavParamType::MAV_PARAM_TYPE_REAL32,
         });
-        check(
-            any_sender(&mut random),
-            &ParamValue { id: id(name), value, index, count },
-            &expected,
-        );
+        check(&mut random, &ParamValue { id: id(name), value, index, count }, &expected);
     }
     let (tc1, ts1) = (-1, 0x0123_4567_89ab_cdef);
     let expected = theirs::TIMESYNC_DATA { tc1, ts1, ..theirs::TIMESYNC_DATA::default() };
-    check(any_sender(&mut random), &Timesync { tc1, ts1 }, &theirs::MavMessage::TIMESYNC(expected));
+    check(&mut random, &Timesync { tc1, ts1 }, &theirs::MavMessage::TIMESYNC(expected));
 }
 
 /// Requests that the crate has written, to us, to all and to others.
