@@ -1,4 +1,5 @@
-//! Records made of the core's results, sent and read back: objects, points, health and settings.
+//! Records made of the core's results, sent and read back: segments, objects, points, health and
+//! settings.
 
 use crate::support::*;
 use linestereo::health::{HealthFlags, PairHealth, Rows, Still, Tear};
@@ -15,6 +16,7 @@ fn received(
 ) -> Vec<Message> {
     let mut wire = Vec::new();
     let sent = send(&mut |packet| {
+        assert!(packet.len() <= MAX_PACKET);
         wire.extend_from_slice(packet);
         Ok(())
     });
@@ -127,6 +129,28 @@ fn objects_of_any_bits_come_back_equal() {
     let record = ObjectRecord::new(1, &any_object(&mut random, 1));
     let unknown = ObjectRecord { disparity_q6: Err(200), ..record }.depth();
     assert_eq!(unknown.map_err(|error| error.reason), Err(Reason::LittleSupport));
+}
+
+#[test]
+fn matches_of_any_bits_come_back_in_order() {
+    let mut random = Random(1);
+    let full = SEGMENTS_PER_PACKET;
+    for length in [0, 1, full - 1, full, full + 1, 174] {
+        let matches: Vec<_> = (0..length).map(|_| any_match(&mut random)).collect();
+        let messages = received(|mut write| send_frame(&head(8, 0), &matches, &mut write));
+        assert_eq!(messages.len(), 1 + length.div_ceil(full));
+        let mut messages = messages.into_iter();
+        assert_eq!(messages.next(), Some(Message::Frame(head(8, length as u16))));
+        let mut back = Vec::new();
+        for message in messages {
+            let Message::Segments(Segments { sequence: 8, first, list }) = message else {
+                panic!("{message:?}")
+            };
+            assert_eq!(usize::from(first), back.len());
+            back.extend(list);
+        }
+        assert_eq!(back, matches);
+    }
 }
 
 #[test]

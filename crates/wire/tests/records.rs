@@ -21,34 +21,6 @@ fn every_record_comes_back() {
 }
 
 #[test]
-fn matches_of_any_bits_come_back_equal() {
-    let mut random = Random(1);
-    for length in [0, 1, SEGMENTS_PER_PACKET - 1, SEGMENTS_PER_PACKET, SEGMENTS_PER_PACKET + 1, 174]
-    {
-        let matches: Vec<_> = (0..length).map(|_| any_match(&mut random)).collect();
-        let mut wire = Vec::new();
-        let mut packets = 0;
-        let sent = send_frame(&head(8, 0), &matches, &mut |packet| {
-            assert!(packet.len() <= MAX_PACKET);
-            packets += 1;
-            wire.extend_from_slice(packet);
-            Ok::<(), ()>(())
-        });
-        assert_eq!((sent, packets), (Ok(()), 1 + length.div_ceil(SEGMENTS_PER_PACKET)));
-
-        let mut results = decode::<Message>(&wire).0.into_iter();
-        assert_eq!(results.next(), Some(Ok(Message::Frame(head(8, length as u16)))));
-        let mut received = Vec::new();
-        for result in results {
-            let Ok(Message::Segments(segments)) = result else { panic!("no segments: {result:?}") };
-            assert_eq!((segments.sequence, usize::from(segments.first)), (8, received.len()));
-            received.extend(segments.list);
-        }
-        assert_eq!(received, matches);
-    }
-}
-
-#[test]
 fn a_port_that_fails_ends_the_frame() {
     let matches = [any_match(&mut Random(2)); 25];
     let mut calls = 0;

@@ -187,6 +187,39 @@ pub(crate) fn messages() -> Vec<Message> {
         rig: longest_rig,
         reset: Some(Reset { cause: ResetCause::Unknown, location: u32::MAX }),
     };
+    let longest_point = Point {
+        x: u16::MAX,
+        y: u16::MAX,
+        disparity: Disparity::MIN,
+        confidence: Confidence::MAX,
+        source: Source::Segment(u16::MAX),
+    };
+    let longest_object = ObjectRecord {
+        label: u16::MAX,
+        disparity_q6: Ok(i16::MIN),
+        sigma_q6: i16::MIN,
+        slope_q10: [i16::MIN; 2],
+        spread_q6: i16::MIN,
+        depth_q16: Some([i32::MIN; 3]),
+        support: u16::MAX,
+        confidence_q16: u16::MAX,
+    };
+    let seen = Sighting { distance_cm: u16::MAX, confidence_q16: u16::MAX, age_ms: u16::MAX };
+    let longest_sector = SectorRecord { index: u8::MAX, nearest: Some(seen), drop_off: Some(seen) };
+    let photo = PairHead {
+        width: u16::MAX,
+        height: 1,
+        capture_time_us: u64::MAX,
+        right_capture_time_us: Some(u64::MAX),
+    };
+    let silicon = Silicon {
+        processor_id: u32::MAX,
+        chip_id: u32::MAX,
+        core_hz: u32::MAX,
+        flash_wait: u8::MAX,
+        instruction_cache: true,
+        data_cache: false,
+    };
     let mut list = examples::messages().into_iter().map(|(message, _)| message).collect::<Vec<_>>();
     list.extend([
         Message::Hello(Hello { rig: RigReport::NONE, reset: None, ..longest_hello.clone() }),
@@ -210,58 +243,22 @@ pub(crate) fn messages() -> Vec<Message> {
             list: [longest_match(); SEGMENTS_PER_PACKET].into(),
         }),
         Message::Answer(Answer { command: 0, outcome: Outcome::Accepted }),
-    ]);
-    list.extend(
-        refusals.map(|why| {
-            Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })
-        }),
-    );
-    let longest_point = Point {
-        x: u16::MAX,
-        y: u16::MAX,
-        disparity: Disparity::MIN,
-        confidence: Confidence::MAX,
-        source: Source::Segment(u16::MAX),
-    };
-    list.extend([
         Message::Points(Points { sequence: 1, first: 0, list: heapless::Vec::new() }),
         Message::Points(Points {
             sequence: u32::MAX,
             first: u32::MAX,
             list: [longest_point; POINTS_PER_PACKET].into(),
         }),
-    ]);
-    let longest_object = ObjectRecord {
-        label: u16::MAX,
-        disparity_q6: Ok(i16::MIN),
-        sigma_q6: i16::MIN,
-        slope_q10: [i16::MIN; 2],
-        spread_q6: i16::MIN,
-        depth_q16: Some([i32::MIN; 3]),
-        support: u16::MAX,
-        confidence_q16: u16::MAX,
-    };
-    list.push(Message::Objects(Objects {
-        sequence: u32::MAX,
-        list: [longest_object; OBJECTS_PER_PACKET].into(),
-    }));
-    let seen = Sighting { distance_cm: u16::MAX, confidence_q16: u16::MAX, age_ms: u16::MAX };
-    let longest_sector = SectorRecord { index: u8::MAX, nearest: Some(seen), drop_off: Some(seen) };
-    list.extend([
+        Message::Objects(Objects {
+            sequence: u32::MAX,
+            list: [longest_object; OBJECTS_PER_PACKET].into(),
+        }),
         Message::Sectors(Sectors { sequence: 1, turn: 4, list: heapless::Vec::new() }),
         Message::Sectors(Sectors {
             sequence: u32::MAX,
             turn: u8::MAX,
             list: [longest_sector; SECTORS_PER_PACKET].into(),
         }),
-    ]);
-    let photo = PairHead {
-        width: u16::MAX,
-        height: 1,
-        capture_time_us: u64::MAX,
-        right_capture_time_us: Some(u64::MAX),
-    };
-    list.extend([
         Message::Photo(photo),
         Message::Pixels(Pixels { is_right: false, first: 0, list: heapless::Vec::new() }),
         Message::Pixels(Pixels {
@@ -276,16 +273,6 @@ pub(crate) fn messages() -> Vec<Message> {
             skipped: u32::MAX,
             sensors: [u32::MAX; 2],
         }),
-    ]);
-    let silicon = Silicon {
-        processor_id: u32::MAX,
-        chip_id: u32::MAX,
-        core_hz: u32::MAX,
-        flash_wait: u8::MAX,
-        instruction_cache: true,
-        data_cache: false,
-    };
-    list.extend([
         Message::Machine(MachineReport {
             firmware: "y".repeat(24).as_str().try_into().unwrap(),
             unit: "instructions____".try_into().unwrap(),
@@ -302,8 +289,6 @@ pub(crate) fn messages() -> Vec<Message> {
             time_us: u32::MAX,
             digests: [u32::MAX; DIGESTS],
         }),
-    ]);
-    list.extend([
         Message::Setting(SettingValue { number: u8::MAX, value: f32::MIN }),
         Message::Clock(u64::MAX),
         Message::Kept(KeptReport {
@@ -311,6 +296,11 @@ pub(crate) fn messages() -> Vec<Message> {
             slots: [Ok(u32::MAX), Err(RigFault::OutOfRange)],
         }),
     ]);
+    list.extend(
+        refusals.map(|why| {
+            Message::Answer(Answer { command: u16::MAX, outcome: Outcome::Refused(why) })
+        }),
+    );
     list.extend((0..20_u16).map(|first| {
         let list = (0..=first as usize % SEGMENTS_PER_PACKET).map(|_| any_match(&mut random));
         Message::Segments(Segments { sequence: 3, first, list: list.collect() })
