@@ -354,9 +354,8 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
     let hardware = hardware(first_row);
     let mut rings = rings(&hardware);
     let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
-    let mut frames: Frames = [[0; _]; 2];
+    let mut sink = Kept::EMPTY;
     let (mut pairs, mut reported) = (Vec::new(), Faults::default());
-    let mut rows_of = [0_u16; 2];
     let count = plan.injected[0].len() as u32;
     for frame in 0..count {
         for (camera, list) in hardware.borrow_mut().cameras.iter_mut().zip(&plan.injected) {
@@ -370,31 +369,21 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
         let end = start + PERIOD_US;
         loop {
             // From one thing that happens to the next; a stall goes to row 9 at once.
-            let (now, next) = {
-                let hardware = hardware.borrow();
-                let next = hardware
-                    .cameras
-                    .iter()
-                    .filter_map(|camera| camera.steps.front())
-                    .map(|step| step.0)
-                    .min();
-                (hardware.now_us, next.unwrap_or(end).min(end))
-            };
+            let now = hardware.borrow().now_us;
+            let next_us = |camera: &FakeCamera| camera.steps.front().map(|step| step.0);
+            let next = hardware.borrow().cameras.iter().filter_map(next_us).min();
+            let next = next.unwrap_or(end).min(end);
             let is_stalled = plan.stalls.contains(&frame)
                 && (start + 3 * ROW_US..start + 9 * ROW_US).contains(&next);
             pass(&hardware, next - now);
             if !is_stalled {
-                let mut sink = Resumed { rows: rows_of, frames: &mut frames };
                 while let Some(report) = capture.turn(&mut rings, &mut sink) {
                     match report {
-                        Report::Pair(pair) => {
-                            pairs.push((frame_of(frames_of(*sink.frames))?, pair))
-                        }
+                        Report::Pair(pair) => pairs.push((frame_of(frames_of(sink.frames))?, pair)),
                         Report::Fault(eye, fault) => reported[eye as usize][fault as usize] += 1,
                         other => return Err(format!("{other:?}")),
                     }
                 }
-                rows_of = sink.rows;
             }
             if next == end {
                 break;
@@ -405,12 +394,16 @@ fn run(plan: &Plan, first_row: u32) -> Result<Run, String> {
 }
 
 /// Frames that stay while the hardware's time passes; refuses what a rectifier would.
-struct Resumed<'a> {
+struct Kept {
     rows: [u16; 2],
-    frames: &'a mut Frames,
+    frames: Frames,
 }
 
-impl RowSink for Resumed<'_> {
+impl Kept {
+    const EMPTY: Self = Self { rows: [0; 2], frames: [[0; _]; 2] };
+}
+
+impl RowSink for Kept {
     fn restart(&mut self, eye: CameraSide) {
         self.rows[eye as usize] = 0;
     }
@@ -482,17 +475,16 @@ fn play(
     }
     let mut rings = rings(&hardware).map(|ring| FakeRing { copy_us, ..ring });
     let mut capture = Capture::new(LIMITS, FrameStart::Triggered);
-    let mut frames_memory: Frames = [[0; _]; 2];
-    let mut sink = Resumed { rows: [0; 2], frames: &mut frames_memory };
+    let mut sink = Kept::EMPTY;
     let mut delivered = Vec::new();
     while hardware.borrow().now_us < u64::from(frames) * PERIOD_US {
         pass(&hardware, 1);
         while let Some(report) = capture.turn(&mut rings, &mut sink) {
             if let Report::Pair(_) = report {
-                delivered.push(frame_of(frames_of(*sink.frames)).unwrap());
-                let before = *sink.frames;
+                delivered.push(frame_of(frames_of(sink.frames)).unwrap());
+                let before = sink.frames;
                 pass(&hardware, work_us);
-                assert_eq!(*sink.frames, before, "a pair changes while it is worked on");
+                assert_eq!(sink.frames, before, "a pair changes while it is worked on");
             }
         }
     }
