@@ -1,8 +1,9 @@
 //! Curves of costs over disparity.
 
-use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, Rooms, range};
-use super::{Compared, Kernels};
+use super::rooms::{ALIGNMENTS, CURVE, Contents, ROW, range};
+use super::{Kernels, Trial};
 use crate::programs::random::Random;
+use core::ops::RangeInclusive;
 use linestereo::unstable::kernel::{LANES, STRIP, Strip, portable};
 
 /// Lengths of cost curves: whole blocks, and such that are none.
@@ -14,16 +15,15 @@ fn curve_lengths() -> impl Iterator<Item = usize> {
 const MOST: usize = 34;
 
 /// Curves that sum what `count` slices of pixels give, with slices that are too short or longer
-/// than need be among them. `given` runs a kernel on the slices; the first of both runs is that of
-/// the kernel.
+/// than need be among them. `run` runs the kernel on the slices, and on what it makes of a seed.
 fn summed_curves(
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-    counts: core::ops::RangeInclusive<usize>,
+    kernels: &Kernels,
+    trial: &mut Trial<'_>,
+    counts: RangeInclusive<usize>,
     beyond: usize,
-    mut run: impl FnMut(&[&[u8]], u32, &mut [u16], &mut [u16]),
+    run: impl Fn(&Kernels, &[&[u8]], u32, &mut [u16]),
 ) {
+    let Trial { rooms, random, compared } = trial;
     for length in curve_lengths() {
         for count in counts.clone() {
             let contents = Contents::ALL[random.below(6)];
@@ -53,45 +53,30 @@ fn summed_curves(
                 let mut expected = *curve;
                 let range = range(CURVE, length, distance / 2, distance % 2 == 0);
                 starts[3] = range.start;
-                run(
-                    &others[..count],
-                    random.next(),
-                    &mut curve[range.clone()],
-                    &mut expected[range],
-                );
+                let (others, seed) = (&others[..count], random.next());
+                run(kernels, others, seed, &mut curve[range.clone()]);
+                run(&Kernels::PORTABLE, others, seed, &mut expected[range]);
                 compared.note(*curve == expected, length, (count, 0), starts);
             }
         }
     }
 }
 
-pub(super) fn sad_curves(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    summed_curves(rooms, random, compared, 0..=10, STRIP - 1, |others, seed, ours, theirs| {
+pub(super) fn sad_curves(kernels: &Kernels, trial: &mut Trial<'_>) {
+    summed_curves(kernels, trial, 0..=10, STRIP - 1, |of, others, seed, curve| {
         let mut random = Random(seed | 1);
         let mut strips = [Strip { reference: [0; STRIP], other: &[] }; MOST];
         for (strip, &other) in strips.iter_mut().zip(others) {
             Contents::ALL[random.below(6)].fill(&mut random, &mut strip.reference);
             strip.other = other;
         }
-        let strips = &strips[..others.len()];
-        (kernels.sad_curve)(strips, ours);
-        portable::sad_curve(strips, theirs);
+        (of.sad_curve)(&strips[..others.len()], curve);
     });
 }
 
-pub(super) fn hamming_curves(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn hamming_curves(kernels: &Kernels, trial: &mut Trial<'_>) {
     // Three more than the most that are allowed: no reason to give other bits.
-    summed_curves(rooms, random, compared, 0..=MOST, 0, |others, seed, ours, theirs| {
+    summed_curves(kernels, trial, 0..=MOST, 0, |of, others, seed, curve| {
         let mut random = Random(seed | 1);
         let mut points: [(u8, &[u8]); MOST] = [(0, &[]); MOST];
         let extreme = seed & 0x100 != 0;
@@ -99,21 +84,20 @@ pub(super) fn hamming_curves(
             let code = random.next() as u8;
             *point = (if extreme { !other.first().unwrap_or(&0) } else { code }, other);
         }
-        let points = &points[..others.len()];
-        (kernels.hamming_curve)(points, ours);
-        portable::hamming_curve(points, theirs);
+        (of.hamming_curve)(&points[..others.len()], curve);
     });
 }
 
 /// Entries of the longest curve that is combined with others.
 const COMBINED: usize = 72;
 
-pub(super) fn combined_curves(
-    kernel: impl Fn([&[u16]; 3], &mut [u16]),
-    definition: impl Fn([&[u16]; 3], &mut [u16]),
-    random: &mut Random,
-    compared: &mut Compared,
+/// A kernel that makes a curve of up to three others; `run` runs it.
+pub(super) fn combined(
+    kernels: &Kernels,
+    trial: &mut Trial<'_>,
+    run: impl Fn(&Kernels, [&[u16]; 3], &mut [u16]),
 ) {
+    let Trial { random, compared, .. } = trial;
     for length in 0..=70 {
         for round in 0..64_usize {
             let mut inputs = [[0; COMBINED]; 3];
@@ -130,20 +114,16 @@ pub(super) fn combined_curves(
             let mut out = [0; COMBINED];
             out.fill_with(|| random.entry());
             let mut expected = out;
-            kernel(given, &mut out[to.clone()]);
-            definition(given, &mut expected[to]);
+            run(kernels, given, &mut out[to.clone()]);
+            run(&Kernels::PORTABLE, given, &mut expected[to]);
             starts = starts.map(|start| 2 * start);
             compared.note(out == expected, length, (3, 0), starts);
         }
     }
 }
 
-pub(super) fn lowest_entries(
-    kernels: &Kernels,
-    _: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn lowest_entries(kernels: &Kernels, trial: &mut Trial<'_>) {
+    let Trial { random, compared, .. } = trial;
     for length in 0..=70 {
         for round in 0..64 {
             let mut curve = [u16::MAX; COMBINED];

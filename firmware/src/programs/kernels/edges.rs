@@ -1,18 +1,13 @@
 //! Steps and crossings of edges, and census of one pixel.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, Rooms, range};
-use super::{Compared, Kernels};
-use crate::programs::random::Random;
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, range};
+use super::{Kernels, Trial};
 use linestereo::unstable::kernel::portable;
 
-pub(super) fn largest_steps(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn largest_steps(kernels: &Kernels, trial: &mut Trial<'_>) {
     const FAR: [usize; 5] =
         [usize::MAX / 20, usize::MAX / 2, usize::MAX / 2 + 1, usize::MAX - 1, usize::MAX];
+    let Trial { rooms, random, compared } = trial;
     for contents in Contents::ALL {
         contents.fill(random, &mut rooms.image.contents);
         for stride in (0..=5).chain([8, 63, 255, 319, 320, 321, 322, 640]).chain(FAR) {
@@ -48,12 +43,11 @@ pub(super) fn largest_steps(
     }
 }
 
+/// A kernel that looks around a pixel at a stride, with a sign; `look` runs it.
 pub(super) fn crossings<T: PartialEq>(
-    kernel: impl Fn(&[u8], usize, usize, i32) -> Option<T>,
-    definition: impl Fn(&[u8], usize, usize, i32) -> Option<T>,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
+    kernels: &Kernels,
+    trial: &mut Trial<'_>,
+    look: impl Fn(&Kernels, &[u8], usize, usize, i32) -> Option<T>,
 ) {
     const FAR: [usize; 12] = [
         usize::MAX,
@@ -69,6 +63,7 @@ pub(super) fn crossings<T: PartialEq>(
         usize::MAX / 7,
         usize::MAX / 7 + 1,
     ];
+    let Trial { rooms, random, compared } = trial;
     let mut compare = |image: &[u8; IMAGE],
                        length: usize,
                        first: usize,
@@ -79,9 +74,9 @@ pub(super) fn crossings<T: PartialEq>(
         let start = range.start;
         let pixels = &image[range];
         for sign in [1, -1] {
-            let equal =
-                kernel(pixels, first, stride, sign) == definition(pixels, first, stride, sign);
-            compared.note(equal, length, (first, stride), [start, 0, 0, 0]);
+            let [ours, theirs] = [kernels, &Kernels::PORTABLE]
+                .map(|kernels| look(kernels, pixels, first, stride, sign));
+            compared.note(ours == theirs, length, (first, stride), [start, 0, 0, 0]);
         }
     };
     for contents in Contents::ALL {

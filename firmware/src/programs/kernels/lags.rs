@@ -1,18 +1,13 @@
 //! Products of gradients along two rows, at several lags.
 
-use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, range};
-use super::{Compared, Kernels};
-use crate::programs::random::Random;
+use super::rooms::{ALIGNMENTS, Contents, ROW, range};
+use super::{Kernels, Trial};
 use linestereo::unstable::kernel::{GRADIENTS, Products, RIGHT_GRADIENTS, portable};
 
-pub(super) fn products(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn products(kernels: &Kernels, trial: &mut Trial<'_>) {
     const LEFT: usize = GRADIENTS + 2;
     const RIGHT: usize = RIGHT_GRADIENTS + 2;
+    let Trial { rooms, random, compared } = trial;
     let [left, right, _] = &mut rooms.rows;
     for (of_left, of_right) in
         Contents::ALL.into_iter().flat_map(|of_left| Contents::ALL.map(|all| (of_left, all)))

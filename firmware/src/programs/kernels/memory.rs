@@ -4,9 +4,8 @@
 //! In: rooms. Out: comparisons with a loop over the bytes, at every length and alignment of both
 //! ends, next to fences.
 
-use super::Compared;
 use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, UNTOUCHED, range};
-use crate::programs::random::Random;
+use super::{Compared, Trial};
 
 /// Copies and fills slices of equal length.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +26,8 @@ fn lengths() -> impl Iterator<Item = usize> {
 }
 
 /// Copies from every alignment to every other.
-pub(super) fn copies(memory: Memory, rooms: &mut Rooms, random: &mut Random) -> Compared {
-    let mut compared = Compared { kernel: "copy", comparisons: 0, first: None };
+pub(super) fn copies(memory: Memory, rooms: &mut Rooms) -> Compared {
+    let Trial { rooms, mut random, mut compared } = Trial::new("copy", rooms);
     for length in lengths() {
         for combination in 0..4 * ALIGNMENTS * ALIGNMENTS {
             let (distances, at_back) = (
@@ -36,7 +35,7 @@ pub(super) fn copies(memory: Memory, rooms: &mut Rooms, random: &mut Random) -> 
                 combination / 16,
             );
             let [source, ..] = &mut rooms.rows;
-            Contents::Random.fill(random, &mut source.contents);
+            Contents::Random.fill(&mut random, &mut source.contents);
             let from = range(ROW, length, distances[0], at_back & 1 != 0);
             let to = range(ROW, length, distances[1], at_back & 2 != 0);
             let (starts, out) = ([from.start, to.start, 0, 0], &mut rooms.out.contents);
@@ -58,7 +57,7 @@ pub(super) fn copies(memory: Memory, rooms: &mut Rooms, random: &mut Random) -> 
 
 /// Fills from every alignment on, with zeros and with others.
 pub(super) fn fills(memory: Memory, rooms: &mut Rooms) -> Compared {
-    let mut compared = Compared { kernel: "fill", comparisons: 0, first: None };
+    let Trial { rooms, mut compared, .. } = Trial::new("fill", rooms);
     let out = &mut rooms.out.contents;
     for length in lengths() {
         for combination in 0..2 * ALIGNMENTS {
@@ -88,10 +87,7 @@ mod tests {
     #[test]
     fn wrong_ones_are_found() {
         let mut rooms = Box::new(Rooms::new());
-        let all = [
-            copies(Memory::CALLED, &mut rooms, &mut Random::new()),
-            fills(Memory::CALLED, &mut rooms),
-        ];
+        let all = [copies(Memory::CALLED, &mut rooms), fills(Memory::CALLED, &mut rooms)];
         assert!(
             all.iter().all(|compared| compared.first.is_none() && compared.comparisons > 1900),
             "{all:?}"
@@ -105,10 +101,7 @@ mod tests {
                 to.iter_mut().skip(usize::from(byte == 0xff)).for_each(|to| *to = byte)
             },
         };
-        assert_eq!(
-            copies(wrong, &mut rooms, &mut Random::new()).first.map(|at| at.length),
-            Some(37)
-        );
+        assert_eq!(copies(wrong, &mut rooms).first.map(|at| at.length), Some(37));
         assert_eq!(fills(wrong, &mut rooms).first.map(|at| at.length), Some(1));
     }
 }

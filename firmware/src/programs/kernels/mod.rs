@@ -259,80 +259,56 @@ impl Compared {
     }
 }
 
+/// The comparison of one kernel: rooms for its slices, what is put there, what was found.
+struct Trial<'r> {
+    rooms: &'r mut Rooms,
+    random: Random,
+    compared: Compared,
+}
+
+impl<'r> Trial<'r> {
+    fn new(kernel: &'static str, rooms: &'r mut Rooms) -> Self {
+        let compared = Compared { kernel, comparisons: 0, first: None };
+        Self { rooms, random: Random::new(), compared }
+    }
+}
+
 /// Compares every kernel, and says whether all are equal to the portable ones.
 pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compared)) -> bool {
-    type Suite = fn(&Kernels, &mut Rooms, &mut Random, &mut Compared);
+    type Suite = fn(&Kernels, &mut Trial<'_>);
     let suites: [Suite; Kernels::COUNT] = [
-        |kernels, rooms, random, compared| {
-            let ours = |[a, r, b]: [&[u8]; 3], out: &mut [u8]| (kernels.gradient_row)(a, r, b, out);
-            rows::rows(
-                ours,
-                |[a, r, b], out| portable::gradient_row(a, r, b, out),
-                rooms,
-                random,
-                compared,
-            );
+        |kernels, trial| {
+            rows::rows(kernels, trial, |of, [a, r, b], out| (of.gradient_row)(a, r, b, out));
         },
-        |kernels, rooms, random, compared| {
-            rows::rows(kernels.census_row, portable::census_row, rooms, random, compared);
-        },
+        |kernels, trial| rows::rows(kernels, trial, |of, rows, out| (of.census_row)(rows, out)),
         rows::reversed_rows,
         curves::sad_curves,
         curves::hamming_curves,
-        |kernels, _, random, compared| {
-            let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.sum_curve)(a, b, out);
-            curves::combined_curves(
-                ours,
-                |[a, b, _], out| portable::sum_curve(a, b, out),
-                random,
-                compared,
-            );
+        |kernels, trial| {
+            curves::combined(kernels, trial, |of, [a, b, _], out| (of.sum_curve)(a, b, out));
         },
-        |kernels, _, random, compared| {
-            let ours = |[a, b, _]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_curve)(a, b, out);
-            curves::combined_curves(
-                ours,
-                |[a, b, _], out| portable::lower_curve(a, b, out),
-                random,
-                compared,
-            );
+        |kernels, trial| {
+            curves::combined(kernels, trial, |of, [a, b, _], out| (of.lower_curve)(a, b, out));
         },
-        |kernels, _, random, compared| {
-            let ours =
-                |[a, b, c]: [&[u16]; 3], out: &mut [u16]| (kernels.lower_sum_curve)(a, b, c, out);
-            curves::combined_curves(
-                ours,
-                |[a, b, c], out| portable::lower_sum_curve(a, b, c, out),
-                random,
-                compared,
-            );
+        |kernels, trial| {
+            curves::combined(kernels, trial, |of, [a, b, c], out| {
+                (of.lower_sum_curve)(a, b, c, out);
+            });
         },
         curves::lowest_entries,
         edges::largest_steps,
-        |kernels, rooms, random, compared| {
-            let ours =
-                |pixels: &[u8], first, stride, _| (kernels.census_code)(pixels, first, stride);
-            let theirs =
-                |pixels: &[u8], first, stride, _| portable::census_code(pixels, first, stride);
-            edges::crossings(ours, theirs, rooms, random, compared);
+        |kernels, trial| {
+            edges::crossings(kernels, trial, |of, pixels, first, stride, _| {
+                (of.census_code)(pixels, first, stride)
+            });
         },
-        |kernels, rooms, random, compared| {
-            for are_rows in [true, false] {
-                fn of(are_rows: bool, pixels: &[u8], stride: usize) -> Crossings<'_> {
-                    if are_rows {
-                        Crossings::of_rows(pixels, stride)
-                    } else {
-                        Crossings::of_columns(pixels, stride)
-                    }
-                }
-                let ours = |pixels: &[u8], first, stride, sign| {
-                    (kernels.crossing)(&of(are_rows, pixels, stride), first, sign)
-                };
-                let theirs = |pixels: &[u8], first, stride, sign| {
-                    portable::crossing(&of(are_rows, pixels, stride), first, sign)
-                };
-                edges::crossings(ours, theirs, rooms, random, compared);
-            }
+        |kernels, trial| {
+            edges::crossings(kernels, trial, |of, pixels, first, stride, sign| {
+                (of.crossing)(&Crossings::of_rows(pixels, stride), first, sign)
+            });
+            edges::crossings(kernels, trial, |of, pixels, first, stride, sign| {
+                (of.crossing)(&Crossings::of_columns(pixels, stride), first, sign)
+            });
         },
         pixels::bilinear_runs,
         pixels::bilinear_cells,
@@ -352,10 +328,10 @@ pub fn run(kernels: &Kernels, rooms: &mut Rooms, mut report: impl FnMut(&Compare
     ];
     let mut all_equal = true;
     for (name, suite) in Kernels::NAMES.into_iter().zip(suites) {
-        let mut compared = Compared { kernel: name, comparisons: 0, first: None };
-        suite(kernels, rooms, &mut Random::new(), &mut compared);
-        all_equal &= compared.first.is_none();
-        report(&compared);
+        let mut trial = Trial::new(name, rooms);
+        suite(kernels, &mut trial);
+        all_equal &= trial.compared.first.is_none();
+        report(&trial.compared);
     }
     all_equal
 }
@@ -365,10 +341,8 @@ pub const MEMORY_FUNCTIONS: usize = 2;
 
 /// Compares copies and fills of memory with loops over the bytes, and says whether all are equal.
 pub fn run_memory(rooms: &mut Rooms, report: impl FnMut(&Compared)) -> bool {
-    let compared: [Compared; MEMORY_FUNCTIONS] = [
-        memory::copies(Memory::CALLED, rooms, &mut Random::new()),
-        memory::fills(Memory::CALLED, rooms),
-    ];
+    let compared: [Compared; MEMORY_FUNCTIONS] =
+        [memory::copies(Memory::CALLED, rooms), memory::fills(Memory::CALLED, rooms)];
     compared.iter().for_each(report);
     compared.iter().all(|compared| compared.first.is_none())
 }

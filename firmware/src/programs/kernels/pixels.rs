@@ -1,7 +1,7 @@
 //! Grey levels between pixels.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, UNTOUCHED, range, same};
-use super::{Compared, Kernels};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, UNTOUCHED, range, same};
+use super::{Kernels, Trial};
 use crate::programs::random::Random;
 use linestereo::unstable::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
@@ -34,12 +34,8 @@ fn inside(random: &mut Random, width: usize, length: usize, bytes: usize) -> Run
     run
 }
 
-pub(super) fn bilinear_runs(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn bilinear_runs(kernels: &Kernels, trial: &mut Trial<'_>) {
+    let Trial { rooms, random, compared } = trial;
     for round in 0..12_000_usize {
         if round % 40 == 0 {
             Contents::ALL[round / 40 % 6].fill(random, &mut rooms.image.contents);
@@ -96,12 +92,8 @@ const KNOTS: usize = 8;
 /// Positions far outside, or next to the end of numbers.
 const ANYWHERE: [i32; 8] = [0, 1, -1, 1 << 16, -(1 << 20), 1 << 29, i32::MAX, i32::MIN];
 
-pub(super) fn bilinear_cells(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn bilinear_cells(kernels: &Kernels, trial: &mut Trial<'_>) {
+    let Trial { rooms, random, compared } = trial;
     for round in 0..8_000_usize {
         if round % 40 == 0 {
             Contents::ALL[round / 40 % 6].fill(random, &mut rooms.image.contents);
@@ -145,12 +137,8 @@ pub(super) fn bilinear_cells(
     }
 }
 
-pub(super) fn weighed_knots(
-    kernels: &Kernels,
-    _: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn weighed_knots(kernels: &Kernels, trial: &mut Trial<'_>) {
+    let Trial { random, compared, .. } = trial;
     for round in 0..2_000_usize {
         let mut number = || match round % 3 {
             0 => ANYWHERE[random.below(8)],

@@ -1,19 +1,17 @@
 //! Kernels that give a row.
 
 use super::rooms::{ALIGNMENTS, Contents, ROW, Rooms, UNTOUCHED, range, same};
-use super::{Compared, Kernels};
-use crate::programs::random::Random;
+use super::{Kernels, Trial};
 use linestereo::unstable::kernel::portable;
 
-/// A kernel that computes a row from three, at every width; then with rows that are not equally
-/// long.
+/// A kernel that computes a row from three, which `run` runs, at every width; then with rows that
+/// are not equally long.
 pub(super) fn rows(
-    kernel: impl Fn([&[u8]; 3], &mut [u8]),
-    definition: impl Fn([&[u8]; 3], &mut [u8]),
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
+    kernels: &Kernels,
+    trial: &mut Trial<'_>,
+    run: impl Fn(&Kernels, [&[u8]; 3], &mut [u8]),
 ) {
+    let Trial { rooms, random, compared } = trial;
     let mut expected = [0; ROW];
     let mut compare =
         |rooms: &mut Rooms, lengths: [usize; 4], distances: [usize; 4], at_back: bool| {
@@ -28,8 +26,8 @@ pub(super) fn rows(
             let out = &mut rooms.out.contents;
             out.fill(UNTOUCHED);
             expected.fill(UNTOUCHED);
-            kernel(inputs, &mut out[to.clone()]);
-            definition(inputs, &mut expected[to]);
+            run(kernels, inputs, &mut out[to.clone()]);
+            run(&Kernels::PORTABLE, inputs, &mut expected[to]);
             compared.note(same(out, &expected), lengths[1], (3, 0), starts);
         };
     for width in (1..=80).chain([320]) {
@@ -61,12 +59,8 @@ pub(super) fn rows(
     }
 }
 
-pub(super) fn reversed_rows(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn reversed_rows(kernels: &Kernels, trial: &mut Trial<'_>) {
+    let Trial { rooms, random, compared } = trial;
     for length in (0..=80).chain([320]) {
         for distance in 0..ALIGNMENTS {
             for at_back in [false, true] {

@@ -1,9 +1,8 @@
 //! Kernels of support points.
 
-use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, Rooms, range, same};
-use super::{Compared, Kernels};
-use crate::programs::random::Random;
-use linestereo::unstable::kernel::{CODE_ROWS, STRIP, portable};
+use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, range, same};
+use super::{Kernels, Trial};
+use linestereo::unstable::kernel::{CODE_ROWS, CodeColumn, STRIP, portable};
 
 /// Lengths of curves of bytes: all short ones, and some up to the longest.
 fn lengths() -> impl Iterator<Item = usize> {
@@ -12,13 +11,9 @@ fn lengths() -> impl Iterator<Item = usize> {
 
 /// Rows in one image; those above and below sometimes repeat the next one, sometimes one row is out
 /// of line or shorter.
-pub(super) fn code_columns(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn code_columns(kernels: &Kernels, trial: &mut Trial<'_>) {
     const ROWS: usize = 2 * CODE_ROWS + 4;
+    let Trial { rooms, random, compared } = trial;
     for width in (0..=40_usize).chain([61, 80, 128]) {
         for round in 0..20_usize {
             let image = &mut rooms.image.contents;
@@ -56,47 +51,39 @@ pub(super) fn code_columns(
     }
 }
 
-pub(super) fn code_steps(
+/// A kernel that looks at a window of `N` columns of codes; `look` runs it.
+fn windows<const N: usize, T: PartialEq>(
     kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
+    trial: &mut Trial<'_>,
+    look: impl Fn(&Kernels, &[CodeColumn; N]) -> T,
 ) {
+    let Trial { rooms, random, compared } = trial;
     let room = &mut rooms.rows[0].contents;
     for round in 0..800_usize {
         Contents::ALL[random.below(6)].fill(random, room);
-        let at = range(ROW, CODE_ROWS * STRIP, round % ALIGNMENTS, round % 8 < 4);
+        let at = range(ROW, CODE_ROWS * N, round % ALIGNMENTS, round % 8 < 4);
         let start = at.start;
         let Some(window) = room[at].as_chunks().0.first_chunk() else { continue };
-        let same = (kernels.code_steps)(window) == portable::code_steps(window);
-        compared.note(same, STRIP, (CODE_ROWS, 0), [start, 0, 0, 0]);
+        let same = look(kernels, window) == look(&Kernels::PORTABLE, window);
+        compared.note(same, N, (CODE_ROWS, 0), [start, 0, 0, 0]);
     }
 }
 
-pub(super) fn code_moments(
+pub(super) fn code_steps(kernels: &Kernels, trial: &mut Trial<'_>) {
+    windows(kernels, trial, |of, window| (of.code_steps)(window));
+}
+
+pub(super) fn code_moments(kernels: &Kernels, trial: &mut Trial<'_>) {
+    windows(kernels, trial, |of, columns| (of.code_moments)(columns));
+}
+
+/// A kernel that looks at `N` pixels of each of three rows; `look` runs it, with a number.
+fn few_pixels<const N: usize, T: PartialEq>(
     kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
+    trial: &mut Trial<'_>,
+    look: impl Fn(&Kernels, [&[u8; N]; 3], usize) -> T,
 ) {
-    let room = &mut rooms.rows[0].contents;
-    for round in 0..800_usize {
-        Contents::ALL[random.below(6)].fill(random, room);
-        let at = range(ROW, CODE_ROWS * (STRIP + 2), round % ALIGNMENTS, round % 8 < 4);
-        let start = at.start;
-        let Some(columns) = room[at].as_chunks().0.first_chunk() else { continue };
-        let same = (kernels.code_moments)(columns) == portable::code_moments(columns);
-        compared.note(same, STRIP + 2, (CODE_ROWS, 0), [start, 0, 0, 0]);
-    }
-}
-
-/// A kernel that looks at `N` pixels of each of three rows, which are handed to `same`.
-fn few_pixels<const N: usize>(
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-    same: impl Fn([&[u8; N]; 3], &mut Random) -> bool,
-) {
+    let Trial { rooms, random, compared } = trial;
     for round in 0..1600_usize {
         for room in &mut rooms.rows {
             Contents::ALL[random.below(6)].fill(random, &mut room.contents);
@@ -109,31 +96,29 @@ fn few_pixels<const N: usize>(
                 *row = pixels;
             }
         }
-        compared.note(same(rows, random), N, (3, 0), starts);
+        let number = random.below(4);
+        let same = look(kernels, rows, number) == look(&Kernels::PORTABLE, rows, number);
+        compared.note(same, N, (3, 0), starts);
     }
 }
 
-pub(super) fn second_differences(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    few_pixels(rooms, random, compared, |rows, random| {
-        let apart = random.below(4); // the core: 1 and 2
-        (kernels.second_differences)(rows, apart) == portable::second_differences(rows, apart)
-    });
+pub(super) fn second_differences(kernels: &Kernels, trial: &mut Trial<'_>) {
+    // Apart by 1 or 2 in the core.
+    few_pixels(kernels, trial, |of, rows, apart| (of.second_differences)(rows, apart));
+}
+
+pub(super) fn row_differences(kernels: &Kernels, trial: &mut Trial<'_>) {
+    few_pixels(kernels, trial, |of, [a, b, _], _| (of.row_difference)(a, b));
 }
 
 /// A kernel that writes what two rows of bytes give into a third one, at every length, of which one
-/// is now and then shorter. `same` is handed the two, the outputs of the kernel and of its
-/// definition, and says whether what they return is the same.
-fn two_into_one(
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-    same: impl Fn([&[u8]; 2], [&mut [u8]; 2], &mut Random) -> bool,
+/// is now and then shorter. `run` runs it, with a number, and gives what it returns.
+fn two_into_one<T: PartialEq>(
+    kernels: &Kernels,
+    trial: &mut Trial<'_>,
+    run: impl Fn(&Kernels, [&[u8]; 2], &mut [u8], u32) -> T,
 ) {
+    let Trial { rooms, random, compared } = trial;
     for length in lengths() {
         for round in 0..32_usize {
             let mut lengths = [length; 3];
@@ -149,44 +134,35 @@ fn two_into_one(
             let [a, b, out] = &mut rooms.rows;
             let [at_a, at_b, at_out] = ranges;
             let mut expected = out.contents;
-            let outs = [&mut out.contents[at_out.clone()], &mut expected[at_out]];
-            let is_same = same([&a.contents[at_a], &b.contents[at_b]], outs, random);
-            compared.note(is_same && expected == out.contents, length, (1, 0), starts);
+            let (given, number) = ([&a.contents[at_a], &b.contents[at_b]], random.next());
+            let ours = run(kernels, given, &mut out.contents[at_out.clone()], number);
+            let theirs = run(&Kernels::PORTABLE, given, &mut expected[at_out], number);
+            compared.note(ours == theirs && expected == out.contents, length, (1, 0), starts);
         }
     }
 }
 
-pub(super) fn limited_steps(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    two_into_one(rooms, random, compared, |[before, after], [ours, theirs], random| {
-        let most = random.next() as u8; // the core: 32 and 63
-        (kernels.limited_steps)(before, after, most, ours);
-        portable::limited_steps(before, after, most, theirs);
-        true
+pub(super) fn limited_steps(kernels: &Kernels, trial: &mut Trial<'_>) {
+    two_into_one(kernels, trial, |of, [before, after], out, number| {
+        (of.limited_steps)(before, after, number as u8, out); // the core: 32 and 63
     });
 }
 
-pub(super) fn row_differences(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    few_pixels(rooms, random, compared, |[a, b, _], _| {
-        (kernels.row_difference)(a, b) == portable::row_difference(a, b)
+pub(super) fn sums_of_paths(kernels: &Kernels, trial: &mut Trial<'_>) {
+    two_into_one(kernels, trial, |of, [a, b], sums, _| (of.sum_paths)(a, b, sums));
+}
+
+/// With the lowest cost of the path, and with any number as such.
+pub(super) fn path_steps(kernels: &Kernels, trial: &mut Trial<'_>) {
+    two_into_one(kernels, trial, |of, [costs, _], path, number| {
+        let is_any = number.is_multiple_of(4);
+        let lowest = if is_any { (number >> 8) as u8 } else { portable::lowest_byte(path) };
+        (of.path_step)(costs, lowest, path)
     });
 }
 
-pub(super) fn code_costs(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
+pub(super) fn code_costs(kernels: &Kernels, trial: &mut Trial<'_>) {
+    let Trial { rooms, random, compared } = trial;
     for length in lengths() {
         for round in 0..40_usize {
             let contents = Contents::ALL[random.below(6)];
@@ -216,55 +192,14 @@ pub(super) fn code_costs(
     }
 }
 
-pub(super) fn path_steps(
+/// A kernel that looks at bytes alone, at every length; `look` runs it, with a bound that mostly is
+/// the lowest of them.
+fn bytes<T: PartialEq>(
     kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
+    trial: &mut Trial<'_>,
+    look: impl Fn(&Kernels, &[u8], u8) -> T,
 ) {
-    for length in lengths() {
-        for round in 0..32_usize {
-            let [costs, path, _] = &mut rooms.rows;
-            let mut lengths = [length; 2];
-            if round % 8 == 0 {
-                lengths[random.below(2)] = random.below(length + 1);
-            }
-            let [at_costs, at_path] = [0, 1]
-                .map(|k: usize| range(ROW, lengths[k], (round + k) % ALIGNMENTS, round % 3 == k));
-            for room in [&mut *costs, path] {
-                Contents::ALL[random.below(6)].fill(random, &mut room.contents);
-            }
-            let starts = [at_costs.start, at_path.start, 0, 0];
-            let of_path = portable::lowest_byte(&path.contents[at_path.clone()]);
-            let lowest = if round % 4 == 0 { random.next() as u8 } else { of_path };
-            let mut expected = path.contents;
-            let costs = &costs.contents[at_costs];
-            let theirs = portable::path_step(costs, lowest, &mut expected[at_path.clone()]);
-            let ours = (kernels.path_step)(costs, lowest, &mut path.contents[at_path]);
-            compared.note(ours == theirs && expected == path.contents, length, (1, 0), starts);
-        }
-    }
-}
-
-pub(super) fn sums_of_paths(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    two_into_one(rooms, random, compared, |[a, b], [ours, theirs], _| {
-        (kernels.sum_paths)(a, b, ours) == portable::sum_paths(a, b, theirs)
-    });
-}
-
-/// A kernel that looks at bytes alone, at every length; they are handed to `same`, which compares
-/// it with the definition.
-fn look(
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-    same: impl Fn(&[u8], &mut Random) -> bool,
-) {
+    let Trial { rooms, random, compared } = trial;
     let room = &mut rooms.rows[0].contents;
     for length in 0..=70 {
         for round in 0..64_usize {
@@ -277,32 +212,19 @@ fn look(
             if round < 16 && length > 0 {
                 room[range.start + random.below(length)] = 3;
             }
-            let start = range.start;
-            compared.note(same(&room[range], random), length, (1, 0), [start, 0, 0, 0]);
+            let (start, bytes) = (range.start, &room[range]);
+            let lowest = portable::lowest_byte(bytes);
+            let bound = if random.below(3) == 0 { random.next() as u8 } else { lowest };
+            let same = look(kernels, bytes, bound) == look(&Kernels::PORTABLE, bytes, bound);
+            compared.note(same, length, (1, 0), [start, 0, 0, 0]);
         }
     }
 }
 
-pub(super) fn lowest_bytes(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    look(rooms, random, compared, |bytes, _| {
-        (kernels.lowest_byte)(bytes) == portable::lowest_byte(bytes)
-    });
+pub(super) fn lowest_bytes(kernels: &Kernels, trial: &mut Trial<'_>) {
+    bytes(kernels, trial, |of, bytes, _| (of.lowest_byte)(bytes));
 }
 
-pub(super) fn places_of_bytes(
-    kernels: &Kernels,
-    rooms: &mut Rooms,
-    random: &mut Random,
-    compared: &mut Compared,
-) {
-    look(rooms, random, compared, |bytes, random| {
-        let lowest = portable::lowest_byte(bytes);
-        let bound = if random.below(3) == 0 { random.next() as u8 } else { lowest };
-        (kernels.place_of_byte)(bytes, bound) == portable::place_of_byte(bytes, bound)
-    });
+pub(super) fn places_of_bytes(kernels: &Kernels, trial: &mut Trial<'_>) {
+    bytes(kernels, trial, |of, bytes, bound| (of.place_of_byte)(bytes, bound));
 }
