@@ -169,54 +169,45 @@ impl<'a> Session<'a> {
 
     /// Takes a command. What is refused changes nothing.
     pub fn command(&mut self, command: &Command, memory: &mut impl Memory) -> Reply {
-        let answer = |outcome| Answer { command: command.id, outcome };
-        match &command.request {
-            Request::Describe => return Reply::Describe(answer(Outcome::Accepted)),
-            Request::Start => self.running = true,
-            Request::Stop => self.running = false,
-            Request::Photograph => return Reply::Photograph { command: command.id },
-            Request::RunCase(_) => {
-                return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported)));
+        let id = command.id;
+        let accepted = Answer { command: id, outcome: Outcome::Accepted };
+        let done = match &command.request {
+            Request::Describe => return Reply::Describe(accepted),
+            Request::Settings => return Reply::Settings(accepted),
+            Request::ReadClock => return Reply::Clock(accepted),
+            Request::SetClock(offset_us) => return Reply::SetClock(accepted, *offset_us),
+            Request::Bootloader if self.has_bootloader => return Reply::Leave(accepted),
+            Request::Photograph => return Reply::Photograph { command: id },
+            Request::Pair(head) => {
+                return Reply::Pair { command: id, head: *head, is_raw: false };
+            }
+            Request::RawPair(head) => {
+                return Reply::Pair { command: id, head: *head, is_raw: true };
+            }
+            Request::Start => {
+                self.running = true;
+                Ok(())
+            }
+            Request::Stop => {
+                self.running = false;
+                Ok(())
             }
             // Checked for the largest pairs; a smaller one may still be too narrow for the
             // disparities.
-            Request::SetParams(update) => match update.checked(self.params, self.board.largest) {
-                Ok(params) => {
+            Request::SetParams(update) => {
+                update.checked(self.params, self.board.largest).map(|params| {
                     self.set_params(params);
                     self.is_kept = false;
-                }
-                Err(refusal) => return Reply::Answer(answer(Outcome::Refused(refusal))),
-            },
-            Request::Pair(head) => {
-                return Reply::Pair { command: command.id, head: *head, is_raw: false };
+                })
             }
-            Request::SetRig(bytes) => {
-                return Reply::Answer(answer(self.set_rig(bytes, memory).into()));
-            }
-            Request::SetRegions(regions) => {
-                return Reply::Answer(answer(self.set_regions(regions).into()));
-            }
-            Request::RawPair(head) => {
-                return Reply::Pair { command: command.id, head: *head, is_raw: true };
-            }
-            Request::Set(SettingValue { number, value }) => {
-                return Reply::Answer(answer(self.set(*number, *value).into()));
-            }
-            Request::Settings => return Reply::Settings(answer(Outcome::Accepted)),
-            Request::ReadClock => return Reply::Clock(answer(Outcome::Accepted)),
-            Request::SetClock(offset_us) => {
-                return Reply::SetClock(answer(Outcome::Accepted), *offset_us);
-            }
-            Request::Bootloader if self.has_bootloader => {
-                return Reply::Leave(answer(Outcome::Accepted));
-            }
-            Request::Bootloader => {
-                return Reply::Answer(answer(Outcome::Refused(Refusal::Unsupported)));
-            }
-            Request::KeepSettings => return Reply::Answer(answer(self.keep_settings().into())),
-            Request::ResetSettings => return Reply::Answer(answer(self.reset_settings().into())),
-        }
-        Reply::Answer(answer(Outcome::Accepted))
+            Request::SetRig(bytes) => self.set_rig(bytes, memory),
+            Request::SetRegions(regions) => self.set_regions(regions),
+            Request::Set(SettingValue { number, value }) => self.set(*number, *value),
+            Request::KeepSettings => self.keep_settings(),
+            Request::ResetSettings => self.reset_settings(),
+            Request::RunCase(_) | Request::Bootloader => Err(Refusal::Unsupported),
+        };
+        Reply::Answer(Answer { command: id, outcome: done.into() })
     }
 
     fn set_params(&mut self, params: Params) {
