@@ -42,8 +42,8 @@ pub use pairing::{Capture, Report};
 pub use shared::{CamerasInTurn, Half, InTurn, SideBySide, Stream, Switch, Turn};
 pub use sinks::{FrameRows, MemoryRows, luma};
 pub use source::{CameraSource, FreeCameras};
-pub use tracker::Tracker;
 
+use crate::memory::of;
 use core::fmt;
 use linestereo::Dims;
 use linestereo_rig::{CameraSide, RowError};
@@ -180,6 +180,13 @@ impl Fault {
         Self::Stopped,
         Self::TooSlow,
     ];
+
+    /// Counts this fault of a camera.
+    fn count(self, eye: CameraSide, losses: &mut CaptureReport) {
+        if let Some(count) = of(eye, &mut losses.faults).get_mut(self as usize) {
+            *count = count.saturating_add(1);
+        }
+    }
 }
 
 impl fmt::Display for Fault {
@@ -199,20 +206,3 @@ impl fmt::Display for Fault {
 }
 
 const _: () = assert!(Fault::ALL.len() == CaptureReport::KINDS.len());
-
-/// One of two, by the camera that it is of.
-fn of<T>(eye: CameraSide, [left, right]: &mut [T; 2]) -> &mut T {
-    match eye {
-        CameraSide::Left => left,
-        CameraSide::Right => right,
-    }
-}
-
-impl Fault {
-    /// Counts this fault of a camera.
-    fn count(self, eye: CameraSide, losses: &mut CaptureReport) {
-        if let Some(count) = of(eye, &mut losses.faults).get_mut(self as usize) {
-            *count = count.saturating_add(1);
-        }
-    }
-}

@@ -17,6 +17,7 @@
 
 use super::tracker::{Progress, Tracker};
 use super::{Fault, Limits, RowRing, RowSink, Signal};
+use crate::memory::of;
 use crate::ports::{CapturedPair, FrameStart};
 use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
@@ -27,8 +28,7 @@ pub struct Capture {
     limits: Limits,
     start: FrameStart,
     middle_us: [i32; 2],
-    left: Camera,
-    right: Camera,
+    cameras: [Camera; 2],
     losses: CaptureReport,
     /// When a pair was requested whose frames have not both started yet.
     requested_us: Option<u64>,
@@ -74,13 +74,11 @@ impl Capture {
     /// says that it is one.
     #[must_use]
     pub fn new(limits: Limits, start: FrameStart) -> Self {
-        let [left, right] = [Camera::default(), Camera::default()];
         Self {
             limits,
             start,
             middle_us: [0; 2],
-            left,
-            right,
+            cameras: Default::default(),
             losses: CaptureReport::default(),
             requested_us: None,
         }
@@ -109,10 +107,10 @@ impl Capture {
     /// ended early?
     #[must_use]
     pub fn has_failed(&self, now_us: u64) -> bool {
-        let of = |camera: &Camera| {
+        let has_ended = |camera: &Camera| {
             camera.has_started && camera.tracker.has_ended_early(&self.limits, now_us)
         };
-        self.start == FrameStart::Triggered && (of(&self.left) || of(&self.right))
+        self.start == FrameStart::Triggered && self.cameras.iter().any(has_ended)
     }
 
     /// Time after a fault at which no row of the same shot comes any more, microseconds; `None`
@@ -126,7 +124,7 @@ impl Capture {
     /// A pair is requested, now: frames that are half fetched are left, because their rows lie in
     /// another sink, and a camera that was silent until now had nothing to do.
     pub fn request(&mut self, now_us: u64) {
-        for camera in [&mut self.left, &mut self.right] {
+        for camera in &mut self.cameras {
             (camera.hand, camera.has_started) = (None, false);
         }
         self.requested_us = Some(now_us);
@@ -136,7 +134,7 @@ impl Capture {
     /// The cameras can send from now on: a silence that is as long as it takes to make them ready
     /// is none.
     pub fn shot(&mut self, now_us: u64) {
-        for camera in [&mut self.left, &mut self.right] {
+        for camera in &mut self.cameras {
             camera.tracker.request(now_us);
         }
     }
@@ -148,27 +146,27 @@ impl Capture {
         rings: &mut [R; 2],
         sink: &mut impl RowSink,
     ) -> Option<Report> {
-        let [left, right] = rings;
+        let [left_ring, right_ring] = rings;
         loop {
-            if self.left.has_started && self.right.has_started && self.requested_us.take().is_some()
-            {
+            let [left, right] = &mut self.cameras;
+            if left.has_started && right.has_started && self.requested_us.take().is_some() {
                 return Some(Report::Started);
             }
             // Before the signals are fetched: what comes later is no silence.
-            let now_us = left.now_us();
-            self.left.signal = self.left.signal.or_else(|| left.next_signal());
-            self.right.signal = self.right.signal.or_else(|| right.next_signal());
-            let report = match (self.left.signal, self.right.signal) {
+            let now_us = left_ring.now_us();
+            left.signal = left.signal.or_else(|| left_ring.next_signal());
+            right.signal = right.signal.or_else(|| right_ring.next_signal());
+            let report = match (left.signal, right.signal) {
                 (None, None) => return self.silence(now_us),
                 (Some(signal), other)
                     if other.is_none_or(|other| signal.time_us() <= other.time_us()) =>
                 {
-                    self.left.signal = None;
-                    self.take(CameraSide::Left, signal, left, sink)
+                    left.signal = None;
+                    self.take(CameraSide::Left, signal, left_ring, sink)
                 }
                 (_, Some(signal)) => {
-                    self.right.signal = None;
-                    self.take(CameraSide::Right, signal, right, sink)
+                    right.signal = None;
+                    self.take(CameraSide::Right, signal, right_ring, sink)
                 }
                 (Some(_), None) => None, // taken by the second arm
             };
@@ -217,19 +215,15 @@ impl Capture {
 
     /// Takes a frame in hand that has started.
     fn begin(&mut self, eye: CameraSide, hand: Hand, ring: &impl RowRing, sink: &mut impl RowSink) {
-        let is_partner =
-            |other: &Hand| other.time_us.abs_diff(hand.time_us) <= u64::from(self.limits.pair_us);
-        let other = self.other(eye).hand;
-        let is_other_left = other.is_some_and(|other| !is_partner(&other));
-        if is_other_left {
-            self.other_mut(eye).hand = None;
-            self.losses.unpaired = self.losses.unpaired.saturating_add(1);
-        }
-        if self.camera(eye).hand.take().is_some() {
-            self.losses.unpaired = self.losses.unpaired.saturating_add(1);
-        }
+        let pair_us = u64::from(self.limits.pair_us);
+        let is_alone = |other: &mut Hand| other.time_us.abs_diff(hand.time_us) > pair_us;
+        let [left, right] = &mut self.cameras;
+        let (own, other) = if eye == CameraSide::Left { (left, right) } else { (right, left) };
+        let unpaired = [other.hand.take_if(is_alone), own.hand.take()];
+        let count = unpaired.iter().flatten().count() as u32;
+        self.losses.unpaired = self.losses.unpaired.saturating_add(count);
         if is_safe(hand.next, ring) {
-            self.camera(eye).hand = Some(hand);
+            own.hand = Some(hand);
             sink.restart(eye);
         } else {
             self.losses.skipped = self.losses.skipped.saturating_add(1);
@@ -267,11 +261,12 @@ impl Capture {
         if let Some(hand) = &mut self.camera(eye).hand {
             hand.is_whole = true;
         }
-        let (Some(left), Some(right)) = (self.left.hand, self.right.hand) else { return None };
+        let [left_camera, right_camera] = &mut self.cameras;
+        let (left, right) = (left_camera.hand?, right_camera.hand?);
         if !left.is_whole || !right.is_whole {
             return None;
         }
-        (self.left.hand, self.right.hand) = (None, None);
+        (left_camera.hand, right_camera.hand) = (None, None);
         let [left_us, right_us] = self.middle_us;
         let times_us = [
             left.time_us.saturating_add_signed(left_us.into()),
@@ -289,24 +284,7 @@ impl Capture {
     }
 
     fn camera(&mut self, eye: CameraSide) -> &mut Camera {
-        match eye {
-            CameraSide::Left => &mut self.left,
-            CameraSide::Right => &mut self.right,
-        }
-    }
-
-    fn other(&self, eye: CameraSide) -> &Camera {
-        match eye {
-            CameraSide::Left => &self.right,
-            CameraSide::Right => &self.left,
-        }
-    }
-
-    fn other_mut(&mut self, eye: CameraSide) -> &mut Camera {
-        match eye {
-            CameraSide::Left => &mut self.right,
-            CameraSide::Right => &mut self.left,
-        }
+        of(eye, &mut self.cameras)
     }
 }
 

@@ -20,10 +20,10 @@
 //! Side by side: up to 8 signals of which one eye is ahead of the other. In turn: up to 32 signals
 //! that nobody has fetched.
 
-use super::{RowRing, Signal, of};
+use super::{RowRing, Signal};
+use crate::memory::of;
 use crate::ports::Cameras;
 use core::cell::RefCell;
-use core::fmt;
 use heapless::Deque;
 use linestereo_rig::CameraSide;
 
@@ -58,17 +58,12 @@ const AHEAD: usize = 8;
 #[derive(Debug)]
 pub struct SideBySide<S>(RefCell<Both<S>>);
 
+#[derive(Debug)]
 struct Both<S> {
     stream: S,
     /// Signals that one eye has fetched and the other has not.
     ahead: Deque<Signal, AHEAD>,
     leader: CameraSide,
-}
-
-impl<S> fmt::Debug for Both<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} signals that the {:?} eye has alone", self.ahead.len(), self.leader)
-    }
 }
 
 impl<S: Stream> SideBySide<S> {
@@ -142,6 +137,7 @@ const WAITING: usize = 32;
 #[derive(Debug)]
 pub struct InTurn<S, W>(RefCell<Connected<S, W>>);
 
+#[derive(Debug)]
 struct Connected<S, W> {
     stream: S,
     switch: W,
@@ -155,25 +151,17 @@ struct Connected<S, W> {
     waiting: [Deque<Signal, WAITING>; 2],
 }
 
-impl<S, W> fmt::Debug for Connected<S, W> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the {:?} camera, {:?} of {} rows", self.eye, self.come, self.rows)
-    }
-}
-
 impl<S: Stream, W: Switch> InTurn<S, W> {
     /// Frames of so many rows.
     pub const fn new(stream: S, switch: W, rows: u16) -> Self {
-        let waiting = [Deque::new(), Deque::new()];
-        let rows = rows as u32;
         Self(RefCell::new(Connected {
             stream,
             switch,
             eye: CameraSide::Left,
-            rows,
+            rows: rows as u32,
             come: None,
             end: 0,
-            waiting,
+            waiting: [Deque::new(), Deque::new()],
         }))
     }
 

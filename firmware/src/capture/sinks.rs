@@ -1,7 +1,7 @@
 //! Where captured rows go: into frames as they are, or through the rectifiers of a board's memory.
 
-use super::{RowSink, of};
-use crate::memory::Memory;
+use super::RowSink;
+use crate::memory::{Memory, of};
 use linestereo::Dims;
 use linestereo_rig::{CameraSide, RowError};
 

@@ -11,9 +11,9 @@
 
 use super::{Fault, Limits, Signal};
 
-/// The state of one camera's stream.
-#[derive(Clone, Copy, Debug)]
-pub struct Tracker {
+/// The state of one camera's stream; at first in the middle of nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tracker {
     phase: Phase,
     /// Number of the row after the last one.
     end: u32,
@@ -23,10 +23,13 @@ pub struct Tracker {
     requested_us: u64,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 enum Phase {
+    #[default]
     Lost,
-    Frame { rows: u32 },
+    Frame {
+        rows: u32,
+    },
     Whole,
     Silent,
 }
@@ -48,12 +51,6 @@ pub(super) enum Progress {
 }
 
 impl Tracker {
-    /// In the middle of nothing.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { phase: Phase::Lost, end: 0, last_us: None, requested_us: 0 }
-    }
-
     /// Takes a signal. A fault and the start of a frame can come together.
     pub(super) fn take(&mut self, limits: &Limits, signal: Signal) -> (Option<Fault>, Progress) {
         match signal {
@@ -142,11 +139,5 @@ impl Tracker {
         }
         self.phase = Phase::Silent;
         Some(Fault::Stopped)
-    }
-}
-
-impl Default for Tracker {
-    fn default() -> Self {
-        Self::new()
     }
 }

@@ -10,7 +10,7 @@ mod rectifier;
 pub use rectifier::{CameraRows, NoRoom, Rectifier};
 
 use core::ops::DerefMut;
-use linestereo::image::{MAX_WIDTH, Span, ViewError};
+use linestereo::image::{MAX_WIDTH, ViewError};
 use linestereo::{Capacity, Cores, Dims, Gray, Matched, Matcher, MemorySlice, Options};
 use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
@@ -30,8 +30,7 @@ pub const fn capacity(board: &Board) -> Capacity {
 /// camera's rows. All zero when new, so that it takes no flash.
 #[derive(Debug)]
 pub struct BoardMemory<const PIXELS: usize, const RAW_ROW: usize, C, R> {
-    left: [u8; PIXELS],
-    right: [u8; PIXELS],
+    frames: [[u8; PIXELS]; 2],
     core: C,
     rectifiers: [R; 2],
     /// A raw row between its camera and the band; as wide as the rig's raw images.
@@ -129,8 +128,7 @@ impl<
 
     /// Cleared memory.
     pub const CLEARED: Self = Self {
-        left: [0; PIXELS],
-        right: [0; PIXELS],
+        frames: [[0; PIXELS]; 2],
         core: linestereo::Memory::new(),
         rectifiers: [R::CLEARED, R::CLEARED],
         raw_row: [0; RAW_ROW],
@@ -150,14 +148,14 @@ where
 
     fn frames(&mut self) -> [&mut [u8]; 2] {
         self.is_raw = false;
-        [&mut self.left, &mut self.right]
+        self.frames.each_mut().map(<[u8; PIXELS]>::as_mut_slice)
     }
 
     fn views(&self, dims: Dims) -> Result<[Gray<'_>; 2], PairError> {
         if !self.fits(dims) {
             return Err(PairError::Size(dims));
         }
-        views([&self.left, &self.right], valid(&self.rectifiers, self.is_raw), dims)
+        views(&self.frames, &self.rectifiers, self.is_raw, dims)
     }
 
     fn run(
@@ -170,8 +168,7 @@ where
         if !self.fits(dims) {
             return Err(PairError::Size(dims));
         }
-        let valid = valid(&self.rectifiers, self.is_raw);
-        let [left, right] = views([&self.left, &self.right], valid, dims)?;
+        let [left, right] = views(&self.frames, &self.rectifiers, self.is_raw, dims)?;
         options.areas = options.areas.filter(|_| matcher.knows_rows());
         Ok(match cores {
             Some(mut cores) => matcher.run_on(&mut cores, &mut self.core, left, right, options)?,
@@ -199,11 +196,7 @@ where
 
     fn restart_camera(&mut self, eye: CameraSide) {
         self.is_raw = true;
-        let [left, right] = &mut self.rectifiers;
-        match eye {
-            CameraSide::Left => left.restart(),
-            CameraSide::Right => right.restart(),
-        }
+        of(eye, &mut self.rectifiers).restart();
     }
 
     fn raw_row(&mut self) -> &mut [u8] {
@@ -212,12 +205,11 @@ where
 
     fn push_row(&mut self, eye: CameraSide) -> Result<(), RowError> {
         let row = self.raw_row.get(..self.raw_width.into()).unwrap_or_default();
-        let [left, right] = &mut self.rectifiers;
-        match eye {
-            _ if row.is_empty() => Err(RowError::NoMesh),
-            CameraSide::Left => left.push(row, &mut self.left),
-            CameraSide::Right => right.push(row, &mut self.right),
+        if row.is_empty() {
+            return Err(RowError::NoMesh);
         }
+        let frame = of(eye, &mut self.frames);
+        of(eye, &mut self.rectifiers).push(row, frame)
     }
 
     fn is_rectified(&self) -> bool {
@@ -225,22 +217,27 @@ where
     }
 }
 
-fn views<'a>(
-    frames: [&'a [u8]; 2],
-    valid: [&'a [Span]; 2],
+/// The pair in the frames; of one that comes from the rectifiers, the pixels that may be used.
+fn views<'a, const PIXELS: usize, R: Rectifier>(
+    [left, right]: &'a [[u8; PIXELS]; 2],
+    [of_left, of_right]: &'a [R; 2],
+    is_raw: bool,
     dims: Dims,
 ) -> Result<[Gray<'a>; 2], PairError> {
-    let view = |pixels: &'a [u8], valid: &'a [Span]| {
+    let view = |pixels: &'a [u8], rectifier: &'a R| {
         let view = Gray::new(pixels, dims, dims.width.into())?;
+        let valid = if is_raw { rectifier.valid() } else { &[] };
         if valid.is_empty() { Ok(view) } else { view.with_valid(valid) }
     };
-    let ([left, right], [left_valid, right_valid]) = (frames, valid);
-    Ok([view(left, left_valid)?, view(right, right_valid)?])
+    Ok([view(left, of_left)?, view(right, of_right)?])
 }
 
-/// Of the left and the right frame, the pixels that may be used; none where all may.
-fn valid<R: Rectifier>(rectifiers: &[R; 2], is_raw: bool) -> [&[Span]; 2] {
-    rectifiers.each_ref().map(|rectifier| if is_raw { rectifier.valid() } else { &[] })
+/// One of two, by the camera that it is of.
+pub(crate) fn of<T>(eye: CameraSide, [left, right]: &mut [T; 2]) -> &mut T {
+    match eye {
+        CameraSide::Left => left,
+        CameraSide::Right => right,
+    }
 }
 
 #[cfg(test)]
