@@ -105,7 +105,9 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
         if config.start == FrameStart::Triggered && M::TRIGGER == TriggerInput::None {
             return Err(Unsupported::Trigger);
         }
-        M::check(config)?;
+        if !M::has_size(config.dims, config.binning) {
+            return Err(Unsupported::Size(config.dims, config.binning));
+        }
         match config.exposure {
             ExposureControl::Fixed(exposure) => M::check_exposure(exposure),
             ExposureControl::Auto => Ok(()),

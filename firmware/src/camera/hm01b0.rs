@@ -32,10 +32,9 @@
 //! edge of MCLK): the same file sets it; here it is off, as in OpenMV. Walking ones (0x11):
 //! `hm01b0-esp-idf-driver`.
 
-use super::{
-    Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire,
-};
+use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Wire};
 use crate::ports::FrameStart;
+use core::ops::RangeInclusive;
 use linestereo::Dims;
 
 /// The sensor, with so many data wires: 8 or 4.
@@ -182,6 +181,8 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const SHUTTER: Shutter = Shutter::Rolling;
     const TRIGGER: TriggerInput = TriggerInput::Level;
     const PIXEL_BYTES: u16 = 1;
+    /// More rows than a frame of the smaller mode has would slow it down.
+    const ROWS: RangeInclusive<u16> = 2..=ROWS - 2;
     const IDENTITY: &'static [Identity] = &[
         Identity { register: MODEL_ID_H, value: 0x01 },
         Identity { register: MODEL_ID_L, value: 0xb0 },
@@ -195,12 +196,8 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const STANDBY: &'static [Step] = &[Step::set(MODE_SELECT, 0)];
     const AUTO: &'static [Step] = &[Step::set(AE_CTRL, 1), TAKE_OVER];
 
-    fn check(config: &Config) -> Result<(), Unsupported> {
-        match (config.binning, config.dims) {
-            (Binning::One, Dims { width: 324, height: 244 })
-            | (Binning::Two, Dims { width: 162, height: 122 }) => Ok(()),
-            _ => Err(Unsupported::Size(config.dims, config.binning)),
-        }
+    fn has_size(dims: Dims, binning: Binning) -> bool {
+        binning != Binning::Four && binning.window(dims) == (324, 244)
     }
 
     fn mode(config: &Config) -> impl Iterator<Item = Step> {
@@ -245,17 +242,9 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
         pattern.iter().copied().chain([Step::set(MODE_SELECT, mode)])
     }
 
-    fn check_exposure(exposure: Exposure) -> Result<(), Unsupported> {
-        // More rows than a frame of the smaller mode has would slow it down.
-        if !(2..=ROWS - 2).contains(&exposure.rows) {
-            return Err(Unsupported::Rows(exposure.rows));
-        }
-        let (analog, digital) = split(exposure.gain_code);
-        if analog <= 0x40 && (0x40..=0x3fc).contains(&digital) && exposure.gain_code < 1 << 13 {
-            Ok(())
-        } else {
-            Err(Unsupported::Gain(exposure.gain_code))
-        }
+    fn has_gain(gain_code: u16) -> bool {
+        let (analog, digital) = split(gain_code);
+        analog <= 0x40 && (0x40..=0x3fc).contains(&digital) && gain_code < 1 << 13
     }
 
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {

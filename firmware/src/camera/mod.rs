@@ -43,6 +43,7 @@ pub use trigger::{Trigger, TriggerInput};
 
 use crate::ports::FrameStart;
 use core::fmt;
+use core::ops::RangeInclusive;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::i2c;
 use linestereo::Dims;
@@ -90,6 +91,11 @@ impl Binning {
             Self::Two => 2,
             Self::Four => 4,
         }
+    }
+
+    /// Columns and rows of the sensor that become images of this size.
+    const fn window(self, Dims { width, height }: Dims) -> (u16, u16) {
+        (width.saturating_mul(self.pixels()), height.saturating_mul(self.pixels()))
     }
 }
 
@@ -149,6 +155,8 @@ pub trait Model {
     const TRIGGER: TriggerInput;
     /// Bytes that it sends for a pixel; the first is the grey level.
     const PIXEL_BYTES: u16;
+    /// Rows that it can be exposed for.
+    const ROWS: RangeInclusive<u16>;
     /// Its identity register and value.
     const IDENTITY: &'static [Identity];
     /// From any state to that after a reset.
@@ -158,19 +166,29 @@ pub trait Model {
     /// Exposure and gain choose themselves.
     const AUTO: &'static [Step];
 
-    /// Has it images of that size? Trigger and exposure are looked at elsewhere
-    /// ([`Model::TRIGGER`], [`Model::check_exposure`]).
-    fn check(config: &Config) -> Result<(), Unsupported>;
+    /// Has it images of that size, with that binning?
+    fn has_size(dims: Dims, binning: Binning) -> bool;
 
-    /// From the state after a reset to a mode that [`Model::check`] has allowed, still sending
-    /// nothing.
+    /// From the state after a reset to a mode that it has, still sending nothing.
     fn mode(config: &Config) -> impl Iterator<Item = Step>;
 
     /// After mode and exposure: whatever a test pattern needs, and frames from now on.
     fn run(config: &Config) -> impl Iterator<Item = Step>;
 
+    /// Has it a gain of this register value?
+    fn has_gain(gain_code: u16) -> bool;
+
     /// Can it be exposed like that?
-    fn check_exposure(exposure: Exposure) -> Result<(), Unsupported>;
+    fn check_exposure(exposure: Exposure) -> Result<(), Unsupported> {
+        let Exposure { rows, gain_code } = exposure;
+        if !Self::ROWS.contains(&rows) {
+            Err(Unsupported::Rows(rows))
+        } else if !Self::has_gain(gain_code) {
+            Err(Unsupported::Gain(gain_code))
+        } else {
+            Ok(())
+        }
+    }
 
     /// Exposure and gain that stay.
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step>;

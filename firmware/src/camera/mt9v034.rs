@@ -18,10 +18,10 @@
 //! row noise correction off for the test pattern, outputs of AEC and AGC, pixel clock inverted
 //! without binning).
 
-use super::{
-    Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire,
-};
+use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Wire};
 use crate::ports::FrameStart;
+use core::ops::RangeInclusive;
+use linestereo::Dims;
 
 /// The sensor.
 #[derive(Clone, Copy, Debug)]
@@ -78,26 +78,23 @@ impl Model for Mt9v034 {
     const SHUTTER: Shutter = Shutter::Global;
     const TRIGGER: TriggerInput = TriggerInput::Pulse { us: 10 };
     const PIXEL_BYTES: u16 = 1;
+    const ROWS: RangeInclusive<u16> = 1..=32765;
     const IDENTITY: &'static [Identity] = &[Identity { register: CHIP_VERSION, value: 0x1324 }];
     const RESET: &'static [Step] =
         &[Step::command(RESET, 1).then_wait(100), Step::command(RESET, 0).then_wait(100)];
     const STANDBY: &'static [Step] = &[Step::set(CHIP_CONTROL, 0)];
     const AUTO: &'static [Step] = &[Step::set(AEC_AGC_ENABLE, 0b11)];
 
-    fn check(config: &Config) -> Result<(), Unsupported> {
-        let (width, height) = window(config);
+    fn has_size(dims: Dims, binning: Binning) -> bool {
+        let (width, height) = binning.window(dims);
         let (columns, rows) = Self::ARRAY;
         // Whole words for a DMA, and a window that has a middle.
-        let is_even = config.dims.width.is_multiple_of(4) && config.dims.height.is_multiple_of(2);
-        if is_even && (64..=columns).contains(&width) && (32..=rows).contains(&height) {
-            Ok(())
-        } else {
-            Err(Unsupported::Size(config.dims, config.binning))
-        }
+        let is_even = dims.width.is_multiple_of(4) && dims.height.is_multiple_of(2);
+        is_even && (64..=columns).contains(&width) && (32..=rows).contains(&height)
     }
 
     fn mode(config: &Config) -> impl Iterator<Item = Step> {
-        let (width, height) = window(config);
+        let (width, height) = config.binning.window(config.dims);
         let (columns, rows) = Self::ARRAY;
         // At the full rate pixels are valid around the rising edge of PIXCLK only; inverted it is
         // the falling one, as it is with binning.
@@ -138,15 +135,8 @@ impl Model for Mt9v034 {
         [Step::set(CHIP_CONTROL, control)].into_iter()
     }
 
-    fn check_exposure(exposure: Exposure) -> Result<(), Unsupported> {
-        if !(1..=32765).contains(&exposure.rows) {
-            return Err(Unsupported::Rows(exposure.rows));
-        }
-        if (16..=64).contains(&exposure.gain_code) {
-            Ok(())
-        } else {
-            Err(Unsupported::Gain(exposure.gain_code))
-        }
+    fn has_gain(gain_code: u16) -> bool {
+        (16..=64).contains(&gain_code)
     }
 
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {
@@ -170,16 +160,10 @@ impl Model for Mt9v034 {
     }
 
     fn gain_code(gain_q6: u16) -> Option<u16> {
-        Some(gain_q6 / 4).filter(|code| (16..=64).contains(code))
+        Some(gain_q6 / 4).filter(|&code| Self::has_gain(code))
     }
 
     fn gain_q6(gain_code: u16) -> u16 {
         (gain_code & GAIN) * 4
     }
-}
-
-/// Columns and rows of the array that are read.
-fn window(config: &Config) -> (u16, u16) {
-    let pixels = config.binning.pixels();
-    (config.dims.width.saturating_mul(pixels), config.dims.height.saturating_mul(pixels))
 }

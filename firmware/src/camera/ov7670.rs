@@ -35,9 +35,8 @@
 //! x 510 and the order of YUYV are the guide's. The columns of the smaller sizes are by trial, not
 //! of the data sheet.
 
-use super::{
-    Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Unsupported, Wire,
-};
+use super::{Binning, Config, Exposure, Identity, Model, Shutter, Step, TriggerInput, Wire};
+use core::ops::RangeInclusive;
 use linestereo::Dims;
 
 /// The sensor.
@@ -90,8 +89,6 @@ const FIXED_EXPOSURE: u16 = 0xc0;
 const AUTO_EXPOSURE: u16 = 0xc5;
 /// VREF 3:0: the low bits of VSTOP and VSTART, next to those of the gain.
 const ROWS_LOW: u16 = 0x0a;
-/// Rows of time of a frame: a longer exposure slows it down.
-const ROWS: u16 = 510;
 
 impl Model for Ov7670 {
     const NAME: &'static str = "OV7670";
@@ -99,6 +96,8 @@ impl Model for Ov7670 {
     const SHUTTER: Shutter = Shutter::Rolling;
     const TRIGGER: TriggerInput = TriggerInput::None;
     const PIXEL_BYTES: u16 = 2;
+    /// Those of a frame: a longer exposure slows it down.
+    const ROWS: RangeInclusive<u16> = 1..=510;
     const IDENTITY: &'static [Identity] =
         &[Identity { register: PID, value: 0x76 }, Identity { register: VER, value: 0x73 }];
     const RESET: &'static [Step] =
@@ -106,41 +105,21 @@ impl Model for Ov7670 {
     const STANDBY: &'static [Step] = &[Step::set(COM2, ASLEEP)];
     const AUTO: &'static [Step] = &[Step::set(COM8, AUTO_EXPOSURE)];
 
-    fn check(config: &Config) -> Result<(), Unsupported> {
-        let Dims { width, height } = config.dims;
-        let pixels = config.binning.pixels();
-        if (width.saturating_mul(pixels), height.saturating_mul(pixels)) == (640, 480) {
-            Ok(())
-        } else {
-            Err(Unsupported::Size(config.dims, config.binning))
-        }
+    fn has_size(dims: Dims, binning: Binning) -> bool {
+        binning.window(dims) == (640, 480)
     }
 
     fn mode(config: &Config) -> impl Iterator<Item = Step> {
-        let Scaling { com3, com14, dcw, divider, columns } = match config.binning {
-            Binning::One => Scaling {
-                com3: 0x00,
-                com14: 0x00,
-                dcw: 0x11,
-                divider: 0xf0,
-                columns: [0x13, 0x01, 0xb6],
-            },
-            Binning::Two => Scaling {
-                com3: 0x04,
-                com14: 0x19,
-                dcw: 0x11,
-                divider: 0xf1,
-                columns: [0x16, 0x04, 0x24],
-            },
-            Binning::Four => Scaling {
-                com3: 0x04,
-                com14: 0x1a,
-                dcw: 0x22,
-                divider: 0xf2,
-                columns: [0x16, 0x04, 0xa4],
-            },
+        let [com3, com14, dcw, divider] = match config.binning {
+            Binning::One => [0x00, 0x00, 0x11, 0xf0],
+            Binning::Two => [0x04, 0x19, 0x11, 0xf1],
+            Binning::Four => [0x04, 0x1a, 0x22, 0xf2],
         };
-        let [start, stop, low] = columns;
+        let [start, stop, low] = match config.binning {
+            Binning::One => [0x13, 0x01, 0xb6],
+            Binning::Two => [0x16, 0x04, 0x24],
+            Binning::Four => [0x16, 0x04, 0xa4],
+        };
         let bars = if config.test_pattern { 0x80 } else { 0 };
         [
             Step::set(CLKRC, 0x40).keeping(0x7f), // XCLK as it is
@@ -174,15 +153,8 @@ impl Model for Ov7670 {
         [Step::set(COM2, AWAKE)].into_iter()
     }
 
-    fn check_exposure(exposure: Exposure) -> Result<(), Unsupported> {
-        if !(1..=ROWS).contains(&exposure.rows) {
-            return Err(Unsupported::Rows(exposure.rows));
-        }
-        if exposure.gain_code < 1 << 10 {
-            Ok(())
-        } else {
-            Err(Unsupported::Gain(exposure.gain_code))
-        }
+    fn has_gain(gain_code: u16) -> bool {
+        gain_code < 1 << 10
     }
 
     fn exposure(exposure: Exposure) -> impl Iterator<Item = Step> {
@@ -213,14 +185,4 @@ impl Model for Ov7670 {
     fn gain_q6(gain_code: u16) -> u16 {
         (((gain_code & 0x0f) + 16) * 4) << (gain_code >> 4 & 0x3f).count_ones()
     }
-}
-
-/// Registers that depend on the size: COM3, COM14, SCALING_DCWCTR, SCALING_PCLK_DIV; HSTART, HSTOP,
-/// HREF.
-struct Scaling {
-    com3: u16,
-    com14: u16,
-    dcw: u16,
-    divider: u16,
-    columns: [u16; 3],
 }

@@ -113,16 +113,8 @@ where
     pub fn stop(&mut self, delay: &mut impl DelayNs) -> Result<(), PairError<BL::Error>> {
         let left = self.left.stop(delay);
         let right = self.right.stop(delay);
-        left.map_err(|error| PairError {
-            eye: CameraSide::Left,
-            error,
-            other: self.right.condition(),
-        })?;
-        right.map_err(|error| PairError {
-            eye: CameraSide::Right,
-            error,
-            other: self.left.condition(),
-        })
+        left.map_err(|error| self.error(CameraSide::Left, error))?;
+        right.map_err(|error| self.error(CameraSide::Right, error))
     }
 
     /// Between two frames, when the left one chooses: gives its choice to the right one. Says what
@@ -139,11 +131,7 @@ where
             return Ok(self.exposure);
         }
         let chosen = self.left.exposure();
-        let chosen = chosen.map_err(|error| PairError {
-            eye: CameraSide::Left,
-            error,
-            other: self.right.condition(),
-        })?;
+        let chosen = chosen.map_err(|error| self.error(CameraSide::Left, error))?;
         if self.exposure != Some(chosen) && M::check_exposure(chosen).is_ok() {
             self.exposure = None; // of neither, if it fails
             self.right
@@ -195,6 +183,11 @@ where
         if self.right.condition() == Condition::Running {
             let _ = self.right.stop(delay);
         }
+        self.error(eye, error)
+    }
+
+    /// The error of this sensor, as both are now.
+    fn error(&self, eye: CameraSide, error: CameraError<BL::Error>) -> PairError<BL::Error> {
         let [left, right] = self.conditions();
         let (own, other) = if eye == CameraSide::Left { (left, right) } else { (right, left) };
         PairError { eye, error: CameraError { left: own, ..error }, other }
