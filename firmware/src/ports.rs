@@ -14,11 +14,15 @@ pub trait Clock {
     /// The count now.
     fn now(&self) -> u32;
 
-    /// Difference of two counts, in [`Clock::UNIT`].
-    fn elapsed(&self, from: u32, to: u32) -> u64;
+    /// Difference of two counts, in [`Clock::UNIT`]. By default a count is one.
+    fn elapsed(&self, from: u32, to: u32) -> u64 {
+        to.wrapping_sub(from).into()
+    }
 
-    /// Microseconds between two counts.
-    fn microseconds(&self, from: u32, to: u32) -> u64;
+    /// Microseconds between two counts. By default a count is one.
+    fn microseconds(&self, from: u32, to: u32) -> u64 {
+        to.wrapping_sub(from).into()
+    }
 }
 
 /// Counts nothing: where a program runs for its answers alone.
@@ -29,14 +33,6 @@ impl Clock for NoClock {
     const UNIT: &'static str = "nothing";
 
     fn now(&self) -> u32 {
-        0
-    }
-
-    fn elapsed(&self, _: u32, _: u32) -> u64 {
-        0
-    }
-
-    fn microseconds(&self, _: u32, _: u32) -> u64 {
         0
     }
 }

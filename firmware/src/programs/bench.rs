@@ -102,14 +102,6 @@ pub(super) mod tests {
             self.0.set(self.0.get().wrapping_add(1));
             self.0.get()
         }
-
-        fn elapsed(&self, from: u32, to: u32) -> u64 {
-            u64::from(to.wrapping_sub(from))
-        }
-
-        fn microseconds(&self, from: u32, to: u32) -> u64 {
-            self.elapsed(from, to)
-        }
     }
 
     #[test]
