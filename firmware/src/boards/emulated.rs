@@ -29,11 +29,14 @@ pub fn peripherals<C, H, A>(clock: C, host: H, autopilot: A) -> Option<Periphera
     })
 }
 
-/// Without cameras and flash: two handles of the clock, and the host's port.
-pub fn bare<C, H>([counter, clock]: [C; 2], host: H) -> BarePeripherals<C, C, H, NoWatchdog> {
+/// Peripherals without cameras and flash.
+pub type Bare<C, H> = BarePeripherals<C, C, H, NoWatchdog>;
+
+/// Around what starts a handle of the clock, and the host's port.
+pub fn bare<C, H>(start: impl Fn() -> C, host: H) -> Bare<C, H> {
     BarePeripherals {
-        counter,
-        clock,
+        counter: start(),
+        clock: start(),
         host,
         watchdog: NoWatchdog,
         rest: || {},

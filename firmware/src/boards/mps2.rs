@@ -1,9 +1,10 @@
 //! Peripherals that QEMU's mps2 and mps3 machines have, all of Arm's CMSDK: an APB timer as the
 //! clock, UART 0 as the host's port, UART 1 as the autopilot's. Where they lie and how fast they
-//! tick differs between machines.
+//! tick is in the board's file.
 
 use super::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
-use crate::ports::{BarePeripherals, Clock, NoWatchdog};
+use super::selected::{InstructionClock, MHZ, UARTS};
+use crate::ports::Clock;
 use core::ptr;
 
 /// CMSDK APB timer (Arm DDI 0479D, section 4.1.2): CTRL, VALUE and RELOAD; counts down.
@@ -80,10 +81,10 @@ const FASTEST: u32 = 16;
 pub struct Uart(*mut u32);
 
 impl Uart {
-    /// The host's port and the autopilot's, the latter at 57600 baud of a bus of so many MHz.
-    pub(super) fn start(addresses: [usize; 2], mhz: u32) -> [Port<Self>; 2] {
-        let [host, autopilot] = addresses.map(ptr::without_provenance_mut);
-        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, mhz * 1_000_000 / 57_600)]
+    /// The host's port and the autopilot's, the latter at 57600 baud.
+    fn start() -> [Port<Self>; 2] {
+        let [host, autopilot] = UARTS.map(ptr::without_provenance_mut);
+        [Self::switch_on(host, FASTEST), Self::switch_on(autopilot, MHZ * 1_000_000 / 57_600)]
             .map(Port)
     }
 
@@ -119,20 +120,25 @@ impl Polled for Uart {
     }
 }
 
-/// The clock of mps2-an386 and mps2-an500, which have the same map of peripherals: timer 0.
-pub type InstructionClock = Timer<0x4000_0000, 25>;
-
-const UARTS: [usize; 2] = [0x4000_4000, 0x4000_5000];
-
 /// Peripherals for `live`.
 pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>> {
-    let [host, autopilot] = Uart::start(UARTS, 25);
+    let [host, autopilot] = Uart::start();
     emulated::peripherals(InstructionClock::start(), host, autopilot)
 }
 
 /// Peripherals of `selftest`.
-pub fn bare() -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>>
-{
-    let [host, _] = Uart::start(UARTS, 25);
-    Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
+pub fn bare() -> Option<emulated::Bare<InstructionClock, Port<Uart>>> {
+    let [host, _] = Uart::start();
+    Some(emulated::bare(InstructionClock::start, host))
+}
+
+/// Where mps2-an386 and mps2-an500 have them: the clock is timer 0, the UARTs are the host's and
+/// the autopilot's, all at 25 MHz.
+pub mod usual {
+    /// The clock.
+    pub type InstructionClock = super::Timer<0x4000_0000, MHZ>;
+    /// Addresses of both UARTs.
+    pub const UARTS: [usize; 2] = [0x4000_4000, 0x4000_5000];
+    /// Of the bus.
+    pub const MHZ: u32 = 25;
 }

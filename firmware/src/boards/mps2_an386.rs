@@ -10,4 +10,4 @@ pub const BOARD: Board = Board::MPS2_AN386;
 pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps2-an386"))]
-pub use super::mps2::{InstructionClock, bare, peripherals};
+pub use super::mps2::{bare, peripherals, usual::*};

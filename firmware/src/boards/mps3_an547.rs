@@ -14,16 +14,21 @@ pub const BOARD: Board = Board::MPS3_AN547;
 pub type BoardMemory = board_memory!(BOARD);
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
-pub use on_board::{InstructionClock, bare, peripherals};
+pub use super::mps2::{bare, peripherals};
+#[cfg(all(target_os = "none", feature = "mps3-an547"))]
+pub use on_board::InstructionClock;
+
+/// Addresses of the host's UART and of the autopilot's.
+pub const UARTS: [usize; 2] = [0x5930_3000, 0x5930_4000];
+/// Of the bus, and of the counter.
+pub const MHZ: u32 = 32;
 
 #[cfg(all(target_os = "none", feature = "mps3-an547"))]
 mod on_board {
-    use crate::boards::emulated::{self, Port};
-    use crate::boards::mps2::{self, Uart};
-    use crate::ports::{BarePeripherals, Clock, NoWatchdog};
+    use super::MHZ;
+    use crate::boards::mps2;
+    use crate::ports::Clock;
 
-    const UARTS: [usize; 2] = [0x5930_3000, 0x5930_4000];
-    const MHZ: u32 = 32;
     /// The system counter's control frame: CNTCR, and the low word of CNTCV (Arm SSE-123 technical
     /// reference manual, 101370).
     const COUNTER: *mut u32 = core::ptr::without_provenance_mut(0x5810_0000);
@@ -60,19 +65,5 @@ mod on_board {
         fn microseconds(&self, from: u32, to: u32) -> u64 {
             u64::from(to.wrapping_sub(from)) / u64::from(MHZ)
         }
-    }
-
-    /// Peripherals for `live`.
-    pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, Port<Uart>>>
-    {
-        let [host, autopilot] = Uart::start(UARTS, MHZ);
-        emulated::peripherals(InstructionClock::start(), host, autopilot)
-    }
-
-    /// Peripherals of `selftest`.
-    pub fn bare()
-    -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
-        let [host, _] = Uart::start(UARTS, MHZ);
-        Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], host))
     }
 }

@@ -17,7 +17,7 @@ pub use on_board::{InstructionClock, bare, peripherals};
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 mod on_board {
     use crate::boards::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
-    use crate::ports::{BarePeripherals, ByteSink, ByteSource, Clock, NoWatchdog};
+    use crate::ports::{ByteSink, ByteSource, Clock};
     use riscv::register::mcycle;
 
     /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its
@@ -40,10 +40,6 @@ mod on_board {
         #[inline]
         fn now(&self) -> u32 {
             (mcycle::read64() / NS_PER_INSTRUCTION) as u32
-        }
-
-        fn elapsed(&self, from: u32, to: u32) -> u64 {
-            to.wrapping_sub(from).into()
         }
 
         fn microseconds(&self, from: u32, to: u32) -> u64 {
@@ -105,8 +101,7 @@ mod on_board {
     }
 
     /// Peripherals of `selftest`.
-    pub fn bare()
-    -> Option<BarePeripherals<InstructionClock, InstructionClock, Port<Uart>, NoWatchdog>> {
-        Some(emulated::bare([InstructionClock::start(), InstructionClock::start()], Port(Uart(()))))
+    pub fn bare() -> Option<emulated::Bare<InstructionClock, Port<Uart>>> {
+        Some(emulated::bare(InstructionClock::start, Port(Uart(()))))
     }
 }
