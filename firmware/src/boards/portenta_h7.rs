@@ -188,7 +188,7 @@ mod on_board {
         let data = (p.PH9, p.PH10, p.PH11, p.PH12, p.PH14, p.PI4, p.PI6, p.PI7);
         let pins = CameraPins::new(data, (p.PI5, p.PA4, p.PA6));
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
-        let stream = DcmiStream::start(interface, ROW.layout())?;
+        let stream = DcmiStream::start(interface)?;
         let eyes = &*EYES.init(SideBySide::new(stream));
         let trigger = output(p.PG7.into());
         #[cfg(feature = "ahead")]

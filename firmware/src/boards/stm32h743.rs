@@ -142,7 +142,7 @@ mod on_board {
         let data = (p.PC6, p.PC7, p.PE0, p.PE1, p.PE4, p.PD3, p.PE5, p.PE6);
         let pins = CameraPins::new(data, (p.PB7, p.PA4, p.PA6));
         let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
-        let stream = DcmiStream::start(interface, ROW.layout())?;
+        let stream = DcmiStream::start(interface)?;
         let switch = BusSwitch { select: output(p.PD15.into()), trigger: output(p.PD14.into()) };
         let eyes = &*EYES.init(InTurn::new(stream, switch, DIMS.height));
         let resets = (ResetPin(output(p.PD0.into())), ResetPin(output(p.PD1.into())));

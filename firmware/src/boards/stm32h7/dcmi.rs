@@ -39,8 +39,10 @@ use embassy_stm32::{Peri, peripherals, rcc};
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
 use heapless::Vec;
 
+const LAYOUT: RingLayout = ROW.layout();
 /// Bytes of the ring.
-const RING_BYTES: usize = ROW.layout().bytes() as usize;
+const RING_BYTES: usize = LAYOUT.bytes() as usize;
+const _: () = assert!(LAYOUT.row_bytes.is_multiple_of(4), "the DMA moves words");
 const _: () = assert!(RING_BYTES / 4 <= u16::MAX as usize, "the DMA counts words in 16 bits");
 /// Signals that wait for the program: four frames of a signal every eight rows.
 const QUEUE: usize = 128;
@@ -128,28 +130,20 @@ pub struct CameraInterface {
 
 /// The rows of the camera interface.
 #[derive(Debug)]
-pub struct DcmiStream {
-    layout: RingLayout,
-}
+pub struct DcmiStream(());
 
 impl DcmiStream {
     /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are
-    /// high. `None` when it was started before, the ring is larger than the memory for it, or VSYNC
-    /// is a pin below 5, which has an interrupt of its own.
-    pub fn start(interface: CameraInterface, layout: RingLayout) -> Option<Self> {
-        if layout.bytes() as usize > RING_BYTES
-            || !layout.row_bytes.is_multiple_of(4)
-            || interface.pins.vsync.1 < 5
-        {
-            return None;
-        }
+    /// high. `None` when it was started before, or VSYNC is a pin below 5, which has an interrupt of
+    /// its own.
+    pub fn start(interface: CameraInterface) -> Option<Self> {
         let (port, pin) = interface.pins.vsync;
-        let vsync_line = usize::from(pin);
-        if !STATE.lock(|state| {
-            state.borrow_mut().push(State { bands: Bands::new(layout), vsync_line }).is_ok()
-        }) {
+        if pin < 5 {
             return None;
         }
+        let vsync_line = usize::from(pin);
+        let state = State { bands: Bands::new(LAYOUT), vsync_line };
+        STATE.lock(|states| states.borrow_mut().push(state)).ok()?;
         rcc::enable_and_reset::<peripherals::DCMI>();
         pac::DMAMUX1.ccr(STREAM).write(|mux| mux.set_dmareq_id(DCMI_REQUEST));
         cortex_m::interrupt::free(|_| {
@@ -159,20 +153,20 @@ impl DcmiStream {
             pac::EXTI.rtsr(0).modify(|lines| lines.set_line(vsync_line, true));
             pac::EXTI.imr(0).modify(|lines| lines.set_line(vsync_line, true));
         });
-        start_anew(layout);
+        start_anew();
         for interrupt in [interrupt::DCMI, vsync_interrupt(vsync_line)] {
             interrupt.set_priority(Priority::P1);
             // SAFETY: the handlers below are ready, and no critical section relies on these
             // interrupts being off.
             unsafe { interrupt.enable() };
         }
-        Some(Self { layout })
+        Some(Self(()))
     }
 }
 
 impl Stream for DcmiStream {
     fn rows(&self) -> u32 {
-        self.layout.rows
+        LAYOUT.rows
     }
 
     fn next_signal(&mut self) -> Option<Signal> {
@@ -180,7 +174,7 @@ impl Stream for DcmiStream {
     }
 
     fn written(&self) -> u32 {
-        let written = |state: &State| state.bands.written(offset(self.layout));
+        let written = |state: &State| state.bands.written(offset());
         STATE.lock(|state| state.borrow().first().map_or(0, written))
     }
 
@@ -189,9 +183,9 @@ impl Stream for DcmiStream {
     }
 
     fn copy(&self, row: u32, from: usize, into: &mut [u8]) {
-        let row_bytes = self.layout.row_bytes as usize;
+        let row_bytes = LAYOUT.row_bytes as usize;
         let count = into.len().min(row_bytes.saturating_sub(from));
-        let start = (row % self.layout.rows) as usize * row_bytes + from;
+        let start = (row % LAYOUT.rows) as usize * row_bytes + from;
         // The row is complete in memory before it is read: this memory is not cached.
         cortex_m::asm::dmb();
         // SAFETY: the bytes lie in the ring, because rows of the layout fit in it. The DMA may
@@ -218,13 +212,13 @@ fn vsync_interrupt(line: usize) -> interrupt {
 }
 
 /// The byte of the ring that the DMA writes next.
-fn offset(layout: RingLayout) -> u32 {
+fn offset() -> u32 {
     let left = u32::from(pac::DMA1.st(STREAM).ndtr().read().ndt()) * 4;
-    layout.bytes().saturating_sub(left) % layout.bytes()
+    LAYOUT.bytes().saturating_sub(left) % LAYOUT.bytes()
 }
 
 /// Sets the DMA to the start of the ring and lets the interface wait for the next frame.
-fn start_anew(layout: RingLayout) {
+fn start_anew() {
     // The rest of its buffer goes as well.
     pac::RCC.ahb2rstr().modify(|reset| reset.set_dcmirst(true));
     pac::RCC.ahb2rstr().modify(|reset| reset.set_dcmirst(false));
@@ -234,7 +228,7 @@ fn start_anew(layout: RingLayout) {
     clear_dma_flags();
     stream.par().write_value(pac::DCMI.dr().as_ptr().addr() as u32);
     stream.m0ar().write_value(RING.0.get().addr() as u32);
-    stream.ndtr().write(|count| count.set_ndt((layout.bytes() / 4) as u16));
+    stream.ndtr().write(|count| count.set_ndt((RING_BYTES / 4) as u16));
     stream.fcr().write(|fifo| fifo.set_dmdis(Dmdis::ENABLED)); // direct mode: no word waits inside
     stream.cr().write(|config| {
         config.set_dir(Dir::PERIPHERAL_TO_MEMORY);
@@ -278,7 +272,6 @@ fn serve() {
         let mut state = state.borrow_mut();
         let Some(State { bands, vsync_line }) = state.first_mut() else { return };
         let vsync_line = *vsync_line;
-        let layout = bands.layout();
         let events = pac::DCMI.ris().read();
         pac::DCMI.icr().write(|clear| {
             clear.set_line_isc(events.line_ris());
@@ -292,12 +285,12 @@ fn serve() {
         let dma = pac::DMA1.isr(STREAM / 4).read();
         let is_lost = events.ovr_ris() || dma.teif(STREAM % 4) || dma.dmeif(STREAM % 4);
         empty_buffer();
-        let offset = offset(layout);
+        let offset = offset();
         let is_settled = pac::DCMI.sr().read().hsync(); // still between two rows after the look
         let (row_ended, frame_ended) = (events.line_ris() && is_settled, events.vsync_ris());
         let events = Events { has_started, row_ended, frame_ended, is_lost };
         if bands.serve(events, offset, now_us) == Dma::Restart {
-            start_anew(layout);
+            start_anew();
         }
     });
 }
