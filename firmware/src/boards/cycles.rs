@@ -42,10 +42,6 @@ impl Clock for CycleCounter {
         DWT::cycle_count()
     }
 
-    fn elapsed(&self, from: u32, to: u32) -> u64 {
-        to.wrapping_sub(from).into()
-    }
-
     fn microseconds(&self, from: u32, to: u32) -> u64 {
         self.elapsed(from, to) * 1_000_000 / u64::from(self.core_hz.max(1))
     }

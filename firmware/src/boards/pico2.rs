@@ -24,11 +24,14 @@ mod wired {
     use super::BOARD;
     use crate::boards::cycles::CycleCounter;
     use crate::boards::rp235x::cameras::Block;
+    use crate::boards::rp235x::clock::{Micros, Pause};
+    use crate::boards::rp235x::keeper::{Kept, keeper};
     use crate::boards::rp235x::rows::{DIMS, FRAME_ROWS, ROW_BYTES};
-    use crate::boards::rp235x::{
-        Autopilot, FrameWatchdog, Kept, Micros, Pause, SecondCore, i2c, keeper, reset_cause,
-        silicon, start_host,
-    };
+    use crate::boards::rp235x::second_core::SecondCore;
+    use crate::boards::rp235x::silicon::silicon;
+    use crate::boards::rp235x::uart::Autopilot;
+    use crate::boards::rp235x::watchdog::{FrameWatchdog, reset_cause};
+    use crate::boards::rp235x::{host, i2c};
     use crate::boards::usb_port::UsbPort;
     use crate::camera::{
         Binning, Chip, Config, Hm01b0Nibbles, NoReset, PairExposure, StereoCamera, StereoConfig,
@@ -84,7 +87,7 @@ mod wired {
         Some(BarePeripherals {
             counter: CycleCounter::start(clk_sys_freq()),
             clock,
-            host: start_host(board.USB, BOARD.name),
+            host: host::start(board.USB, BOARD.name),
             watchdog,
             rest: cortex_m::asm::wfe,
             reset: Some(reset),
@@ -164,7 +167,7 @@ mod wired {
 
         Some(Peripherals {
             clock,
-            host: start_host(board.USB, BOARD.name),
+            host: host::start(board.USB, BOARD.name),
             autopilot: Autopilot::start(board.UART0, board.PIN_0, board.PIN_1),
             pairs: CameraSource::new(rings, cameras, capture, DIMS, PATIENCE_US),
             flash: keeper(board.FLASH),

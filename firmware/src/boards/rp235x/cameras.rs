@@ -18,12 +18,12 @@
 //! RP2350 datasheet: 11.7 (PIO registers), 12.6.3 (aliases, chaining), 12.6.8 (abort), 12.6.10 (DMA
 //! registers), RP2350-E5 (an aborted channel has to be disabled before, and what chains to it).
 
+use super::clock::time_us;
 use super::program::{self, Program, Wire};
 use super::rows::{BORDER, FRAME_ROWS, RING_ROWS, RowCounter, SLOT_WORDS, Seen};
-use super::time_us;
 use crate::capture::{RowRing, Signal};
+use crate::memory::of;
 use core::cell::{RefCell, UnsafeCell};
-use core::fmt;
 use core::mem;
 use core::ptr;
 use core::sync::atomic::{AtomicU8, Ordering, fence};
@@ -244,6 +244,7 @@ fn DMA_IRQ_1() {
 }
 
 /// The PIO block and what its four state machines are.
+#[expect(missing_debug_implementations, reason = "the HAL's state machines have none")]
 pub struct Block {
     common: Common<'static, PIO0>,
     machines: (
@@ -252,12 +253,6 @@ pub struct Block {
         StateMachine<'static, PIO0, 2>,
         StateMachine<'static, PIO0, 3>,
     ),
-}
-
-impl fmt::Debug for Block {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("PIO block 0")
-    }
 }
 
 impl Block {
@@ -307,7 +302,7 @@ impl Block {
         }
         // They run until the next reset; dropped they would stop.
         mem::forget((common, left_rows, left_frames, right_rows, right_frames, pins));
-        [CameraSide::Left, CameraSide::Right].map(|eye| CameraRing { eye })
+        CameraSide::BOTH.map(|eye| CameraRing { eye })
     }
 }
 
@@ -372,8 +367,4 @@ impl RowRing for CameraRing {
     fn rest(&self) {
         cortex_m::asm::wfe();
     }
-}
-
-fn of(eye: CameraSide, [left, right]: &mut [RowCounter; 2]) -> &mut RowCounter {
-    if eye == CameraSide::Left { left } else { right }
 }

@@ -47,14 +47,6 @@ impl Clock for Micros {
     fn now(&self) -> u32 {
         TIMER0.timerawl().read()
     }
-
-    fn elapsed(&self, from: u32, to: u32) -> u64 {
-        to.wrapping_sub(from).into()
-    }
-
-    fn microseconds(&self, from: u32, to: u32) -> u64 {
-        to.wrapping_sub(from).into()
-    }
 }
 
 /// Pauses by the same clock, rounded up to microseconds.

@@ -1,7 +1,7 @@
 //! The host's port: USB, served by an executor in interrupts of the lowest priority, so that the
 //! program stays a plain loop.
 
-use super::time_us;
+use super::clock::time_us;
 use crate::boards::usb_port::{self, UsbPort};
 use core::fmt::Write as _;
 use embassy_executor::InterruptExecutor;

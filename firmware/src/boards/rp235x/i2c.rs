@@ -9,8 +9,7 @@
 //! master, fast mode, starts again where the direction changes.
 
 use super::bus::{Block, LimitedI2c, Order, State, clear};
-use super::{Pause, time_us};
-use core::fmt;
+use super::clock::{Pause, time_us};
 use embassy_rp::gpio::{Level, OutputOpenDrain};
 use embassy_rp::i2c::{Config, I2c, Instance, SclPin, SdaPin};
 use embassy_rp::{Peri, pac, peripherals};
@@ -30,16 +29,11 @@ impl Registers for peripherals::I2C1 {
 }
 
 /// An I2C block with its pins, at 400 kHz.
+#[expect(missing_debug_implementations, reason = "the HAL's peripherals have none")]
 pub struct BoardBlock<T: Registers, C: SclPin<T>, D: SdaPin<T>> {
     block: Peri<'static, T>,
     clock: Peri<'static, C>,
     data: Peri<'static, D>,
-}
-
-impl<T: Registers, C: SclPin<T>, D: SdaPin<T>> fmt::Debug for BoardBlock<T, C, D> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("I2C block")
-    }
 }
 
 /// The bus of this block on SCL and SDA, which have pull-ups outside.

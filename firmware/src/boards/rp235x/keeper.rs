@@ -5,20 +5,14 @@
 //! then are lost, and said to be.
 
 use crate::slot_store::BoardStore;
-use core::fmt;
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, ERASE_SIZE, Flash};
 use embassy_rp::peripherals::FLASH;
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 
 /// The board's flash of so many bytes.
+#[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
 pub struct BoardFlash<const BYTES: usize>(Flash<'static, FLASH, Blocking, BYTES>);
-
-impl<const BYTES: usize> fmt::Debug for BoardFlash<BYTES> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "flash of {BYTES} bytes")
-    }
-}
 
 /// Where such a board keeps its rig and its settings.
 pub type Kept<const BYTES: usize> = BoardStore<BoardFlash<BYTES>>;

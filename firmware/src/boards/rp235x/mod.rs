@@ -20,33 +20,18 @@ pub mod rows;
 #[cfg(target_os = "none")]
 pub mod cameras;
 #[cfg(target_os = "none")]
-mod clock;
+pub mod clock;
 #[cfg(target_os = "none")]
-mod host;
+pub mod host;
 #[cfg(target_os = "none")]
 pub mod i2c;
 #[cfg(target_os = "none")]
-mod keeper;
+pub mod keeper;
 #[cfg(target_os = "none")]
-pub(crate) mod second_core;
+pub mod second_core;
 #[cfg(target_os = "none")]
-mod silicon;
+pub mod silicon;
 #[cfg(target_os = "none")]
-mod uart;
+pub mod uart;
 #[cfg(target_os = "none")]
-mod watchdog;
-
-#[cfg(target_os = "none")]
-pub use clock::{Micros, Pause, time_us};
-#[cfg(target_os = "none")]
-pub use host::start as start_host;
-#[cfg(target_os = "none")]
-pub use keeper::{Kept, keeper};
-#[cfg(target_os = "none")]
-pub use second_core::SecondCore;
-#[cfg(target_os = "none")]
-pub use silicon::silicon;
-#[cfg(target_os = "none")]
-pub use uart::Autopilot;
-#[cfg(target_os = "none")]
-pub use watchdog::{FrameWatchdog, reset_cause};
+pub mod watchdog;

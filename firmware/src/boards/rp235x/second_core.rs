@@ -39,7 +39,7 @@
 //! RP2350 datasheet: 5.3 (start of core 1), 3.1.5 (queues), 7.4 (PSM); Armv8-M Architecture
 //! Reference Manual, DDI 0553 (CPACR, stack limits, events).
 
-use super::time_us;
+use super::clock::time_us;
 use crate::stack;
 use core::arch::asm;
 use core::ops::Range;

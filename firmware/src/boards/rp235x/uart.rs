@@ -2,7 +2,6 @@
 //! several MAVLink frames, received into one.
 
 use crate::ports::{ByteSink, ByteSource};
-use core::fmt;
 use core::task::Poll;
 use embassy_futures::poll_once;
 use embassy_rp::interrupt;
@@ -22,13 +21,8 @@ bind_interrupts!(struct Interrupts {
 const WAITING: usize = 1024;
 
 /// UART 0.
+#[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
 pub struct Autopilot(BufferedUart);
-
-impl fmt::Debug for Autopilot {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("UART 0")
-    }
-}
 
 impl Autopilot {
     /// 57600 baud, 8 bits, no parity: out on GP0, in on GP1. At most one.

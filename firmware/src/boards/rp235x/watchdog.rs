@@ -5,7 +5,6 @@
 
 use crate::ending;
 use crate::ports::Watchdog;
-use core::fmt;
 use embassy_rp::Peri;
 use embassy_rp::pac::{POWMAN, PSM, WATCHDOG};
 use embassy_rp::peripherals;
@@ -23,13 +22,8 @@ const PATIENCE: Duration = Duration::from_secs(8);
 const OURS: u32 = 0x6c69_6e65;
 
 /// Resets the board when no frame is finished for 8 s.
+#[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
 pub struct FrameWatchdog(watchdog::Watchdog);
-
-impl fmt::Debug for FrameWatchdog {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("watchdog")
-    }
-}
 
 impl FrameWatchdog {
     /// Runs from now on; it waits while a debugger has stopped the processor.

@@ -105,12 +105,4 @@ impl Clock for MicrosecondClock {
     fn now(&self) -> u32 {
         now_us() as u32
     }
-
-    fn elapsed(&self, from: u32, to: u32) -> u64 {
-        to.wrapping_sub(from).into()
-    }
-
-    fn microseconds(&self, from: u32, to: u32) -> u64 {
-        self.elapsed(from, to)
-    }
 }

@@ -16,7 +16,6 @@
 
 use crate::slot_store::BoardStore;
 use core::arch::asm;
-use core::fmt;
 use cortex_m::peripheral::{MPU, SCB};
 use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::{Peri, pac, peripherals};
@@ -35,13 +34,8 @@ pub const FIRST_ADDRESS: u32 = FLASH + FIRST;
 const BANK: usize = 1;
 
 /// The flash, of which only bank 2 is read and written here.
+#[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
 pub struct KeptFlash(Flash<'static, Blocking>);
-
-impl fmt::Debug for KeptFlash {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("internal flash")
-    }
-}
 
 impl KeptFlash {
     /// Two slots for each.
