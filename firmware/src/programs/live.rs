@@ -106,17 +106,33 @@ const KEEP_AFTER_US: u64 = 1_000_000;
 impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
     /// Starts with a [`Message::Hello`].
     pub fn start(session: Session<'a>, clock: C, port: P) -> Self {
-        let last = clock.now();
-        let autopilot = Autopilot::new(session.vehicle);
-        let mut live = Self {
+        let mut live = Self::new(session, clock, port, None);
+        live.last = live.clock.now();
+        live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
+        let hello = live.session.hello();
+        live.write(&Message::Hello(hello));
+        live
+    }
+
+    /// With an autopilot at this port, before the first turn: as soon as there is a rig it gets
+    /// obstacles, whether a host asks for results or not.
+    pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
+        let Self { session, clock, port: host, last, time_us, times, .. } = self;
+        Live { last, time_us, times, ..Live::new(session, clock, host, Some(port)) }
+    }
+}
+
+impl<'a, C, P, A> Live<'a, C, P, A> {
+    fn new(session: Session<'a>, clock: C, port: P, autopilot_port: Option<A>) -> Self {
+        Self {
+            autopilot: Autopilot::new(session.vehicle),
             session,
             clock,
             port,
             decoder: Decoder::new(),
-            last,
+            last: 0,
             time_us: 0,
-            autopilot,
-            autopilot_port: None,
+            autopilot_port,
             lost: CaptureReport::default(),
             reported_us: None,
             photo: None,
@@ -126,54 +142,6 @@ impl<'a, C: Clock, P: ByteSource + ByteSink> Live<'a, C, P> {
             sync: ClockSync::BOARD,
             leaves: false,
             status: Status::Waiting,
-        };
-        live.port.write(&[DELIMITER]); // what was on the line before is no part of the first packet
-        let hello = live.session.hello();
-        live.write(&Message::Hello(hello));
-        live
-    }
-
-    /// With an autopilot at this port: as soon as there is a rig it gets obstacles, whether a host
-    /// asks for results or not.
-    pub fn with_autopilot<A>(self, port: A) -> Live<'a, C, P, A> {
-        let Self {
-            session,
-            clock,
-            port: host,
-            decoder,
-            last,
-            time_us,
-            autopilot,
-            lost,
-            reported_us,
-            photo,
-            has_skipped,
-            times,
-            unkept_us,
-            sync,
-            leaves,
-            status,
-            ..
-        } = self;
-        let autopilot_port = Some(port);
-        Live {
-            session,
-            clock,
-            port: host,
-            decoder,
-            last,
-            time_us,
-            autopilot,
-            autopilot_port,
-            lost,
-            reported_us,
-            photo,
-            has_skipped,
-            times,
-            unkept_us,
-            sync,
-            leaves,
-            status,
         }
     }
 }
@@ -263,50 +231,49 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     }
 
     fn serve(&mut self, command: &Command, memory: &mut impl Memory, camera: &mut impl PairSource) {
-        match self.session.command(command, memory) {
-            Reply::Answer(answer) => self.write(&Message::Answer(answer)),
+        let mut photo = None;
+        let answer = match self.session.command(command, memory) {
+            Reply::Answer(answer) => answer,
             Reply::Leave(answer) => {
-                self.write(&Message::Answer(answer));
                 self.leaves = true;
+                answer
             }
             Reply::Clock(answer) => {
                 let board_us = self.capture_clock(camera);
                 self.write(&Message::Clock(board_us));
-                self.write(&Message::Answer(answer));
+                answer
             }
             Reply::SetClock(answer, offset_us) => {
                 let now_us = self.capture_clock(camera);
                 self.sync.set(TimeSource::Host, offset_us.cast_signed(), now_us);
-                self.write(&Message::Answer(answer));
+                answer
             }
             Reply::Describe(answer) => {
                 let hello = self.session.hello();
                 self.write(&Message::Hello(hello));
-                self.write(&Message::Answer(answer));
+                answer
             }
             Reply::Settings(answer) => {
                 self.write_by(|port, session, _| {
                     session.report_settings(|message| {
                         let _ = send(message, &mut packets(port));
                     });
-                    let _ = send(&Message::Answer(answer), &mut packets(port));
                 });
+                answer
             }
             Reply::Photograph { command } => {
                 let taken = self.photograph(memory, camera);
-                let outcome = taken.as_ref().map(|_| ()).map_err(Refusal::clone).into();
-                self.write(&Message::Answer(Answer { command, outcome }));
-                if let Ok(head) = taken {
-                    self.write(&Message::Photo(head));
-                }
+                photo = taken.as_ref().ok().copied();
+                Answer { command, outcome: taken.map(drop).into() }
             }
             // Pixels come from the camera here; what follows is garbage to the decoder.
             Reply::Pair { command, .. } => {
-                self.write(&Message::Answer(Answer {
-                    command,
-                    outcome: Outcome::Refused(Refusal::Unsupported),
-                }));
+                Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }
             }
+        };
+        self.write(&Message::Answer(answer));
+        if let Some(head) = photo {
+            self.write(&Message::Photo(head));
         }
     }
 

@@ -62,27 +62,21 @@ pub fn run<M: Memory>(
     let mut decoder: Decoder<Command, MAX_COMMAND> = Decoder::new();
     while let Some(byte) = input.next() {
         let Some(Ok(command)) = decoder.push(byte) else { continue }; // the decoder counts what is no command
-        match session.command(&command, memory) {
-            Reply::Answer(answer) => write(&Message::Answer(answer), output),
+        let answer = match session.command(&command, memory) {
+            Reply::Answer(answer) => answer,
             Reply::Describe(answer) => {
                 write(&Message::Hello(session.hello()), output);
-                write(&Message::Answer(answer), output);
+                answer
             }
             Reply::Settings(answer) => {
                 session.report_settings(|message| write(message, output));
-                write(&Message::Answer(answer), output);
+                answer
             }
             Reply::Photograph { command }
             | Reply::Leave(Answer { command, .. })
             | Reply::Clock(Answer { command, .. })
             | Reply::SetClock(Answer { command, .. }, _) => {
-                write(
-                    &Message::Answer(Answer {
-                        command,
-                        outcome: Outcome::Refused(Refusal::Unsupported),
-                    }),
-                    output,
-                );
+                Answer { command, outcome: Outcome::Refused(Refusal::Unsupported) }
             }
             Reply::Pair { command, head, is_raw } => {
                 let sequence = session.next_sequence();
@@ -111,9 +105,10 @@ pub fn run<M: Memory>(
                             Outcome::Refused(why)
                         }
                     };
-                write(&Message::Answer(Answer { command, outcome }), output);
+                Answer { command, outcome }
             }
-        }
+        };
+        write(&Message::Answer(answer), output);
     }
     decoder.finish();
     decoder.counters()
