@@ -55,9 +55,7 @@ impl File {
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
         if handle == u32::MAX { Err(CannotOpen) } else { Ok(Self(handle)) }
     }
-}
 
-impl File {
     /// Goes to an offset, bytes from the start; not beyond the end.
     pub fn seek(&mut self, offset: u32) -> bool {
         let block = [self.0, offset];
@@ -132,6 +130,12 @@ impl Arguments {
         let text = self.text.get(..self.length).unwrap_or(&[]);
         let words = text.split(|&byte| byte == b' ' || byte == 0).filter(|word| !word.is_empty());
         words.skip(1).nth(n)
+    }
+
+    /// The file that word number `n` names; `None` when it cannot be opened.
+    #[must_use]
+    pub fn open(&self, n: usize, mode: Mode) -> Option<File> {
+        File::open(self.get(n)?, mode).ok()
     }
 }
 

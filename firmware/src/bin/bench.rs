@@ -14,14 +14,12 @@ fn bench() -> linestereo_boards::Exit {
     use linestereo_firmware::memory::Memory as _;
     use linestereo_firmware::programs::kernel_costs::KernelCost;
     use linestereo_firmware::programs::{bench, kernel_costs, selftest};
-    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::semihosting::{Arguments, Mode};
     use linestereo_firmware::stack;
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
-    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else {
-        return Exit::Usage;
-    };
+    let Some(mut table) = arguments.open(0, Mode::Write) else { return Exit::Usage };
     for case in Case::all(&selected::BOARD) {
         let [left, right] = memory.frames();
         case.scene.paint(case.dims, left, right);

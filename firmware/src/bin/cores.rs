@@ -9,7 +9,7 @@ fn cores() -> linestereo_boards::Exit {
     use linestereo_firmware::once::Once;
     use linestereo_firmware::programs::cores::{self, CoreCosts, Nowhere};
     use linestereo_firmware::programs::replay;
-    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::semihosting::{Arguments, Mode};
     use linestereo_firmware::session::Session;
 
     const BOARD: Board = Board { two_cores: true, ..selected::BOARD };
@@ -18,11 +18,8 @@ fn cores() -> linestereo_boards::Exit {
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = MEMORY.take() else { return Exit::Usage };
-    let (Some(input), Some(table)) = (arguments.get(0), arguments.get(1)) else {
-        return Exit::Usage;
-    };
-    let (Ok(mut input), Ok(mut table)) =
-        (File::open(input, Mode::Read), File::open(table, Mode::Write))
+    let (Some(mut input), Some(mut table)) =
+        (arguments.open(0, Mode::Read), arguments.open(1, Mode::Write))
     else {
         return Exit::Usage;
     };

@@ -11,13 +11,11 @@ fn pixels() -> linestereo_boards::Exit {
         selected::{self, InstructionClock},
     };
     use linestereo_firmware::programs::pixels;
-    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::semihosting::{Arguments, Mode};
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(memory) = boards::MEMORY.take() else { return Exit::Usage };
-    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else {
-        return Exit::Usage;
-    };
+    let Some(mut table) = arguments.open(0, Mode::Write) else { return Exit::Usage };
     for case in Case::all(&selected::BOARD) {
         match pixels::measure(memory, &clock, &case) {
             Ok(measured) => pixels::line(&mut table, &case, &measured),

@@ -7,15 +7,13 @@ fn rectify() -> linestereo_boards::Exit {
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::once::Once;
     use linestereo_firmware::programs::rectify::{self, BuiltIn, RectifyMemory};
-    use linestereo_firmware::semihosting::{Arguments, File, Mode};
+    use linestereo_firmware::semihosting::{Arguments, Mode};
 
     static WORKSPACE: Once<RectifyMemory> = Once::new(RectifyMemory::new());
 
     let (arguments, clock) = (Arguments::read(), InstructionClock::start());
     let Some(workspace) = WORKSPACE.take() else { return Exit::Usage };
-    let Some(Ok(mut table)) = arguments.get(0).map(|name| File::open(name, Mode::Write)) else {
-        return Exit::Usage;
-    };
+    let Some(mut table) = arguments.open(0, Mode::Write) else { return Exit::Usage };
     for &dims in selected::BOARD.sizes {
         for rig in BuiltIn::ALL {
             match rectify::measure(workspace, &clock, rig, dims) {
