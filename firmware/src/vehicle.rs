@@ -146,17 +146,15 @@ mod tests {
     use linestereo_mavlink::AutopilotStream;
 
     /// A rig that sees from 0.39 m on.
-    fn plan(vehicle: &Vehicle) -> ObstaclePlan {
+    fn plan(directions: ObstacleParams) -> Option<ObstaclePlan> {
         let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
-        vehicle.directions().plan(&params, Dims { width: 320, height: 240 }).unwrap()
+        directions.plan(&params, Dims { width: 320, height: 240 }).ok()
     }
 
     #[test]
     fn the_default_is_the_default_of_both_it_is_made_of() {
-        let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
-        let expected =
-            ObstacleParams::DEFAULT.plan(&params, Dims { width: 320, height: 240 }).unwrap();
-        assert_eq!(plan(&Vehicle::DEFAULT), expected);
+        let expected = plan(ObstacleParams::DEFAULT).unwrap();
+        assert_eq!(plan(Vehicle::DEFAULT.directions()), Some(expected));
         assert_eq!(Vehicle::DEFAULT.autopilot(&expected), AutopilotParams::of(&expected));
     }
 
@@ -164,7 +162,7 @@ mod tests {
     fn a_block_is_never_nearer_than_what_can_be_seen() {
         for (asked, given) in [(None, 39), (Some(5), 39), (Some(250), 250)] {
             let vehicle = Vehicle { block_cm: asked, policy: Policy::Block, ..Vehicle::DEFAULT };
-            let plan = plan(&vehicle);
+            let plan = plan(vehicle.directions()).unwrap();
             let params = vehicle.autopilot(&plan);
             assert_eq!(
                 (params.min_distance_cm, params.block_cm),
@@ -188,11 +186,9 @@ mod tests {
         let heights = heights.map(|heights_m| Vehicle { heights_m, ..of });
         let rates = [9, 10, 20, 21].map(|rate_hz| Vehicle { rate_hz, ..of });
         let blocks = [40, 999, 1000].map(|block_cm| Vehicle { block_cm: Some(block_cm), ..of });
-        let params = Params { rig: Rig::new(250.0, 0.1, 0.0).ok(), ..Params::DEFAULT };
         for vehicle in [&yaws[..], &ranges, &heights, &rates, &blocks].concat() {
-            let plan = vehicle.directions().plan(&params, Dims { width: 320, height: 240 });
-            let is_taken = plan
-                .is_ok_and(|plan| AutopilotStream::new(vehicle.autopilot(&plan), &plan).is_ok());
+            let is_taken = plan(vehicle.directions())
+                .is_some_and(|plan| AutopilotStream::new(vehicle.autopilot(&plan), &plan).is_ok());
             assert_eq!(vehicle.is_valid(), is_taken, "{vehicle:?}");
         }
     }
