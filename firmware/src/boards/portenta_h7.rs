@@ -19,7 +19,7 @@ mod on_board {
     use crate::boards::stm32h7::bootloader;
     use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
-    use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::dcmi::DcmiStream;
     use crate::boards::stm32h7::kept::KeptFlash;
     use crate::boards::stm32h7::light::Light;
     use crate::boards::stm32h7::memory;
@@ -186,9 +186,7 @@ mod on_board {
         clock.ch1().enable();
         core::mem::forget(clock);
         let data = (p.PH9, p.PH10, p.PH11, p.PH12, p.PH14, p.PI4, p.PI6, p.PI7);
-        let pins = CameraPins::new(data, (p.PI5, p.PA4, p.PA6));
-        let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
-        let stream = DcmiStream::start(interface)?;
+        let stream = DcmiStream::start((p.DCMI, p.DMA1_CH0), data, (p.PI5, p.PA4, p.PA6))?;
         let eyes = &*EYES.init(SideBySide::new(stream));
         let trigger = output(p.PG7.into());
         #[cfg(feature = "ahead")]

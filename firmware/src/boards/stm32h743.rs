@@ -21,7 +21,7 @@ mod on_board {
     use crate::boards::stm32h7::bootloader;
     use crate::boards::stm32h7::camera::{DIMS, PATIENCE_US, Row, sensors};
     use crate::boards::stm32h7::clocks::{self, FrameClock, MicrosecondClock};
-    use crate::boards::stm32h7::dcmi::{CameraInterface, CameraPins, DcmiStream};
+    use crate::boards::stm32h7::dcmi::DcmiStream;
     use crate::boards::stm32h7::kept::KeptFlash;
     use crate::boards::stm32h7::light::Light;
     use crate::boards::stm32h7::memory;
@@ -140,9 +140,7 @@ mod on_board {
 
         let _runs_on = Mco::new(p.MCO1, p.PA8, Mco1Source::PLL1_Q, McoConfig::default());
         let data = (p.PC6, p.PC7, p.PE0, p.PE1, p.PE4, p.PD3, p.PE5, p.PE6);
-        let pins = CameraPins::new(data, (p.PB7, p.PA4, p.PA6));
-        let interface = CameraInterface { dcmi: p.DCMI, dma: p.DMA1_CH0, pins };
-        let stream = DcmiStream::start(interface)?;
+        let stream = DcmiStream::start((p.DCMI, p.DMA1_CH0), data, (p.PB7, p.PA4, p.PA6))?;
         let switch = BusSwitch { select: output(p.PD15.into()), trigger: output(p.PD14.into()) };
         let eyes = &*EYES.init(InTurn::new(stream, switch, DIMS.height));
         let resets = (ResetPin(output(p.PD0.into())), ResetPin(output(p.PD1.into())));

@@ -74,19 +74,20 @@ struct State {
     vsync_line: usize,
 }
 
-/// Eleven pins that are the camera interface's, by the HAL's tables.
-#[derive(Debug)]
-pub struct CameraPins {
-    /// Port (A is 0) and number of VSYNC.
-    vsync: (u8, u8),
-}
-
 type Camera = peripherals::DCMI;
 
-impl CameraPins {
-    /// Data 0 to 7; VSYNC, HSYNC and pixel clock.
+/// The rows of the camera interface.
+#[derive(Debug)]
+pub struct DcmiStream(());
+
+impl DcmiStream {
+    /// Takes the interface, its DMA stream, and eleven pins that are the interface's by the HAL's
+    /// tables: data 0 to 7; VSYNC, HSYNC and pixel clock. Takes frames from now on: pixels at
+    /// falling edges of the clock, while VSYNC and HSYNC are high. `None` when it was started
+    /// before, or VSYNC is a pin below 5, which has an interrupt of its own.
     #[expect(clippy::type_complexity, reason = "eleven pins, each of a type of its own")]
-    pub fn new(
+    pub fn start(
+        _: (Peri<'static, Camera>, Peri<'static, peripherals::DMA1_CH0>),
         (d0, d1, d2, d3, d4, d5, d6, d7): (
             Peri<'static, impl D0Pin<Camera>>,
             Peri<'static, impl D1Pin<Camera>>,
@@ -102,8 +103,18 @@ impl CameraPins {
             Peri<'static, impl HSyncPin<Camera>>,
             Peri<'static, impl PixClkPin<Camera>>,
         ),
-    ) -> Self {
-        let vsync_pin = (vsync.port(), vsync.pin());
+    ) -> Option<Self> {
+        let (port, pin) = (vsync.port(), vsync.pin());
+        if pin < 5 {
+            return None;
+        }
+        let vsync_line = usize::from(pin);
+        let is_first = STATE.lock(|state| {
+            state.borrow_mut().push(State { bands: Bands::new(LAYOUT), vsync_line }).is_ok()
+        });
+        if !is_first {
+            return None;
+        }
         macro_rules! pins {
             ($($pin:ident)*) => { [$(($pin.af_num(), Flex::new($pin))),*] };
         }
@@ -113,38 +124,7 @@ impl CameraPins {
             pin.set_as_af_unchecked(function, AfType::input(Pull::Down));
             core::mem::forget(pin); // stays so
         }
-        Self { vsync: vsync_pin }
-    }
-}
-
-/// The peripherals that are taken.
-#[expect(missing_debug_implementations, reason = "the HAL's peripherals have none")]
-pub struct CameraInterface {
-    /// The camera interface.
-    pub dcmi: Peri<'static, peripherals::DCMI>,
-    /// Its DMA: the stream that is used below.
-    pub dma: Peri<'static, peripherals::DMA1_CH0>,
-    /// Its pins.
-    pub pins: CameraPins,
-}
-
-/// The rows of the camera interface.
-#[derive(Debug)]
-pub struct DcmiStream(());
-
-impl DcmiStream {
-    /// Takes frames from now on: pixels at falling edges of the clock, while VSYNC and HSYNC are
-    /// high. `None` when it was started before, or VSYNC is a pin below 5, which has an interrupt of
-    /// its own.
-    pub fn start(interface: CameraInterface) -> Option<Self> {
-        let (port, pin) = interface.pins.vsync;
-        if pin < 5 {
-            return None;
-        }
-        let vsync_line = usize::from(pin);
-        let state = State { bands: Bands::new(LAYOUT), vsync_line };
-        STATE.lock(|states| states.borrow_mut().push(state)).ok()?;
-        rcc::enable_and_reset::<peripherals::DCMI>();
+        rcc::enable_and_reset::<Camera>();
         pac::DMAMUX1.ccr(STREAM).write(|mux| mux.set_dmareq_id(DCMI_REQUEST));
         cortex_m::interrupt::free(|_| {
             pac::SYSCFG
