@@ -64,6 +64,20 @@ pub trait ByteSink {
     }
 }
 
+/// Nobody at the other end: what is written goes nowhere.
+#[derive(Debug)]
+pub struct NoPort;
+
+impl ByteSource for NoPort {
+    fn read(&mut self, _: &mut [u8]) -> usize {
+        0
+    }
+}
+
+impl ByteSink for NoPort {
+    fn write(&mut self, _: &[u8]) {}
+}
+
 /// A port as the function that encoders write packets with; it cannot fail.
 pub fn packets(port: &mut impl ByteSink) -> impl FnMut(&[u8]) -> Result<(), Infallible> {
     |packet| {

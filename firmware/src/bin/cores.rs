@@ -7,7 +7,8 @@ fn cores() -> linestereo_boards::Exit {
     use linestereo_boards::{Board, Exit};
     use linestereo_firmware::boards::selected::{self, InstructionClock};
     use linestereo_firmware::once::Once;
-    use linestereo_firmware::programs::cores::{self, CoreCosts, Nowhere};
+    use linestereo_firmware::ports::NoPort;
+    use linestereo_firmware::programs::cores::{self, CoreCosts};
     use linestereo_firmware::programs::replay;
     use linestereo_firmware::semihosting::{Arguments, Mode};
     use linestereo_firmware::session::Session;
@@ -29,7 +30,7 @@ fn cores() -> linestereo_boards::Exit {
         }
     };
     let mut session = Session::new(BOARD);
-    replay::run(memory, &clock, &mut session, &mut input, &mut Nowhere, compare, |_| ());
+    replay::run(memory, &clock, &mut session, &mut input, &mut NoPort, compare, |_| ());
     Exit::Success
 }
 

@@ -17,7 +17,7 @@ pub use on_board::{InstructionClock, bare, peripherals};
 #[cfg(all(target_os = "none", feature = "riscv-virt"))]
 mod on_board {
     use crate::boards::emulated::{self, NS_PER_INSTRUCTION, Polled, Port};
-    use crate::ports::{ByteSink, ByteSource, Clock};
+    use crate::ports::{Clock, NoPort};
     use riscv::register::mcycle;
 
     /// Counts instructions: what QEMU calls a cycle is a nanosecond of its virtual time. Its
@@ -81,21 +81,7 @@ mod on_board {
         }
     }
 
-    /// The machine has no second port: what an autopilot would get goes nowhere.
-    #[derive(Debug)]
-    pub struct NoPort;
-
-    impl ByteSink for NoPort {
-        fn write(&mut self, _: &[u8]) {}
-    }
-
-    impl ByteSource for NoPort {
-        fn read(&mut self, _: &mut [u8]) -> usize {
-            0
-        }
-    }
-
-    /// Peripherals for `live`.
+    /// Peripherals for `live`. The machine has no second port.
     pub fn peripherals() -> Option<emulated::Peripherals<InstructionClock, Port<Uart>, NoPort>> {
         emulated::peripherals(InstructionClock::start(), Port(Uart(())), NoPort)
     }

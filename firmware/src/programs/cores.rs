@@ -6,7 +6,7 @@
 //! ```
 
 use crate::memory::{Memory, PairError};
-use crate::ports::{ByteSink, Clock};
+use crate::ports::Clock;
 use linestereo::{Cores, Matcher, Options};
 
 /// Costs of a pair, in the unit of the clock.
@@ -18,14 +18,6 @@ pub struct CoreCosts {
     pub busier: u64,
     /// How often these meet.
     pub joins: u32,
-}
-
-/// Takes results that nobody asks for.
-#[derive(Debug)]
-pub struct Nowhere;
-
-impl ByteSink for Nowhere {
-    fn write(&mut self, _: &[u8]) {}
 }
 
 /// One core that measures what a second one would save.

@@ -6,7 +6,7 @@ use crate::clock_sync::ClockSync;
 use crate::indicator::{self, Status};
 use crate::memory::Memory;
 use crate::ports::{
-    ByteSink, ByteSource, CapturedPair, Clock, FrameStart, PairSource, Room, packets,
+    ByteSink, ByteSource, CapturedPair, Clock, FrameStart, NoPort, PairSource, Room, packets,
 };
 use crate::session::{Reply, Session, failed_frame};
 use linestereo::{Cores, Dims, Options, results::Match};
@@ -20,7 +20,7 @@ use linestereo_wire::{
 /// A program that takes turns: commands that have come, then a pair if the host wants results, or
 /// an autopilot obstacles.
 #[derive(Debug)]
-pub struct Live<'a, C, P, A = NoAutopilot> {
+pub struct Live<'a, C, P, A = NoPort> {
     session: Session<'a>,
     clock: C,
     port: P,
@@ -80,20 +80,6 @@ impl Turn {
 
 /// Shortest time between two reports of losses, microseconds.
 const LOSSES_US: u64 = 1_000_000;
-
-/// Nobody at the second port.
-#[derive(Debug)]
-pub enum NoAutopilot {}
-
-impl ByteSink for NoAutopilot {
-    fn write(&mut self, _: &[u8]) {}
-}
-
-impl ByteSource for NoAutopilot {
-    fn read(&mut self, _: &mut [u8]) -> usize {
-        0
-    }
-}
 
 /// Most answers to an autopilot in one turn, but for those of the last few bytes.
 const ANSWERS: usize = 4;
