@@ -7,7 +7,7 @@ use super::{
 use crate::ports::FrameStart;
 use core::marker::PhantomData;
 use embedded_hal::delay::DelayNs;
-use embedded_hal::i2c::I2c;
+use embedded_hal::i2c::{Error as _, ErrorKind, I2c};
 
 /// How long a reset pin is held, and what a sensor needs afterwards until it answers; the longest
 /// of the models (OV7670: 1 ms and 1 ms).
@@ -141,7 +141,8 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
             let cause = match M::WIRE.read(&mut self.bus, self.address, register) {
                 Ok(found) if found == identity.value => continue,
                 Ok(found) => Cause::Identity { register, found },
-                Err(error) => Cause::at_identity(register, error),
+                Err(error) if matches!(error.kind(), ErrorKind::NoAcknowledge(_)) => Cause::Missing,
+                Err(error) => Cause::Bus { register, error },
             };
             if self.reset.hold() == Ok(true) {
                 self.condition = Condition::InReset;

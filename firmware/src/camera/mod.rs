@@ -45,7 +45,6 @@ use crate::ports::FrameStart;
 use core::fmt;
 use core::ops::RangeInclusive;
 use embedded_hal::digital::OutputPin;
-use embedded_hal::i2c;
 use linestereo::Dims;
 
 /// Task of a sensor.
@@ -332,16 +331,6 @@ impl<E: fmt::Debug> fmt::Display for CameraError<E> {
 }
 
 impl<E: fmt::Debug> core::error::Error for CameraError<E> {}
-
-impl<E: i2c::Error> Cause<E> {
-    /// The error that a bus error stands for while the identity is read.
-    fn at_identity(register: u16, error: E) -> Self {
-        match error.kind() {
-            i2c::ErrorKind::NoAcknowledge(_) => Self::Missing,
-            _ => Self::Bus { register, error },
-        }
-    }
-}
 
 /// The wire to a sensor's reset input, which resets while it is low; or none.
 pub trait ResetLine {
