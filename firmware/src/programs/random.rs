@@ -5,11 +5,6 @@
 pub(crate) struct Random(pub(crate) u32);
 
 impl Random {
-    /// The one that comparisons begin with.
-    pub(crate) const fn new() -> Self {
-        Self(0x9e37_79b9)
-    }
-
     pub(crate) fn next(&mut self) -> u32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 17;

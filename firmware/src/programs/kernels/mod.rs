@@ -269,7 +269,7 @@ struct Trial<'r> {
 impl<'r> Trial<'r> {
     fn new(kernel: &'static str, rooms: &'r mut Rooms) -> Self {
         let compared = Compared { kernel, comparisons: 0, first: None };
-        Self { rooms, random: Random::new(), compared }
+        Self { rooms, random: Random(0x9e37_79b9), compared }
     }
 }
 
