@@ -11,6 +11,8 @@ use crate::output::{OutputPath, place};
 use anyhow::{Result, bail};
 use clap::{Arg, ArgMatches, Command};
 use core::any::TypeId;
+use core::ops::RangeInclusive;
+use core::str::FromStr;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
@@ -59,6 +61,24 @@ pub(super) fn separated(
         }
     }
     out
+}
+
+/// A parser of numbers in this range; `advice` is the error of everything else.
+pub(super) fn number_in(
+    range: RangeInclusive<f64>,
+    advice: &'static str,
+) -> impl Fn(&str) -> Result<f64, &'static str> + Clone {
+    move |text| text.parse().ok().filter(|value| range.contains(value)).ok_or(advice)
+}
+
+/// Both parts of a split text as values.
+pub(super) fn both<T: FromStr>((first, second): (&str, &str)) -> Option<[T; 2]> {
+    Some([first.parse().ok()?, second.parse().ok()?])
+}
+
+/// A column and a row with a comma between them.
+pub(super) fn position<T: FromStr>(text: &str) -> Option<[T; 2]> {
+    both(text.split_once(',').map(|(x, y)| (x.trim(), y.trim()))?)
 }
 
 fn is_output(arg: &Arg) -> bool {

@@ -1,5 +1,6 @@
 //! Options that say which board was, or will be, photographed.
 
+use super::arguments::both;
 use anyhow::{Result, anyhow, bail};
 use linestereo_calibration::boards::{Board, Dictionary, Pattern};
 
@@ -29,9 +30,7 @@ pub(super) fn parse_board(text: &str) -> Result<BoardSize, String> {
             ));
         }
     };
-    let sides = size
-        .split_once('x')
-        .and_then(|(cols, rows)| Some([cols.parse().ok()?, rows.parse().ok()?]));
+    let sides = size.split_once('x').and_then(both);
     let sides =
         sides.ok_or("give inner corners as COLSxROWS, for example 9x6; charuco:8x6 are squares, aprilgrid:6x6 tags")?;
     Ok(BoardSize { kind, sides })

@@ -1,5 +1,6 @@
 //! `linestereo convert-rig`: calibrations of other programs to `rig.toml` and back.
 
+use super::arguments::both;
 use crate::output::{OutputFiles, OutputPath};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
@@ -128,15 +129,13 @@ fn numbers(values: &[f64]) -> String {
 }
 
 /// Width and height in px; what they may be is checked where they are used.
-pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
-    let sides = text
-        .split_once('x')
-        .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-    let (width, height) = sides.ok_or("give width and height in px, for example 640x480")?;
+pub(super) fn parse_size(text: &str) -> Result<Dims, &'static str> {
+    let sides = text.split_once('x').and_then(both);
+    let [width, height] = sides.ok_or("give width and height in px, for example 640x480")?;
     Ok(Dims { width, height })
 }
 
-fn parse_unit(text: &str) -> Result<TranslationUnit, String> {
+fn parse_unit(text: &str) -> Result<TranslationUnit, &'static str> {
     match text {
         "m" => Ok(TranslationUnit::Metres),
         "mm" => Ok(TranslationUnit::Millimetres),

@@ -7,6 +7,7 @@
 //! PairMatcher  the core and, for raw pairs, the rectifier, with their memory: once; then by pair
 //! ```
 
+use super::arguments::position;
 use super::engine_with;
 use super::method::MethodArgs;
 use super::pose::PoseArgs;
@@ -63,7 +64,7 @@ pub(super) struct InputArgs {
     disparity_offset_px: Option<f64>,
     /// Principal point of the left image as given (before --width) [default: the scene file's, else
     /// the middle].
-    #[arg(long, value_name = "X,Y", value_parser = position, allow_hyphen_values = true, conflicts_with_all = ["fb", "rig"])]
+    #[arg(long, value_name = "X,Y", value_parser = principal_point, allow_hyphen_values = true, conflicts_with_all = ["fb", "rig"])]
     principal_point: Option<[f64; 2]>,
     #[command(flatten)]
     pose: PoseArgs,
@@ -576,12 +577,8 @@ fn beside(images: &PairFiles) -> Option<PathBuf> {
     path.is_file().then_some(path)
 }
 
-fn position(text: &str) -> Result<[f64; 2], String> {
-    let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
-    match numbers {
-        Some((Ok(x), Ok(y))) => Ok([x, y]),
-        _ => Err("give a column and a row, such as 319.5,239.5".to_owned()),
-    }
+fn principal_point(text: &str) -> Result<[f64; 2], &'static str> {
+    position(text).ok_or("give a column and a row, such as 319.5,239.5")
 }
 
 /// Both images with what is usable of them.

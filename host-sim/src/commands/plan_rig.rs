@@ -1,5 +1,6 @@
 //! `linestereo plan-rig`: what two cameras will see, before they are bought.
 
+use super::arguments::{both, number_in};
 use super::written;
 use crate::output::{OutputFiles, OutputPath};
 use crate::planning::{Focal, RigPlan, Suggestion, USUAL_SIGMA, Wish, suggest};
@@ -25,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "UM", requires = "focal_mm")]
     pixel_um: Option<f64>,
     /// Horizontal field of view.
-    #[arg(long, value_name = "DEGREES", value_parser = parse_field_of_view)]
+    #[arg(long, value_name = "DEGREES", value_parser = number_in(1.0..=150.0, "give degrees from 1 to 150"))]
     hfov_deg: Option<f64>,
     /// Width and height of the images as matched.
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = super::convert_rig::parse_size)]
@@ -41,7 +42,7 @@ pub struct Args {
     sigma_px: f64,
     /// Distances to measure, in metres; suggests a baseline.
     #[arg(long, value_name = "NEAR..FAR", value_parser = parse_range)]
-    range: Option<(f64, f64)>,
+    range: Option<[f64; 2]>,
     /// Largest error at FAR.
     #[arg(long, value_name = "PERCENT", default_value_t = 5.0, requires = "range")]
     error: f64,
@@ -60,7 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
         ),
     };
     let (focal, error) = (focal.pixels(args.size), args.error / 100.0);
-    let wish = args.range.map(|(near, far)| Wish { near, far, error });
+    let wish = args.range.map(|[near, far]| Wish { near, far, error });
     let suggestion = wish
         .map(|wish| suggest(focal, args.size, args.max_disparity, args.sigma_px, &wish))
         .transpose()?;
@@ -191,14 +192,8 @@ fn listing<'a>(
     }
 }
 
-fn parse_field_of_view(text: &str) -> Result<f64, String> {
-    let degrees = text.parse().ok().filter(|degrees| (1.0..=150.0).contains(degrees));
-    degrees.ok_or_else(|| "give degrees from 1 to 150".to_owned())
-}
-
-fn parse_range(text: &str) -> Result<(f64, f64), String> {
-    let ends =
-        text.split_once("..").and_then(|(near, far)| Some((near.parse().ok()?, far.parse().ok()?)));
-    ends.filter(|(near, far)| 0.0 < *near && near < far && *far <= 1e5)
-        .ok_or_else(|| "give two rising distances in metres, for example 0.5..4".to_owned())
+fn parse_range(text: &str) -> Result<[f64; 2], &'static str> {
+    let ends = text.split_once("..").and_then(both);
+    ends.filter(|&[near, far]| 0.0 < near && near < far && far <= 1e5)
+        .ok_or("give two rising distances in metres, for example 0.5..4")
 }

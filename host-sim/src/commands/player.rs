@@ -1,6 +1,7 @@
 //! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the
 //! other.
 
+use super::arguments::both;
 use super::input::{InputArgs, Known, LoadedPair, PairMatcher, Setup, TimedResult};
 use super::objects::{Asked, Objects};
 use super::recording::{Played, RecordingArgs};
@@ -24,7 +25,7 @@ pub(super) struct SourceArgs {
     side_by_side: bool,
     /// Only frames whose number is in this range (the position, where names have no number).
     #[arg(long, value_name = "FIRST..LAST", value_parser = parse_range)]
-    frames: Option<(u64, u64)>,
+    frames: Option<[u64; 2]>,
     #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
@@ -55,11 +56,11 @@ impl SourceArgs {
 pub(super) struct Chosen<'a> {
     pub(super) listed: Vec<(u64, &'a StoredPair)>,
     /// First and last number of pairs of a camera, which are not there yet.
-    live: Option<(u64, u64)>,
+    live: Option<[u64; 2]>,
 }
 
 impl<'a> Chosen<'a> {
-    fn new(found: &'a Footage, range: Option<(u64, u64)>) -> Self {
+    fn new(found: &'a Footage, range: Option<[u64; 2]>) -> Self {
         let live = found.of_video().filter(|video| video.is_live());
         let numbered = found
             .pairs
@@ -67,18 +68,18 @@ impl<'a> Chosen<'a> {
             .zip(0..)
             .map(|(pair, position)| (pair.number.unwrap_or(position), pair));
         let is_in =
-            |number: &u64| range.is_none_or(|(first, last)| (first..=last).contains(number));
+            |number: &u64| range.is_none_or(|[first, last]| (first..=last).contains(number));
         Self {
             listed: numbered.filter(|(number, _)| is_in(number)).collect(),
-            live: live.map(|_| range.unwrap_or((0, u64::MAX))),
+            live: live.map(|_| range.unwrap_or([0, u64::MAX])),
         }
     }
 
     /// Number of pairs; without a range a camera has no end.
     pub(super) fn count(&self) -> Option<usize> {
         match self.live {
-            Some((_, u64::MAX)) => None,
-            Some((first, last)) => {
+            Some([_, u64::MAX]) => None,
+            Some([first, last]) => {
                 Some(usize::try_from(last - first).unwrap_or(usize::MAX).saturating_add(1))
             }
             None => Some(self.listed.len()),
@@ -89,7 +90,7 @@ impl<'a> Chosen<'a> {
         &self,
         found: &'a Footage,
     ) -> impl Iterator<Item = (u64, Cow<'a, StoredPair>)> {
-        let live = self.live.into_iter().flat_map(|(first, last)| first..=last);
+        let live = self.live.into_iter().flat_map(|[first, last]| first..=last);
         let live = live.map_while(|number| {
             Some((number, Cow::Owned(found.filmed(usize::try_from(number).ok()?)?)))
         });
@@ -97,13 +98,9 @@ impl<'a> Chosen<'a> {
     }
 }
 
-fn parse_range(text: &str) -> Result<(u64, u64), String> {
-    let range = text
-        .split_once("..")
-        .and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
-    range
-        .filter(|(first, last)| first <= last)
-        .ok_or_else(|| "give two numbers: 10..200".to_owned())
+fn parse_range(text: &str) -> Result<[u64; 2], &'static str> {
+    let range = text.split_once("..").and_then(both);
+    range.filter(|[first, last]| first <= last).ok_or("give two numbers: 10..200")
 }
 
 /// Pairs matched one after the other.

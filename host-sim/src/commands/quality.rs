@@ -1,5 +1,6 @@
 //! `linestereo quality`: depth quality on a flat wall.
 
+use super::arguments::number_in;
 use super::input::InputArgs;
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::player::Player;
@@ -35,7 +36,8 @@ pub struct Args {
     region: Option<[u16; 4]>,
     /// Depth of the wall in the middle of the region, from the left camera, along the direction in
     /// which the cameras look.
-    #[arg(long, value_name = "M", value_parser = parse_distance)]
+    #[arg(long, value_name = "M",
+          value_parser = number_in(0.01..=1000.0, "give 0.01 to 1000 metres"))]
     distance: Option<f64>,
     /// Write the figures as JSON; "-" is stdout.
     #[arg(long, value_name = "FILE")]
@@ -47,15 +49,10 @@ pub struct Args {
     input: InputArgs,
 }
 
-fn parse_region(text: &str) -> Result<[u16; 4], String> {
+fn parse_region(text: &str) -> Result<[u16; 4], &'static str> {
     let numbers: Option<Vec<u16>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let region = numbers.and_then(|numbers| <[u16; 4]>::try_from(numbers).ok());
-    region.ok_or_else(|| "give left, top, width and height, such as 96,72,128,96".to_owned())
-}
-
-fn parse_distance(text: &str) -> Result<f64, String> {
-    let distance = text.parse().ok().filter(|metres| (0.01..=1000.0).contains(metres));
-    distance.ok_or_else(|| "give 0.01 to 1000 metres".to_owned())
+    region.ok_or("give left, top, width and height, such as 96,72,128,96")
 }
 
 pub fn run(args: &Args) -> Result<()> {

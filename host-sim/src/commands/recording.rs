@@ -1,5 +1,6 @@
 //! Recordings of ROS 2 as input and as output of a sequence.
 
+use super::arguments::number_in;
 use super::input::Setup;
 use super::objects::Asked;
 use super::video::CameraArgs;
@@ -46,13 +47,9 @@ pub(super) struct RecordingArgs {
     #[arg(long, value_name = "TOPIC", requires = "left_topic")]
     right_topic: Option<String>,
     /// Largest time between the two images of a pair [default: 10].
-    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    #[arg(long, value_name = "MS",
+          value_parser = number_in(0.0..=10_000.0, "give milliseconds, 0 to 10000"))]
     pair_window_ms: Option<f64>,
-}
-
-fn milliseconds(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value| (0.0..=10_000.0).contains(value));
-    value.ok_or_else(|| "give milliseconds, 0 to 10000".to_owned())
 }
 
 impl RecordingArgs {

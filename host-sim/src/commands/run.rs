@@ -1,5 +1,6 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
+use super::arguments::position;
 use super::input::{InputArgs, LoadedPair, PairMatcher, Setup};
 use super::objects::{Asked, ObjectArgs, Objects};
 use super::sector_options::SectorArgs;
@@ -78,12 +79,8 @@ pub struct Args {
     sectors: SectorArgs,
 }
 
-pub(super) fn pixel(text: &str) -> Result<(u16, u16), String> {
-    let numbers = text.split_once(',').map(|(x, y)| (x.trim().parse(), y.trim().parse()));
-    match numbers {
-        Some((Ok(x), Ok(y))) => Ok((x, y)),
-        _ => Err("give a column and a row, such as 160,120".to_owned()),
-    }
+pub(super) fn pixel(text: &str) -> Result<(u16, u16), &'static str> {
+    position(text).map(<[u16; 2]>::into).ok_or("give a column and a row, such as 160,120")
 }
 
 /// The left image as it was matched, the result, the time in words, objects and pixels that were

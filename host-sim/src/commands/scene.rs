@@ -1,5 +1,6 @@
 //! `linestereo scene`: synthetic scenes with exact truth, as folders.
 
+use super::arguments::{both, number_in};
 use crate::output::{OutputFiles, print};
 use crate::scene::{self, Kind, Sensor};
 use crate::scene_folder;
@@ -29,7 +30,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Standard deviation of the noise in both images, in grey levels.
-    #[arg(long, value_name = "SIGMA", default_value_t = 1.0, allow_negative_numbers = true, value_parser = parse_noise)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 1.0, allow_negative_numbers = true,
+          value_parser = number_in(0.0..=255.0, "give a number from 0 to 255"))]
     noise: f64,
     /// Folder to write to; created if missing.
     #[arg(value_name = "FOLDER", required_unless_present = "list")]
@@ -69,11 +71,8 @@ fn render(args: &Args, kind: Kind, folder: &Path) -> anyhow::Result<()> {
 
 /// Width and height of an image that the core takes.
 pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
-    let sides = text
-        .split_once('x')
-        .and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-    match sides {
-        Some((width, height))
+    match text.split_once('x').and_then(both) {
+        Some([width, height])
             if (MIN_SIDE..=MAX_WIDTH).contains(&width)
                 && (MIN_SIDE..=MAX_HEIGHT).contains(&height) =>
         {
@@ -84,9 +83,4 @@ pub(super) fn parse_size(text: &str) -> Result<Dims, String> {
              320x240"
         )),
     }
-}
-
-fn parse_noise(text: &str) -> Result<f64, String> {
-    let value = text.parse().ok().filter(|value| (0.0..=255.0).contains(value));
-    value.ok_or_else(|| "give a number from 0 to 255".to_owned())
 }

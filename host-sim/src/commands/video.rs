@@ -1,5 +1,6 @@
 //! Videos and cameras as input of a sequence.
 
+use super::arguments::both;
 use crate::interruption;
 use anyhow::{Result, bail};
 use linestereo_recordings::{Camera, Footage, is_video};
@@ -23,22 +24,19 @@ pub(super) struct CameraArgs {
     camera_format: Option<String>,
 }
 
-fn size(text: &str) -> Result<[u16; 2], String> {
-    let sides = text
-        .split_once(['x', 'X'])
-        .and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    let sides = sides.filter(|[width, height]: &[u16; 2]| *width > 0 && *height > 0);
-    sides.ok_or_else(|| "give width and height of both views together, such as 2560x720".to_owned())
+fn size(text: &str) -> Result<[u16; 2], &'static str> {
+    let sides = text.split_once(['x', 'X']).and_then(both);
+    sides
+        .filter(|sides| !sides.contains(&0))
+        .ok_or("give width and height of both views together, such as 2560x720")
 }
 
-fn name(text: &str) -> Result<String, String> {
+fn name(text: &str) -> Result<String, &'static str> {
     let is_name =
         !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
-    if is_name {
-        Ok(text.to_owned())
-    } else {
-        Err("give a name that v4l2-ctl and ffmpeg know, such as mjpeg".to_owned())
-    }
+    is_name
+        .then(|| text.to_owned())
+        .ok_or("give a name that v4l2-ctl and ffmpeg know, such as mjpeg")
 }
 
 impl CameraArgs {

@@ -5,6 +5,7 @@ mod boards;
 mod pairs;
 mod space;
 
+use super::arguments::number_in;
 use super::input::InputArgs;
 use super::player::SourceArgs;
 use super::sector_options::SectorPlanArgs;
@@ -40,7 +41,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
     /// Pairs a second of what is recorded [default: at its own times, else 10].
-    #[arg(long, value_name = "N", value_parser = rate, conflicts_with_all = ["tcp", "serial", "camera"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["tcp", "serial", "camera"],
+          value_parser = number_in(0.01..=1000.0, "give pairs a second, 0.01 to 1000"))]
     rate: Option<f64>,
     /// Begin anew after the last pair.
     #[arg(long, conflicts_with_all = ["tcp", "serial", "camera"])]
@@ -57,11 +59,6 @@ pub struct Args {
     sectors: SectorPlanArgs,
     #[command(flatten)]
     input: InputArgs,
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    let rate = text.parse().ok().filter(|rate| (0.01..=1000.0).contains(rate));
-    rate.ok_or_else(|| "give pairs a second, 0.01 to 1000".to_owned())
 }
 
 pub fn run(args: &Args) -> Result<()> {
