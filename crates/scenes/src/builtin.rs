@@ -130,6 +130,11 @@ impl Studio {
         self.surfaces.push(Surface::rectangle(corner, across, down, texture, self.label()));
     }
 
+    /// A rectangle that faces the cameras.
+    fn facing(&mut self, corner: Vector, [width, height]: [f64; 2], texture: Texture) {
+        self.rectangle(corner, [width, 0.0, 0.0], [0.0, height, 0.0], texture);
+    }
+
     /// A box standing upright, turned about the vertical axis so that its front looks along
     /// `(-turn, -1)`.
     fn cuboid(&mut self, centre: Vector, size: Vector, turn: f64, textures: [Texture; 3]) {
@@ -146,12 +151,7 @@ impl Studio {
 
     /// A wall that faces the cameras and fills their view.
     fn wall(&mut self, depth: f64, texture: Texture) {
-        self.rectangle(
-            [-2.0 * depth, -2.0 * depth, depth],
-            [4.0 * depth, 0.0, 0.0],
-            [0.0, 4.0 * depth, 0.0],
-            texture,
-        );
+        self.facing([-2.0 * depth, -2.0 * depth, depth], [4.0 * depth; 2], texture);
     }
 }
 
@@ -162,18 +162,8 @@ fn plain(grey: f64) -> Texture {
 fn demo(studio: &mut Studio) {
     // Back wall 4 m away: textured on the left, blank on the right.
     let texture = studio.mosaic([60.0, 200.0], 0.45);
-    studio.object("textured wall").rectangle(
-        [-4.0, -3.0, 4.0],
-        [4.3, 0.0, 0.0],
-        [0.0, 6.0, 0.0],
-        texture,
-    );
-    studio.object("blank wall").rectangle(
-        [0.3, -3.0, 4.0],
-        [2.0, 0.0, 0.0],
-        [0.0, 6.0, 0.0],
-        plain(185.0),
-    );
+    studio.object("textured wall").facing([-4.0, -3.0, 4.0], [4.3, 6.0], texture);
+    studio.object("blank wall").facing([0.3, -3.0, 4.0], [2.0, 6.0], plain(185.0));
     // A slanted wall on the right with a window in it, and the floor.
     let texture = studio.mosaic([90.0, 160.0], 0.3);
     studio.object("slanted wall").rectangle(
@@ -210,12 +200,7 @@ fn demo(studio: &mut Studio) {
         texture,
     );
     // A thin pole, a thinner one that leans, and a card close by.
-    studio.object("thin pole").rectangle(
-        [-0.1, -2.0, 1.7],
-        [0.035, 0.0, 0.0],
-        [0.0, 4.0, 0.0],
-        plain(25.0),
-    );
+    studio.object("thin pole").facing([-0.1, -2.0, 1.7], [0.035, 4.0], plain(25.0));
     studio.object("leaning pole").rectangle(
         [0.2, -2.0, 1.5],
         [0.018, 0.004, 0.0],
@@ -274,18 +259,8 @@ fn corridor(studio: &mut Studio) {
     studio.object("floor").rectangle([-0.8, 0.7, near], [1.8, 0.0, 0.0], forward, texture);
     studio.object("ceiling").rectangle([-0.8, -1.0, near], [1.8, 0.0, 0.0], forward, plain(225.0));
     let texture = studio.rough(140.0, 0.2);
-    studio.object("end wall").rectangle(
-        [-0.8, -1.0, 7.0],
-        [1.8, 0.0, 0.0],
-        [0.0, 1.7, 0.0],
-        texture,
-    );
-    studio.object("door").rectangle(
-        [-0.2, -0.6, 6.98],
-        [0.7, 0.0, 0.0],
-        [0.0, 1.3, 0.0],
-        plain(60.0),
-    );
+    studio.object("end wall").facing([-0.8, -1.0, 7.0], [1.8, 1.7], texture);
+    studio.object("door").facing([-0.2, -0.6, 6.98], [0.7, 1.3], plain(60.0));
 }
 
 fn poles(studio: &mut Studio) {
@@ -333,29 +308,14 @@ fn boxes(studio: &mut Studio, blank: bool) {
 
 fn repetition(studio: &mut Studio) {
     let texture = Texture::plain(Pattern::Checker { greys: [90.0, 170.0], side: 0.2 });
-    studio.object("checkered wall").rectangle(
-        [-5.0, -4.0, 4.0],
-        [5.0, 0.0, 0.0],
-        [0.0, 8.0, 0.0],
-        texture,
-    );
+    studio.object("checkered wall").facing([-5.0, -4.0, 4.0], [5.0, 8.0], texture);
     let texture = Texture::plain(Pattern::Stripes { greys: [60.0, 190.0], period: 0.16 });
-    studio.object("striped wall").rectangle(
-        [0.0, -4.0, 4.0],
-        [5.0, 0.0, 0.0],
-        [0.0, 8.0, 0.0],
-        texture,
-    );
+    studio.object("striped wall").facing([0.0, -4.0, 4.0], [5.0, 8.0], texture);
     let texture = studio.rough(100.0, 0.2);
     studio.object("floor").rectangle([-5.0, 0.8, 4.0], [10.0, 0.0, 0.0], [0.0, 0.0, -3.0], texture);
     for picket in 0..14 {
         let x = f64::from(picket) * 0.14 - 1.0;
-        studio.object("picket").rectangle(
-            [x, 0.0, 2.0],
-            [0.06, 0.0, 0.0],
-            [0.0, 0.75, 0.0],
-            plain(225.0),
-        );
+        studio.object("picket").facing([x, 0.0, 2.0], [0.06, 0.75], plain(225.0));
     }
     let texture = studio.mosaic([50.0, 220.0], 0.08);
     studio.object("card").rectangle([-0.5, -0.65, 1.6], [0.45, 0.0, 0.1], [0.0, 0.4, 0.0], texture);

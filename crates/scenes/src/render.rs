@@ -64,6 +64,13 @@ impl Rendering {
         let range = (largest as u16 + 2).next_multiple_of(16);
         range.min(256).min(self.left.dims.width - 1)
     }
+
+    /// The truth of the next pixel.
+    fn push(&mut self, disparity: f32, visible: bool, label: u8) {
+        self.disparity.push(disparity);
+        self.visible.push(visible);
+        self.labels.push(label);
+    }
 }
 
 /// One camera's pixels as rays, and the surfaces as it sees them.
@@ -161,17 +168,20 @@ pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     });
     let right_greys = right_greys.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
 
-    let pixels = left_greys.len();
-    let mut truth = Truth {
-        disparity: Vec::with_capacity(pixels),
-        visible: Vec::with_capacity(pixels),
-        labels: Vec::with_capacity(pixels),
+    let exposed: Vec<f64> =
+        right_greys.iter().map(|grey| grey * sensor.gain + sensor.bias).collect();
+    let mut rendering = Rendering {
+        left: digitize(&left_greys, dims, sensor, 0),
+        right: digitize(&exposed, dims, sensor, 1),
+        disparity: Vec::new(),
+        visible: Vec::new(),
+        labels: Vec::new(),
     };
     let all: Vec<usize> = (0..surfaces.len()).collect();
     left.for_each_pixel(dims, |x, y, candidates| {
         let ray = left.ray(x, y);
         let Some((number, depth, _)) = left.nearest(candidates, ray) else {
-            return truth.push(f32::NAN, false, 0);
+            return rendering.push(f32::NAN, false, 0);
         };
         let point = along([ray[0] * depth, ray[1] * depth, depth], -1.0, eye);
         let seen = [point[0] / depth, point[1] / depth];
@@ -183,32 +193,9 @@ pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
         let free =
             right.nearest(&all, seen).is_none_or(|(_, nearest, _)| nearest > depth * (1.0 - 1e-9));
         let visible = in_image(0, dims.width) && in_image(1, dims.height) && free;
-        truth.push(pair.disparity(depth) as f32, visible, surfaces[number].label);
+        rendering.push(pair.disparity(depth) as f32, visible, surfaces[number].label);
     });
-
-    let exposed: Vec<f64> =
-        right_greys.iter().map(|grey| grey * sensor.gain + sensor.bias).collect();
-    Rendering {
-        left: digitize(&left_greys, dims, sensor, 0),
-        right: digitize(&exposed, dims, sensor, 1),
-        disparity: truth.disparity,
-        visible: truth.visible,
-        labels: truth.labels,
-    }
-}
-
-struct Truth {
-    disparity: Vec<f32>,
-    visible: Vec<bool>,
-    labels: Vec<u8>,
-}
-
-impl Truth {
-    fn push(&mut self, disparity: f32, visible: bool, label: u8) {
-        self.disparity.push(disparity);
-        self.visible.push(visible);
-        self.labels.push(label);
-    }
+    rendering
 }
 
 /// Adds the sensor's noise and rounds to 8 bits.
