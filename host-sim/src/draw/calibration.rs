@@ -74,7 +74,7 @@ pub fn calibration(
             (MARGIN, pair - 8.0),
             Align::Left,
             INK,
-            "rectified: the same corner on the same line".into(),
+            "rectified: the same corner on the same line",
         );
         rectified_pair(&mut sheet, &rectified.rectification, photos, pair + 16.0);
     }
@@ -120,7 +120,7 @@ fn views(sheet: &mut Sheet, estimate: &Estimate, top: f32) {
         (MARGIN, top - 24.0),
         Align::Left,
         INK,
-        "error of each view, left and right; line: all; x: dropped".into(),
+        "error of each view, left and right; line: all; x: dropped",
     );
     for (index, view) in estimate.views.iter().enumerate() {
         let left = MARGIN + step * index as f32;
@@ -142,7 +142,7 @@ fn views(sheet: &mut Sheet, estimate: &Estimate, top: f32) {
                 (middle, bottom + 4.0),
                 Align::Centre,
                 FAINT,
-                view.name.chars().take(8).collect(),
+                view.name.chars().take(8).collect::<String>(),
             );
         }
     }

@@ -41,12 +41,7 @@ pub fn explanation(left: &GrayImage, explanation: &Explanation) -> RgbImage {
             INK
         };
         // A line that is too long for the picture is whole in the text.
-        sheet.label(
-            (MARGIN, above + MARGIN + LINE * place as f32),
-            Align::Left,
-            rgb,
-            line.to_owned(),
-        );
+        sheet.label((MARGIN, above + MARGIN + LINE * place as f32), Align::Left, rgb, line);
     }
     sheet.into_picture()
 }
@@ -94,12 +89,7 @@ fn surroundings(sheet: &mut Sheet, left: &GrayImage, explanation: &Explanation) 
         (BAR, "= bar"),
     ];
     for (i, (rgb, text)) in (0_u8..).zip(keys) {
-        sheet.label(
-            (MARGIN + 150.0 * f32::from(i), MARGIN - 4.0),
-            Align::Left,
-            rgb,
-            text.to_owned(),
-        );
+        sheet.label((MARGIN + 150.0 * f32::from(i), MARGIN - 4.0), Align::Left, rgb, text);
     }
 }
 
@@ -143,7 +133,7 @@ fn even_step(least: f64) -> f64 {
 fn curves(sheet: &mut Sheet, [left, top]: [f32; 2], plot: &Plot) {
     let (right, bottom) = (left + PLOT[0] - 60.0, top + PLOT[1] - 34.0);
     let top = top + 22.0;
-    sheet.label((left, top - 22.0), Align::Left, INK, plot.title.clone());
+    sheet.label((left, top - 22.0), Align::Left, INK, &plot.title);
     let Some((_, decisive)) = plot.curves.first() else { return };
     let (first, last) = (decisive.first, decisive.first + decisive.costs.len() as i32 - 1);
     let largest =
@@ -155,7 +145,7 @@ fn curves(sheet: &mut Sheet, [left, top]: [f32; 2], plot: &Plot) {
     sheet.line((left, bottom), (right, bottom), GRID, 1.0);
     sheet.line((left, top), (left, bottom), GRID, 1.0);
     sheet.label((right + 8.0, top - 8.0), Align::Left, FAINT, format!("{largest}"));
-    sheet.label((right + 8.0, bottom - 8.0), Align::Left, FAINT, "0".to_owned());
+    sheet.label((right + 8.0, bottom - 8.0), Align::Left, FAINT, "0");
     let step = even_step(f64::from(last - first) / 10.0).max(1.0);
     let mut at = (f64::from(first) / step).ceil() * step;
     while at <= f64::from(last) {
@@ -168,12 +158,7 @@ fn curves(sheet: &mut Sheet, [left, top]: [f32; 2], plot: &Plot) {
         let u = across(mark.at);
         if (left..=right).contains(&u) {
             sheet.line((u, top), (u, bottom), rgb, 1.5);
-            sheet.label(
-                (u + 4.0, top + 15.0 * f32::from(place)),
-                Align::Left,
-                rgb,
-                mark.name.to_owned(),
-            );
+            sheet.label((u + 4.0, top + 15.0 * f32::from(place)), Align::Left, rgb, mark.name);
         }
     }
     for (place, ((name, curve), rgb)) in (0_u8..).zip(plot.curves.iter().zip(CURVES)) {
@@ -184,12 +169,7 @@ fn curves(sheet: &mut Sheet, [left, top]: [f32; 2], plot: &Plot) {
         for pair in points.windows(2) {
             sheet.line(pair[0], pair[1], rgb, if place == 0 { 2.5 } else { 1.2 });
         }
-        sheet.label(
-            (right - 110.0 * f32::from(place), top - 22.0),
-            Align::Right,
-            rgb,
-            (*name).to_owned(),
-        );
+        sheet.label((right - 110.0 * f32::from(place), top - 22.0), Align::Right, rgb, *name);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::colour::{Range, colour};
 use super::floor::{DROP, FLOOR};
+use super::sheet::{BACKGROUND, INK, TEXT};
 use super::text::{Align, width, write};
 use crate::engine::FrameResult;
 use crate::results::listing::finite_metres;
@@ -13,9 +14,6 @@ const HEIGHT: u32 = 96;
 const GROUND_HEIGHT: u32 = 22;
 const MARGIN: f32 = 14.0;
 const BAR_HEIGHT: f32 = 14.0;
-const TEXT_HEIGHT: f32 = 15.0;
-const BACKGROUND: [u8; 3] = [16, 16, 18];
-const INK: [u8; 3] = [225, 225, 225];
 /// Labels of the bar stand at least this far apart, in px of the picture.
 const LABEL_DISTANCE: f32 = 80.0;
 
@@ -39,11 +37,11 @@ pub(super) fn below(
     if beyond > 0 {
         found.push_str(&format!(", {beyond} beyond these colours"));
     }
-    let line = whole.height() as f32 - TEXT_HEIGHT - 8.0;
+    let line = whole.height() as f32 - TEXT - 8.0;
     let right = whole.width() as f32 - MARGIN;
-    write(&mut whole, (MARGIN, line), Align::Left, TEXT_HEIGHT, INK, &found);
-    if MARGIN + width(TEXT_HEIGHT, &found) + 2.0 * MARGIN + width(TEXT_HEIGHT, key) < right {
-        write(&mut whole, (right, line), Align::Right, TEXT_HEIGHT, INK, key);
+    write(&mut whole, (MARGIN, line), Align::Left, TEXT, INK, &found);
+    if MARGIN + width(TEXT, &found) + 2.0 * MARGIN + width(TEXT, key) < right {
+        write(&mut whole, (right, line), Align::Right, TEXT, INK, key);
     }
     if result.ground.is_some() {
         ground(&mut whole, line - GROUND_HEIGHT as f32);
@@ -55,15 +53,15 @@ pub(super) fn below(
 fn ground(picture: &mut RgbImage, top: f32) {
     let mut x = MARGIN;
     for (rgb, word) in [(FLOOR, "floor"), (DROP, "below the floor: a drop-off")] {
-        if x + TEXT_HEIGHT + width(TEXT_HEIGHT, word) + MARGIN > picture.width() as f32 {
+        if x + TEXT + width(TEXT, word) + MARGIN > picture.width() as f32 {
             return;
         }
-        for y in top as u32 + 2..(top + TEXT_HEIGHT) as u32 {
-            (x as u32..(x + TEXT_HEIGHT) as u32).for_each(|x| picture.put_pixel(x, y, Rgb(rgb)));
+        for y in top as u32 + 2..(top + TEXT) as u32 {
+            (x as u32..(x + TEXT) as u32).for_each(|x| picture.put_pixel(x, y, Rgb(rgb)));
         }
-        x += TEXT_HEIGHT + 6.0;
-        write(picture, (x, top), Align::Left, TEXT_HEIGHT, INK, word);
-        x += width(TEXT_HEIGHT, word) + MARGIN;
+        x += TEXT + 6.0;
+        write(picture, (x, top), Align::Left, TEXT, INK, word);
+        x += width(TEXT, word) + MARGIN;
     }
 }
 
@@ -102,9 +100,9 @@ fn labels(picture: &mut RgbImage, top: f32, range: &Range, rig: Option<&Rig>) {
         } else {
             (x, Align::Centre)
         };
-        write(picture, (anchor, top), align, TEXT_HEIGHT, INK, &format!("{disparity} px"));
+        write(picture, (anchor, top), align, TEXT, INK, &format!("{disparity} px"));
         if let Some(metres) = metres {
-            write(picture, (anchor, top + TEXT_HEIGHT + 1.0), align, TEXT_HEIGHT, INK, &metres);
+            write(picture, (anchor, top + TEXT + 1.0), align, TEXT, INK, &metres);
         }
         disparity += step;
     }

@@ -32,7 +32,7 @@ use crate::output::png_file;
 use colour::Range;
 use image::{ExtendedColorType, ImageResult, RgbImage};
 use linestereo::Rig;
-use linestereo::results::{Bar, Match, Owner, Source};
+use linestereo::results::{Bar, Match, Owner, Point, Source};
 use linestereo_frames::GrayImage;
 pub use rows::rows;
 use tiny_skia::{
@@ -73,12 +73,7 @@ pub fn overlay(
     for point in &result.points {
         let rgb = floor::of_point(result.ground, point)
             .unwrap_or_else(|| colour(&range, point.disparity.to_num()));
-        let confidence = point.confidence.to_num();
-        if point.source == Source::Support {
-            canvas.support_point(point.x, point.y, rgb, confidence);
-        } else {
-            canvas.point(point.x, point.y, rgb, confidence);
-        }
+        canvas.point(point, rgb);
     }
     // The most confident come first in the list and have to end on top.
     for found in result.matches.iter().rev() {
@@ -127,24 +122,18 @@ impl Canvas {
         Self { pixmap, factor: factor as f32 }
     }
 
-    /// Tints one pixel.
-    fn point(&mut self, x: u16, y: u16, rgb: [u8; 3], confidence: f32) {
-        let side = self.factor;
-        let square = Rect::from_xywh(f32::from(x) * side, f32::from(y) * side, side, side);
-        if let Some(square) = square {
-            let paint = paint(rgb, TINT * opacity(confidence));
-            self.pixmap.fill_rect(square, &paint, Transform::identity(), None);
-        }
-    }
-
-    /// A disc: what is known between the edges.
-    fn support_point(&mut self, x: u16, y: u16, rgb: [u8; 3], confidence: f32) {
-        let centre = [x, y].map(|at| (f32::from(at) + 0.5) * self.factor);
-        if let Some(disc) =
-            PathBuilder::from_circle(centre[0], centre[1], SUPPORT_RADIUS * self.factor)
-        {
-            let paint = paint(rgb, TINT * opacity(confidence));
-            self.pixmap.fill_path(&disc, &paint, FillRule::Winding, Transform::identity(), None);
+    /// Tints one pixel, or a disc around a support point: what is known between the edges.
+    fn point(&mut self, point: &Point, rgb: [u8; 3]) {
+        let (side, still) = (self.factor, Transform::identity());
+        let [left, top] = [point.x, point.y].map(|at| f32::from(at) * side);
+        let paint = paint(rgb, TINT * opacity(point.confidence.to_num()));
+        if point.source == Source::Support {
+            let [x, y] = [point.x, point.y].map(|at| (f32::from(at) + 0.5) * side);
+            if let Some(disc) = PathBuilder::from_circle(x, y, SUPPORT_RADIUS * side) {
+                self.pixmap.fill_path(&disc, &paint, FillRule::Winding, still, None);
+            }
+        } else if let Some(square) = Rect::from_xywh(left, top, side, side) {
+            self.pixmap.fill_rect(square, &paint, still, None);
         }
     }
 
@@ -259,7 +248,7 @@ fn paint([red, green, blue]: [u8; 3], alpha: f32) -> Paint<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::results::{ImagePosition, Point, Techniques};
+    use linestereo::results::{ImagePosition, Techniques};
     use linestereo::units::{Confidence, Disparity};
     use linestereo::{Dims, ground::GroundPlane};
 

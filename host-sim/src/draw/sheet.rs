@@ -46,8 +46,8 @@ impl Sheet {
     }
 
     /// Writes a text at this place, above all shapes.
-    pub fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: String) {
-        self.labels.push(Label { at, align, rgb, text });
+    pub fn label(&mut self, at: (f32, f32), align: Align, rgb: [u8; 3], text: impl Into<String>) {
+        self.labels.push(Label { at, align, rgb, text: text.into() });
     }
 
     /// Draws a straight line of this width, px.

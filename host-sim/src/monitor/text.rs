@@ -8,9 +8,9 @@ use crate::results::listing::{self, Answers};
 use core::fmt::Write;
 use linestereo::{Dims, ObjectDepth};
 use linestereo_wire::{
-    Counters, Counts, FrameHead, FrameTimes, ObjectRecord, SectorRecord, Sectors, VERSION,
+    Counters, FrameHead, FrameTimes, ObjectRecord, SectorRecord, Sectors, VERSION,
 };
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Names of the columns of a line of the table.
@@ -103,8 +103,8 @@ struct Listing {
     times_us: Value,
     health: health::Listing,
     segments: Value,
-    #[serde(serialize_with = "by_name")]
-    counts: Counts,
+    #[serde(serialize_with = "listing::as_map")]
+    counts: Vec<(&'static str, u32)>,
 }
 
 /// A frame as one line of JSON; its segments are those of [`listing::json`].
@@ -130,13 +130,8 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
         times_us: json!({ "waiting": waiting_us, "matching": matching_us, "port": port_us }),
         health: health::Listing::new(&result),
         segments: listing["segments"].take(),
-        counts: head.counts,
+        counts: listing::counts(&head.counts),
     })
-}
-
-/// The names and the order of [`listing::counts`].
-fn by_name<S: Serializer>(counts: &Counts, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_map(listing::counts(counts))
 }
 
 /// Summary of received, incomplete and lost frames, a few lines.

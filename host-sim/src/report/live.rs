@@ -1,7 +1,7 @@
 //! The live page: events of a server in, pictures and charts out. It asks for nothing but those
 //! events.
 
-use super::{DRAWING, SHARED_STYLE};
+use super::{DRAWING, SHARED_STYLE, escaped};
 use linestereo::objects::Reason;
 use linestereo_wire::Health;
 use serde_json::json;
@@ -16,7 +16,6 @@ pub fn page(source: &str, nonce: &str) -> String {
     let reasons = Reason::ALL.map(|reason| (reason.name(), reason.to_string()));
     let words =
         json!({"flags": Health::ADVICE, "reasons": reasons}).to_string().replace('<', "\\u003c");
-    let source = source.replace('&', "&amp;").replace('<', "&lt;");
     // Behind what it imports it needs no imports.
     let script: String =
         SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
@@ -25,7 +24,7 @@ pub fn page(source: &str, nonce: &str) -> String {
         ("/*STYLE*/", SHARED_STYLE),
         ("/*WORDS*/", &words),
         ("/*SCRIPT*/", &[DRAWING, &script].concat()),
-        ("/*SOURCE*/", &source),
+        ("/*SOURCE*/", &escaped(source)),
     ];
     parts.into_iter().fold(PAGE.to_owned(), |page, (place, part)| page.replace(place, part))
 }

@@ -75,7 +75,7 @@ struct FrameData<'a> {
     points: Vec<(u16, u16, f64, Option<f64>)>,
     objects: Vec<ObjectData>,
     counts: Vec<(&'static str, u32)>,
-    health: Vec<(String, &'static str)>,
+    health: Vec<(&'static str, &'static str)>,
     rows_px: Option<f64>,
 }
 
@@ -142,7 +142,7 @@ impl Page {
             points: self.points(result),
             objects: frame.objects.iter().map(object).collect(),
             counts: listing::counts(&result.counts),
-            health: explained_health(result),
+            health: health::advice(result.health).collect(),
             rows_px: result
                 .pair
                 .as_ref()
@@ -213,7 +213,7 @@ fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
 fn segment(found: &Match, tests: Option<&str>) -> Vec<Value> {
     let [a, b] = found.ends;
     let px = |value: f64| Value::from(hundredths(value));
-    let metres = |ends: Option<[linestereo::units::Depth; 2]>, i: usize| {
+    let metres = |ends: Option<[Depth; 2]>, i: usize| {
         Value::from(ends.and_then(|ends| finite_metres(ends[i])).map(thousandths))
     };
     vec![
@@ -271,11 +271,6 @@ fn object((object, depth): &(Object, listing::Object)) -> ObjectData {
             .collect(),
     };
     ObjectData { depth: depth.clone(), cover, is_box: matches!(object.pixels, Pixels::Box(_)) }
-}
-
-fn explained_health(result: &FrameResult) -> Vec<(String, &'static str)> {
-    let explained = health::advice(result.health);
-    explained.map(|(name, what)| (name.to_owned(), what)).collect()
 }
 
 fn hundredths(value: f64) -> f64 {

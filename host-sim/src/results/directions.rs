@@ -6,7 +6,7 @@ use core::fmt::Write;
 use linestereo::health::HealthFlags;
 use linestereo::obstacles::{DropOff, ObstaclePlan, Obstacles, Sector};
 use linestereo::results::{Match, Point};
-use linestereo_mavlink::{AutopilotStream, Policy};
+use linestereo_mavlink::{AutopilotParams, AutopilotStream, Policy};
 use serde::Serialize;
 
 /// Sectors after one pair.
@@ -99,31 +99,23 @@ impl Directions {
     pub fn table(&self) -> String {
         let mut text =
             format!("sectors of {} degrees, up to {} m", self.width_deg(), self.range_m());
-        text.push_str(if self.obstacles.is_fit() {
-            "\n"
-        } else {
-            ": the pair is not fit to be used, nothing is taken from it\n"
-        });
+        if !self.obstacles.is_fit() {
+            text.push_str(": the pair is not fit to be used, nothing is taken from it");
+        }
+        text.push('\n');
         let mut seen = self.list();
         seen.retain(|direction| direction.state != "outside");
         seen.sort_by(|a, b| a.direction_deg.total_cmp(&b.direction_deg));
-        for Direction {
-            direction_deg,
-            state,
-            distance_m,
-            confidence,
-            drop_off_m,
-            drop_off_confidence,
-            ..
-        } in &seen
-        {
-            let _ = write!(text, "  {direction_deg:6.1}  ");
-            let _ = match (distance_m, confidence) {
-                (Some(metres), Some(p)) => write!(text, "{metres:7.2} m  p {p:.3}"),
-                (None, Some(p)) => write!(text, "{state:>9}  p {p:.3}"),
-                _ => write!(text, "{state:>9}"),
+        for sector in &seen {
+            let (degrees, state) = (sector.direction_deg, sector.state);
+            let _ = match (sector.distance_m, sector.confidence) {
+                (Some(metres), Some(p)) => {
+                    write!(text, "  {degrees:6.1}  {metres:7.2} m  p {p:.3}")
+                }
+                (None, Some(p)) => write!(text, "  {degrees:6.1}  {state:>9}  p {p:.3}"),
+                _ => write!(text, "  {degrees:6.1}  {state:>9}"),
             };
-            if let (Some(metres), Some(p)) = (drop_off_m, drop_off_confidence) {
+            if let (Some(metres), Some(p)) = (sector.drop_off_m, sector.drop_off_confidence) {
                 let _ = write!(text, "  the floor ends at {metres:.2} m  p {p:.3}");
             }
             text.push('\n');
@@ -133,7 +125,6 @@ impl Directions {
 
     /// HEARTBEAT and OBSTACLE_DISTANCE, as a board sends them first.
     pub fn mavlink(&self, policy: Policy) -> Vec<u8> {
-        use linestereo_mavlink::AutopilotParams;
         let params = AutopilotParams { policy, ..AutopilotParams::of(&self.plan) };
         let mut bytes = Vec::new();
         if let Ok(mut stream) = AutopilotStream::new(params, &self.plan) {

@@ -320,7 +320,11 @@ pub fn owner_name(owner: Owner) -> &'static str {
     }
 }
 
-fn as_map<S: Serializer>(counts: &[(&'static str, u32)], serializer: S) -> Result<S::Ok, S::Error> {
+/// The [`counts`] as an object of JSON.
+pub(crate) fn as_map<S: Serializer>(
+    counts: &[(&'static str, u32)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serializer.collect_map(counts.iter().copied())
 }
 

@@ -30,31 +30,27 @@ use linestereo_wire::RigUpdate;
 use serde::Serialize;
 use std::io::{self, Write};
 
-const POINTS: Topic =
-    Topic { name: "/linestereo/points", package: "sensor_msgs", message: "PointCloud2" };
-const SEGMENTS: Topic =
-    Topic { name: "/linestereo/segments", package: "visualization_msgs", message: "Marker" };
-const OBSTACLES: Topic =
-    Topic { name: "/linestereo/obstacles", package: "sensor_msgs", message: "LaserScan" };
-const DROP_OFFS: Topic =
-    Topic { name: "/linestereo/drop_offs", package: "sensor_msgs", message: "LaserScan" };
-const FRAMES: Topic = Topic { name: "/tf", package: "tf2_msgs", message: "TFMessage" };
-const OBJECTS: Topic =
-    Topic { name: "/linestereo/objects", package: "visualization_msgs", message: "MarkerArray" };
-const DETECTIONS: Topic =
-    Topic { name: "/linestereo/detections", package: "vision_msgs", message: "Detection3DArray" };
-const HEALTH: Topic =
-    Topic { name: "/linestereo/health", package: "diagnostic_msgs", message: "DiagnosticArray" };
-const DISPARITY: Topic =
-    Topic { name: "/linestereo/disparity", package: "stereo_msgs", message: "DisparityImage" };
+const POINTS: Topic = topic("/linestereo/points", "sensor_msgs", "PointCloud2");
+const SEGMENTS: Topic = topic("/linestereo/segments", "visualization_msgs", "Marker");
+const OBSTACLES: Topic = topic("/linestereo/obstacles", "sensor_msgs", "LaserScan");
+const DROP_OFFS: Topic = topic("/linestereo/drop_offs", "sensor_msgs", "LaserScan");
+const FRAMES: Topic = topic("/tf", "tf2_msgs", "TFMessage");
+const OBJECTS: Topic = topic("/linestereo/objects", "visualization_msgs", "MarkerArray");
+const DETECTIONS: Topic = topic("/linestereo/detections", "vision_msgs", "Detection3DArray");
+const HEALTH: Topic = topic("/linestereo/health", "diagnostic_msgs", "DiagnosticArray");
+const DISPARITY: Topic = topic("/linestereo/disparity", "stereo_msgs", "DisparityImage");
 const IMAGES: [Topic; 2] = [
-    Topic { name: "/linestereo/left/image_rect", package: "sensor_msgs", message: "Image" },
-    Topic { name: "/linestereo/right/image_rect", package: "sensor_msgs", message: "Image" },
+    topic("/linestereo/left/image_rect", "sensor_msgs", "Image"),
+    topic("/linestereo/right/image_rect", "sensor_msgs", "Image"),
 ];
 const INFOS: [Topic; 2] = [
-    Topic { name: "/linestereo/left/camera_info", package: "sensor_msgs", message: "CameraInfo" },
-    Topic { name: "/linestereo/right/camera_info", package: "sensor_msgs", message: "CameraInfo" },
+    topic("/linestereo/left/camera_info", "sensor_msgs", "CameraInfo"),
+    topic("/linestereo/right/camera_info", "sensor_msgs", "CameraInfo"),
 ];
+
+const fn topic(name: &'static str, package: &'static str, message: &'static str) -> Topic {
+    Topic { name, package, message }
+}
 
 /// Step of disparities, px.
 const DISPARITY_STEP: f32 = 1.0 / 64.0;
@@ -221,8 +217,7 @@ fn point(rig: &Rig, at: ImagePosition, disparity: Disparity) -> Option<[f64; 3]>
 
 fn points(rig: &Rig, result: &FrameResult) -> Vec<[f32; 4]> {
     let place = |found: &linestereo::results::Point| {
-        let at = ImagePosition { x: Position::from_num(found.x), y: Position::from_num(found.y) };
-        let [x, y, z] = point(rig, at, found.disparity)?.map(|metres| metres as f32);
+        let [x, y, z] = point(rig, found.position(), found.disparity)?.map(|metres| metres as f32);
         Some([x, y, z, found.confidence.to_num()])
     };
     result.points.iter().filter_map(place).collect()
