@@ -17,7 +17,7 @@ use linestereo_wire::{Counts, Health, PairReport};
 const EXCHANGE: (f64, u16, u16) = (0.25, 2, 20);
 
 /// Result of one pair, owned.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct FrameResult {
     /// Matched segments, most confident first.
     pub matches: Vec<Match>,
@@ -43,29 +43,7 @@ pub struct FrameResult {
 impl FrameResult {
     /// Points of another method, without segments: what the scores of the core are computed from.
     pub fn of_points(points: Vec<Point>) -> Self {
-        Self {
-            matches: Vec::new(),
-            points,
-            obstacle_points: Vec::new(),
-            bars: Vec::new(),
-            counts: Counts::default(),
-            health: Health::GOOD,
-            pair: None,
-            ground: None,
-            exchanged: None,
-        }
-    }
-
-    /// The same; without its points if asked. The counts stay.
-    pub fn without_points(&self, without: bool) -> Self {
-        let points = if without { Vec::new() } else { self.points.clone() };
-        Self {
-            matches: self.matches.clone(),
-            points,
-            obstacle_points: self.obstacle_points.clone(),
-            bars: self.bars.clone(),
-            ..*self
-        }
+        Self { points, ..Self::default() }
     }
 }
 
@@ -146,14 +124,6 @@ impl Engine {
         self.ask(|matched| matched.pixel(pixel))
     }
 
-    /// The matcher as before its first pair, wherever the ground is.
-    fn alone(&self) -> Matcher {
-        let mut matcher = self.matcher.clone();
-        matcher.forget_health();
-        matcher.expect_ground(None);
-        matcher
-    }
-
     /// Runs the core without keeping the pair or listing points, and answers whatever its health
     /// is: for benchmarks and for loops that read it in place.
     pub fn run_in_place<'a>(
@@ -161,8 +131,11 @@ impl Engine {
         left: Gray<'a>,
         right: Gray<'a>,
     ) -> Result<Matched<'a>, RunError> {
-        let (mut matcher, dims) = (self.alone(), self.matcher.dims());
-        let mut matched = matcher.run(memory(&mut self.words, dims), left, right)?;
+        // As before its first pair, wherever the ground is.
+        let mut matcher = self.matcher.clone();
+        matcher.forget_health();
+        matcher.expect_ground(None);
+        let mut matched = matcher.run(memory(&mut self.words, matcher.dims()), left, right)?;
         matched.ignore_health();
         Ok(matched)
     }

@@ -292,8 +292,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             }
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
-                let result =
-                    FrameResult { counts, health, pair, ..FrameResult::of_points(Vec::new()) };
+                let result = FrameResult { counts, health, pair, ..FrameResult::default() };
                 frame = Some(BoardResult {
                     result,
                     rectification: 0,

@@ -179,7 +179,11 @@ pub(super) fn line(
         Ok(Played { images, result, objects, ground, sectors }) => {
             let (ground, sectors) = (*ground, sectors.clone());
             let answers = Answers { ground, sectors, ..Asked::answers(objects.as_ref()) };
-            let line = listing::json(images[0].dims, &result.without_points(no_points), &answers)?;
+            let mut result = result.clone();
+            if no_points {
+                result.points.clear();
+            }
+            let line = listing::json(images[0].dims, &result, &answers)?;
             Ok(with_name(number, &pair.name, &line))
         }
         Err(error) => {

@@ -113,13 +113,8 @@ pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let dims = Dims { width: head.width, height: head.height };
     let FrameHead { counts, health, pair, times, .. } = *head;
     let FrameTimes { waiting_us, matching_us, port_us } = times;
-    let result = FrameResult {
-        matches: frame.matches.clone(),
-        counts,
-        health,
-        pair,
-        ..FrameResult::of_points(Vec::new())
-    };
+    let matches = frame.matches.clone();
+    let result = FrameResult { matches, counts, health, pair, ..FrameResult::default() };
     let text = listing::json(dims, &result, &Answers::default())?;
     let mut listing: Value = serde_json::from_str(&text)?;
     serde_json::to_string(&Listing {
