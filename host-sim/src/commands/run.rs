@@ -1,8 +1,8 @@
 //! `linestereo run`: segments with depth from one rectified pair.
 
 use super::arguments::position;
-use super::input::{InputArgs, LoadedPair, PairMatcher, Setup};
-use super::objects::{Asked, ObjectArgs, Objects};
+use super::input::{InputArgs, PairMatcher, Setup, TimedResult};
+use super::objects::{Asked, ObjectArgs};
 use super::sector_options::SectorArgs;
 use super::written;
 use crate::draw::{self, ColourRange};
@@ -16,7 +16,7 @@ use crate::results::{self, PngMap};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
 use linestereo::{Dims, Params, results::Rejection, units::Disparity};
-use linestereo_frames::{GrayImage, PairFiles, StoredPair};
+use linestereo_frames::{PairFiles, StoredPair};
 use linestereo_recordings::Footage;
 use std::path::PathBuf;
 
@@ -83,10 +83,6 @@ pub(super) fn pixel(text: &str) -> Result<(u16, u16), &'static str> {
     position(text).map(<[u16; 2]>::into).ok_or("give a column and a row, such as 160,120")
 }
 
-/// The left image as it was matched, the result, the time in words, objects and pixels that were
-/// asked for.
-type Found = (GrayImage, FrameResult, String, Option<Asked>, Option<Vec<Query>>);
-
 pub fn run(args: &Args) -> Result<()> {
     let left = args.left.clone();
     let files = args
@@ -99,8 +95,11 @@ pub fn run(args: &Args) -> Result<()> {
     let pair = args.input.load_as(&given.images, &known)?;
     let setup = args.input.setup_as(&pair, &known)?;
     let (max_disparity, rig) = (setup.params.max_disparity, setup.params.rig);
-    let (left, result, cost, objects, queries) =
-        matched(&setup, (&given, &pair), &asked, &args.query)?;
+    let mut matcher = PairMatcher::new(&setup)?;
+    matcher.engine.areas = asked.areas(&setup, &given);
+    let TimedResult { images: [left, _], result, seconds } = matcher.run(&setup, &pair, None)?;
+    let objects = asked.depths(&setup, &given, &mut matcher.engine);
+    let queries = (!args.query.is_empty()).then(|| matcher.ask(&setup, &args.query));
     let directions = args.sectors.directions(&setup, &result)?;
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
     let ground = result.ground.map(|plane| Ground::new(plane, rig.as_ref(), left.dims));
@@ -126,29 +125,15 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
     let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
-    text.push_str(&summary(left.dims, &setup.params, &result, &cost));
+    text.push_str(&summary(left.dims, &setup.params, &result, seconds));
     text.push_str(&objects.as_ref().map_or(String::new(), Asked::summary));
     text.extend(answers.queries.iter().flatten().map(Query::summary));
     text.push_str(&notes);
     text.push_str(&sectors.map(Directions::table).unwrap_or_default());
-    let Args {
-        json,
-        csv,
-        objects_csv,
-        ply,
-        pcd,
-        depth_png,
-        depth_npy,
-        disparity_png,
-        pfm,
-        overlay,
-        ..
-    } = args;
-    let SectorArgs { fan, mavlink, .. } = &args.sectors;
-    let maps = [depth_png, depth_npy, disparity_png, pfm, overlay];
-    text.push_str(&written(
-        [json, csv, objects_csv, ply, pcd].into_iter().chain(maps).chain([fan, mavlink]),
-    ));
+    let lists = [&args.json, &args.csv, &args.objects_csv, &args.ply, &args.pcd];
+    let maps = [&args.depth_png, &args.depth_npy, &args.disparity_png, &args.pfm, &args.overlay];
+    let sectors = [&args.sectors.fan, &args.sectors.mavlink];
+    text.push_str(&written(lists.into_iter().chain(maps).chain(sectors)));
     output.commit_and_say(&text)?;
     // The other results are written by now.
     if let Some(error) = objects.and_then(|objects| objects.error) {
@@ -199,34 +184,20 @@ fn export_files(
     Ok(notes)
 }
 
-/// The left image as it was matched, the result, the time in words, and the depths of objects and
-/// pixels that were asked for.
-fn matched(
-    setup: &Setup<'_>,
-    (given, pair): (&StoredPair, &LoadedPair),
-    asked: &Objects<'_>,
-    query: &[(u16, u16)],
-) -> Result<Found> {
-    let mut matcher = PairMatcher::new(setup)?;
-    matcher.engine.areas = asked.areas(setup, given);
-    let matched = matcher.run(setup, pair, None)?;
-    let objects = asked.depths(setup, given, &mut matcher.engine);
-    let queries = if query.is_empty() { None } else { Some(matcher.ask(setup, query)) };
-    let [left, _] = matched.images;
-    Ok((left, matched.result, format!("{:.1} ms", 1e3 * matched.seconds), objects, queries))
-}
-
 /// Depth at the end of the disparity range, m; `None` without a rig.
 fn nearest_metres(params: &Params) -> Option<f64> {
     let last = Disparity::from_num(params.max_disparity - 1);
     params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
 }
 
-fn summary(dims: Dims, params: &Params, result: &FrameResult, cost: &str) -> String {
+fn summary(dims: Dims, params: &Params, result: &FrameResult, seconds: f64) -> String {
     let (counts, max_disparity) = (&result.counts, params.max_disparity);
     let mut text = format!(
-        "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {cost}\n",
-        counts.matched, counts.segments_left, counts.points,
+        "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {:.1} ms\n",
+        counts.matched,
+        counts.segments_left,
+        counts.points,
+        1e3 * seconds
     );
     let shares = [0.98, 0.95, 0.9, 0.8].map(|least| {
         let segments =
