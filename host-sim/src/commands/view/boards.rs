@@ -54,7 +54,7 @@ pub(super) fn show(args: &Args) -> Result<String> {
     let link = Link::new(requests::parse(&args.send)?);
     let mut port = open(args)?;
     let server = &args.serve()?;
-    let (is_live, told) = (args.path.is_none(), Instant::now());
+    let is_live = args.path.is_none();
     let mut show = Show {
         args,
         server,
@@ -63,7 +63,7 @@ pub(super) fn show(args: &Args) -> Result<String> {
         pace: Pace::new(args),
         is_live,
         sectors: None,
-        told,
+        told: Instant::now(),
         photographed: None,
         setup: None,
         space: None,
@@ -99,12 +99,10 @@ pub(super) fn show(args: &Args) -> Result<String> {
         show.wait(None);
     }
     let summary = show.link.summary();
-    end(
-        server,
-        &outcome
-            .as_ref()
-            .map_or_else(|error| format!("{error:#}\n{summary}"), |()| summary.clone()),
-    );
+    match &outcome {
+        Ok(()) => end(server, &summary),
+        Err(error) => end(server, &format!("{error:#}\n{summary}")),
+    }
     outcome.map(|()| summary)
 }
 
@@ -165,21 +163,13 @@ impl Show<'_> {
 
     fn event(&mut self, event: Event) -> Result<()> {
         match event {
-            Event::Frame(frame) => self.frame(&frame),
-            Event::Objects(list) => {
-                self.objects(&list);
-                Ok(())
-            }
-            Event::Sectors(sectors) => {
-                self.directions(&sectors);
-                Ok(())
-            }
+            Event::Frame(frame) => self.frame(&frame)?,
+            Event::Objects(list) => self.objects(&list),
+            Event::Sectors(sectors) => self.directions(&sectors),
             Event::Photo(photo) => self.photo(&photo),
-            Event::Note(note) => {
-                self.note(&note);
-                Ok(())
-            }
+            Event::Note(note) => self.note(&note),
         }
+        Ok(())
     }
 
     fn note(&self, note: &str) {
@@ -220,13 +210,12 @@ impl Show<'_> {
 
     /// Shows the left image under the segments of the frames that come: with --rig as the board
     /// rectifies it. One that is not of the rig's size is left out, with a note.
-    fn photo(&mut self, [left, _]: &[GrayImage; 2]) -> Result<()> {
+    fn photo(&mut self, [left, _]: &[GrayImage; 2]) {
         if self.rectifier.is_none() {
             match self.args.input.rectifier_of(left.dims) {
                 Ok(rectifier) => self.rectifier = rectifier,
                 Err(error) => {
-                    self.note(&format!("a photograph is left out: {error:#}"));
-                    return Ok(());
+                    return self.note(&format!("a photograph is left out: {error:#}"));
                 }
             }
         }
@@ -238,19 +227,15 @@ impl Show<'_> {
             Ok(shown) => self.server.send("picture", &[picture(&shown)]),
             Err(error) => self.note(&format!("a photograph is left out: {error}")),
         }
-        Ok(())
     }
 
     /// Depths by the board, of the visitors' boxes by their labels, or of those of --send.
     fn objects(&self, list: &[ObjectRecord]) {
-        let objects: Vec<_> = list
-            .iter()
-            .map(|record| listing::Object::new(record.label, &record.depth(), None))
-            .collect();
-        let boxes: Vec<_> = list
-            .iter()
-            .filter_map(|record| self.asked.boxes.get(usize::from(record.label)))
-            .collect();
+        let object =
+            |record: &ObjectRecord| listing::Object::new(record.label, &record.depth(), None);
+        let asked = |record: &ObjectRecord| self.asked.boxes.get(usize::from(record.label));
+        let objects: Vec<_> = list.iter().map(object).collect();
+        let boxes: Vec<_> = list.iter().filter_map(asked).collect();
         let has_metres = list.iter().any(|record| record.depth_q16.is_some());
         let told = json!({"boxes": boxes, "objects": objects, "rig": has_metres});
         self.server.send("objects", &[("objects", told.to_string())]);

@@ -39,14 +39,13 @@ pub(super) fn show(args: &Args) -> Result<String> {
     let frames = args.source.chosen(path, &found)?;
     let player = Player::new(&args.input, path)?;
     let server = &args.serve()?;
-    let (asked, is_matched, space) = (Asked::default(), false, None);
     let mut show = Show {
         args,
         server,
         player,
-        space,
-        asked,
-        is_matched,
+        space: None,
+        asked: Asked::default(),
+        is_matched: false,
         shown: 0,
         failed: 0,
         first_error: None,
