@@ -142,18 +142,15 @@ impl Package {
             "--disable-pip-version-check",
             "--no-deps",
             "--only-binary=:all:",
+            "--retries=1",
+            "--timeout=20",
+            "--dest",
         ];
         let mut reason = None;
         for (program, first) in [("python3", &["-m", "pip"][..]), ("pip3", &[]), ("pip", &[])] {
             let mut command = Command::new(program);
-            command.args(first).args(arguments).args([
-                "--retries",
-                "1",
-                "--timeout",
-                "20",
-                "--dest",
-            ]);
-            match process::run(command.arg(folder).arg(&self.requirement), LIMIT) {
+            command.args(first).args(arguments).arg(folder).arg(&self.requirement);
+            match process::run(&mut command, LIMIT) {
                 Ok(outcome) if outcome.status.success() => return Ok(()),
                 Ok(outcome) => reason = reason.or_else(|| Some(last_error(&outcome.stderr))),
                 Err(_) => {} // not on this machine: another name may be

@@ -113,16 +113,8 @@ impl<'a> Images<'a> {
             features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
         command
             .current_dir(top()?)
-            .args([
-                "--quiet",
-                "--profile",
-                PROFILE,
-                "--locked",
-                "-p",
-                self.package,
-                "--no-default-features",
-            ])
-            .args(["--config", INLINING])
+            .args(["--quiet", "--locked", "--no-default-features"])
+            .args(["--profile", PROFILE, "-p", self.package, "--config", INLINING])
             .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
             .arg(target)
             .args(self.programs.iter().flat_map(|program| ["--bin", program]))
