@@ -220,11 +220,10 @@ fn seen_by_both(pairs: &[PhotoPair], found: &[Found]) -> (Vec<BoardPair>, String
         match enough {
             [Ok(left), Ok(right)] => views.push(BoardPair::new(pair.name.clone(), left, right)),
             found => {
-                for (path, why) in
-                    pair.files.iter().zip(found.iter().map(Result::as_ref).map(Result::err))
-                {
-                    let _ = why
-                        .map(|why| writeln!(missing, "  {}: {why}, pair left out", path.display()));
+                for (path, found) in pair.files.iter().zip(&found) {
+                    if let Err(why) = found {
+                        let _ = writeln!(missing, "  {}: {why}, pair left out", path.display());
+                    }
                 }
             }
         }
@@ -234,12 +233,12 @@ fn seen_by_both(pairs: &[PhotoPair], found: &[Found]) -> (Vec<BoardPair>, String
 
 /// Why there are too few views, by what was seen most.
 fn too_few(board: &Board, pairs: usize, usable: usize, found: &[Found]) -> String {
-    let mut sizes: Vec<[usize; 2]> = Vec::new();
     let failures = || found.iter().flatten().filter_map(|found| found.as_ref().err());
-    sizes.extend(failures().filter_map(|why| match why {
+    let size = |why: &NotFound| match why {
         NotFound::OtherSize(cols, rows) => Some([*cols, *rows]),
         _ => None,
-    }));
+    };
+    let sizes: Vec<[usize; 2]> = failures().filter_map(size).collect();
     let count = |size: &[usize; 2]| sizes.iter().filter(|other| *other == size).count();
     let most = sizes.iter().max_by_key(|size| count(size));
     if let Some(size) = most.filter(|size| 2 * count(size) > found.len()) {

@@ -1,7 +1,7 @@
 //! `linestereo demo`: the core on a synthetic room with exact truth. Also what the program does
 //! without arguments.
 
-use super::engine_for;
+use super::engine_with;
 use crate::draw;
 use crate::engine::{Engine, FrameResult};
 use crate::output::{OutputFiles, OutputPath};
@@ -9,7 +9,7 @@ use crate::results::mask::Mask;
 use crate::scene::{self, Kind, Rendering, Scene, Sensor};
 use anyhow::Result;
 use core::fmt::Write;
-use linestereo::{Dims, Region, Rig, objects::Reason, results::Rejection};
+use linestereo::{Dims, Params, Region, Rig, objects::Reason, results::Rejection};
 use linestereo_frames::statistics::{interpolated_quantile, median};
 use linestereo_frames::{GrayImage, Truth};
 use std::ffi::OsString;
@@ -96,7 +96,8 @@ impl Demonstration {
         let rendering = scene::render(&room, DIMS, &sensor);
         let max_disparity = rendering.search_range();
         let rig = room.pair.rig()?;
-        let mut engine = engine_for(max_disparity, Some(rig), DIMS)?;
+        let params = Params { max_disparity, rig: Some(rig), ..Params::default() };
+        let mut engine = engine_with(&params, DIMS)?;
         let result = engine.run(rendering.left.view()?, rendering.right.view()?)?;
 
         let truth = Truth::new(DIMS, rendering.disparity.clone(), rendering.visible.clone());

@@ -57,18 +57,15 @@ fn download(out: &Path) -> Result<()> {
     let progress = timed_bar(count);
     for package in &packages {
         progress.set_message(format!("{} by {:?}", package.name, package.way).to_lowercase());
-        let text = if package.is_laid_out(out) {
-            Some(list(package, out, "there already"))
+        let outcome = if package.is_laid_out(out) {
+            Ok("there already")
         } else {
-            match bring(package, out) {
-                Ok(()) => Some(list(package, out, "laid out")),
-                Err(error) => {
-                    failed.push((package, format!("{error:#}")));
-                    None
-                }
-            }
+            bring(package, out).map(|()| "laid out")
         };
-        progress.suspend(|| text.map_or(Ok(()), |text| print(&text)))?;
+        match outcome {
+            Ok(what) => progress.suspend(|| print(&list(package, out, what)))?,
+            Err(error) => failed.push((package, format!("{error:#}"))),
+        }
         progress.inc(1);
     }
     progress.finish_and_clear();

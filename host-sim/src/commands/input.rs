@@ -213,11 +213,10 @@ impl InputArgs {
     /// The set-up for pairs like this one.
     pub(super) fn setup_as(&self, pair: &LoadedPair, known: &Known) -> Result<Setup<'_>> {
         let (loaded, given) = (pair.images[0].dims, pair.given);
-        let options = || "options".to_owned();
         let (setup, source) = match known {
-            Known::Nothing => (self.rectified(loaded, given, None)?, options()),
+            Known::Nothing => (self.rectified(loaded, given, None)?, None),
             Known::Scene(path, info) => {
-                (self.rectified(loaded, given, Some((path, info)))?, path.display().to_string())
+                (self.rectified(loaded, given, Some((path, info)))?, Some(path))
             }
             Known::Beside(path, found) => {
                 let fits = found.as_ref().map_err(String::clone).and_then(|info| {
@@ -228,30 +227,23 @@ impl InputArgs {
                 match fits {
                     Ok(info) => {
                         let mut setup = self.rectified(loaded, given, Some((path, info)))?;
-                        setup.note = Some(format!(
-                            "{} lies beside the pair: {}",
-                            path.display(),
-                            setup.described()
-                        ));
-                        (setup, path.display().to_string())
+                        let (path_name, described) = (path.display(), setup.described());
+                        setup.note = Some(format!("{path_name} lies beside the pair: {described}"));
+                        (setup, Some(path))
                     }
                     Err(why) => {
-                        let note =
-                            Some(format!("the scene.json beside the pair is not used: {why}"));
-                        (Setup { note, ..self.rectified(loaded, given, None)? }, options())
+                        let note = format!("the scene.json beside the pair is not used: {why}");
+                        let setup = self.rectified(loaded, given, None)?;
+                        (Setup { note: Some(note), ..setup }, None)
                     }
                 }
             }
-            Known::Raw(rig) => {
-                (self.raw(loaded, Some(loaded), rig)?, rig[0].path.display().to_string())
-            }
+            Known::Raw(rig) => (self.raw(loaded, Some(loaded), rig)?, Some(&rig[0].path)),
         };
         detail(|| {
-            format!(
-                "images of {given}, matched as {}; {} by {source}",
-                setup.dims(),
-                setup.described()
-            )
+            let source = source.map_or("options".to_owned(), |path| path.display().to_string());
+            let (dims, described) = (setup.dims(), setup.described());
+            format!("images of {given}, matched as {dims}; {described} by {source}")
         });
         Ok(setup)
     }
@@ -282,11 +274,8 @@ impl InputArgs {
                 check_focal(focal_px, given.width)
                     .map_err(|unfit| anyhow!("--focal-px: {unfit}"))?;
             }
-            let of_options = numbers.rig();
-            rig = Some(
-                of_options
-                    .map_err(|error| anyhow!("{error}; correct {}", self.option_behind(&error)))?,
-            );
+            let unfit = |error| anyhow!("{error}; correct {}", self.option_behind(&error));
+            rig = Some(numbers.rig().map_err(unfit)?);
             rig_numbers = Some(numbers);
         } else if self.disparity_offset_px.is_some() {
             bail!(
@@ -312,13 +301,9 @@ impl InputArgs {
                      --scene"
                 );
             }
-            rig = rig
-                .map(|rig| {
-                    centre.map_or(Ok(rig), |centre| {
-                        rig.with_principal_point(centre.map(|v| v as f32))
-                    })
-                })
-                .transpose()?;
+            if let (Some(known), Some(centre)) = (rig, centre) {
+                rig = Some(known.with_principal_point(centre.map(|v| v as f32))?);
+            }
             rig = rig.map(|rig| rig.centred(loaded));
         }
         let mut params = self.method.params(max_disparity, rig)?;
@@ -368,12 +353,11 @@ impl InputArgs {
 
     /// Rectifies raw images of this size; `None` without --rig.
     pub(super) fn rectifier_of(&self, raw: Dims) -> Result<Option<PairRectifier>> {
-        let rig = if self.rig.is_empty() {
-            None
-        } else {
-            self.raw(raw, Some(raw), &self.rig_texts())?.rig
-        };
-        Ok(rig.map(|rig| PairRectifier::new(rig.remap())).transpose()?)
+        if self.rig.is_empty() {
+            return Ok(None);
+        }
+        let setup = self.raw(raw, Some(raw), &self.rig_texts())?;
+        Ok(setup.rig.map(|rig| PairRectifier::new(rig.remap())).transpose()?)
     }
 
     fn option_behind(&self, error: &RigError) -> &'static str {

@@ -44,7 +44,7 @@ use anyhow::{Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use linestereo::params::{Param, ParamError};
-use linestereo::{Dims, Params, Rig};
+use linestereo::{Dims, Params};
 use program::Verbosity;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -170,11 +170,7 @@ fn run_command(cli: &Cli) -> Result<()> {
     }
 }
 
-/// The core with default parameters for one disparity range, rig and image size.
-fn engine_for(max_disparity: u16, rig: Option<Rig>, dims: Dims) -> Result<Engine> {
-    engine_with(&Params { max_disparity, rig, ..Params::default() }, dims)
-}
-
+/// The core with these parameters for images of this size.
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;

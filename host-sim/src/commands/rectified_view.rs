@@ -7,7 +7,7 @@ use linestereo::image::MIN_SIDE;
 use linestereo_calibration::interchange::{Options, load_rig_texts};
 use linestereo_calibration::rectify::{RectifierError, reduced};
 use linestereo_frames::{GrayImage, RigText, area_average, resampled_height};
-use linestereo_rig::{Calibration, CameraSide, RectifyError, RigImage, RigImageError, View};
+use linestereo_rig::{CameraSide, RectifyError, RigImage, RigImageError, View};
 
 /// Size and view of the rectified images.
 #[derive(Debug, Default, clap::Args)]
@@ -42,18 +42,18 @@ impl ViewArgs {
             bail!(RectifierError::Size { needed, given });
         }
         if let Some(width) = self.raw_width {
-            let full = calibration.camera(CameraSide::Left).dims();
-            if !(MIN_SIDE..full.width).contains(&width) {
+            let all = needed.width;
+            if !(MIN_SIDE..all).contains(&width) {
                 bail!(
-                    "--raw-width is {width}; give {MIN_SIDE} to less than the {} of the raw images",
-                    full.width
+                    "--raw-width is {width}; give {MIN_SIDE} to less than the {all} of the raw images"
                 );
             }
-            calibration =
-                reduced(&calibration, Dims { width, height: resampled_height(full, width) })?;
+            let height = resampled_height(needed, width);
+            calibration = reduced(&calibration, Dims { width, height })?;
         }
         let view = focal_px.map_or(View::Alpha(self.alpha.unwrap_or(0.0)), View::Focal);
-        RigImage::new(calibration, self.dims(&calibration), view, range)
+        let dims = self.size.unwrap_or_else(|| calibration.camera(CameraSide::Left).dims());
+        RigImage::new(calibration, dims, view, range)
             .map_err(|error| anyhow!("{error}; {}", remedy(&error)))
     }
 
@@ -63,10 +63,6 @@ impl ViewArgs {
             Some(width) => area_average(&image, width)?,
             None => image,
         })
-    }
-
-    fn dims(&self, calibration: &Calibration) -> Dims {
-        self.size.unwrap_or_else(|| calibration.camera(CameraSide::Left).dims())
     }
 }
 

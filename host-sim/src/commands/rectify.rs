@@ -142,23 +142,18 @@ impl Pair {
 
 fn summary(remap: &Remap, rectifier: &PairRectifier) -> String {
     let dims = remap.dims();
-    let [left, right] = CameraSide::BOTH.map(|eye| {
-        let facts = rectifier.facts(eye);
-        let valid: u32 = facts.spans.iter().map(|span| u32::from(span.end - span.start)).sum();
-        let share = 100.0 * f64::from(valid) / (f64::from(dims.width) * f64::from(dims.height));
-        (share, facts.band_rows, facts.band_bytes)
-    });
+    let [(left, left_rows, left_bytes), (right, right_rows, right_bytes)] =
+        CameraSide::BOTH.map(|eye| {
+            let facts = rectifier.facts(eye);
+            let valid: u32 = facts.spans.iter().map(|span| u32::from(span.end - span.start)).sum();
+            let share = 100.0 * f64::from(valid) / (f64::from(dims.width) * f64::from(dims.height));
+            (share, facts.band_rows, facts.band_bytes)
+        });
     format!(
-        "{} rectified to {dims}, focal length {:.1} px, baseline {:.4} m; valid {:.1} % and {:.1} %; \
-         raw rows held at once {} and {} ({} and {} bytes)\n",
+        "{} rectified to {dims}, focal length {:.1} px, baseline {:.4} m; valid {left:.1} % and {right:.1} %; \
+         raw rows held at once {left_rows} and {right_rows} ({left_bytes} and {right_bytes} bytes)\n",
         remap.raw_dims(),
         remap.focal(),
-        remap.baseline(),
-        left.0,
-        right.0,
-        left.1,
-        right.1,
-        left.2,
-        right.2
+        remap.baseline()
     )
 }
