@@ -145,7 +145,7 @@ fn add_evidence(bar: &Bar, evidence: &BarEvidence, steps: &mut Vec<Step>) {
         (true, false) => "no points are beside it",
         (false, _) => "points beside it agree with it, or are nearer",
     };
-    steps.push(Step::test("in front", bar.is_in_front(), words.to_owned()));
+    steps.push(Step::test("in front", bar.is_in_front(), words));
 }
 
 /// The number whose log2(1 + number), Q8, is this: straight between powers of two, as in the core.

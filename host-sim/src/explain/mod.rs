@@ -44,12 +44,12 @@ pub struct Step {
 }
 
 impl Step {
-    fn note(name: &'static str, words: String) -> Self {
-        Self { name, passed: None, words }
+    fn note(name: &'static str, words: impl Into<String>) -> Self {
+        Self { name, passed: None, words: words.into() }
     }
 
-    fn test(name: &'static str, passed: bool, words: String) -> Self {
-        Self { name, passed: Some(passed), words }
+    fn test(name: &'static str, passed: bool, words: impl Into<String>) -> Self {
+        Self { name, passed: Some(passed), words: words.into() }
     }
 }
 

@@ -45,10 +45,8 @@ fn tests(evidence: &PixelEvidence, steps: &mut Vec<Step>) {
     let of = |kind: PixelKind| f64::from(evidence.0[kind as usize]) / 256.0;
     let count = |kind: PixelKind| of(kind).exp2() - 1.0;
     steps.push(Step::note("texture", format!("mean gradient {:.1}", count(PixelKind::Texture))));
-    steps.push(Step::note(
-        "census",
-        format!("cost here / best elsewhere {:.2}", of(PixelKind::CensusRatio)),
-    ));
+    let words = format!("cost here / best elsewhere {:.2}", of(PixelKind::CensusRatio));
+    steps.push(Step::note("census", words));
     let allowed = f64::from(SECOND_BEST_Q8) / 256.0;
     let (whole, guided) = (of(PixelKind::JointRatio), of(PixelKind::GuidedRatio));
     let words = format!(

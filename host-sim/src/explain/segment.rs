@@ -11,7 +11,7 @@ use linestereo::results::{Match, Rejection};
 use linestereo::unstable::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, Segment,
 };
-use linestereo::{Params, params::Margin};
+use linestereo::{Params, params::Margin, units::Disparity};
 
 /// Ends, px.
 pub(super) fn ends(segment: &Segment) -> [[f64; 2]; 2] {
@@ -104,7 +104,7 @@ fn end_at(reason: Rejection, near_horizontal: bool, steps: &mut Vec<Step>) {
     let name = match reason {
         Rejection::WindowNotUnique if !near_horizontal && passed("window") => {
             let words = "the left image shows it at four or more places at equal distances";
-            return steps.push(Step::test("repetition", false, words.to_owned()));
+            return steps.push(Step::test("repetition", false, words));
         }
         Rejection::WindowNotUnique => "window",
         Rejection::CensusNotUnique => "census",
@@ -183,10 +183,8 @@ impl Curves {
         } else {
             "limited by support points around it, or by the border"
         };
-        steps.push(Step::note(
-            "search",
-            format!("disparities {} to {} px: {why}", range.first, range.last()),
-        ));
+        let words = format!("disparities {} to {} px: {why}", range.first, range.last());
+        steps.push(Step::note("search", words));
         for (side, window, census) in &self.searched {
             add_techniques(side, window.as_ref(), census.as_ref(), params, steps);
         }
@@ -210,14 +208,11 @@ impl Curves {
         let allowed = f64::from(MAX_SIDE_RATIO_Q8) / 256.0;
         let ratios: Vec<f64> =
             self.sides.iter().flatten().filter_map(|side| side_ratio(side, at)).collect();
-        let words: Vec<String> = ["left", "right"]
-            .iter()
-            .zip(&ratios)
-            .map(|(name, ratio)| format!("{name} {ratio:.2}"))
-            .collect();
+        let sides = ["left", "right"].iter().zip(&ratios);
+        let sides: Vec<String> = sides.map(|(name, ratio)| format!("{name} {ratio:.2}")).collect();
         let is_owned = ratios.iter().any(|&ratio| ratio <= allowed);
         let words =
-            format!("window of each side alone, ratio: {}; allowed {allowed:.2}", words.join(", "));
+            format!("window of each side alone, ratio: {}; allowed {allowed:.2}", sides.join(", "));
         Step::test("owner", is_owned, words)
     }
 
@@ -281,42 +276,31 @@ fn add_techniques(
     else {
         return;
     };
+    let overall = low;
     // Beside a near-horizontal edge census is looked at where the window's best is.
-    let (low, next) = if side.is_empty() {
-        (low, next)
-    } else {
-        census.near(best.at, 1).zip(census.second(best.at)).unwrap_or((low, next))
-    };
+    let here = census.near(best.at, 1).zip(census.second(best.at));
+    let (low, next) = here.filter(|_| !side.is_empty()).unwrap_or((low, next));
     let allowed = limit(MAX_CENSUS_RATIO_Q8);
     let text = words_of(census, low, next, allowed, "census");
     steps.push(Step::test("census", ratio(low, next) <= allowed, text));
     if ratio(low, next) > allowed {
         return;
     }
-    let overall = census.best_and_second().map_or(low, |(overall, _)| overall);
     let (at, other) = (window.subpixel(best.at), census.subpixel(overall.at));
     let (agrees, allowed) = match (params.margin, params.rig) {
         (Margin::Metres { nearer, farther }, Some(rig)) => {
-            let (from, to) = rig.disparity_interval(
-                linestereo::units::Disparity::saturating_from_num(at),
-                nearer,
-                farther,
-            );
-            (
-                (from.to_num::<f64>()..=to.to_num()).contains(&other),
-                format!("{from:.2} to {to:.2} px"),
-            )
+            let at = Disparity::saturating_from_num(at);
+            let (from, to) = rig.disparity_interval(at, nearer, farther);
+            let is_in = (from.to_num::<f64>()..=to.to_num()).contains(&other);
+            (is_in, format!("{from:.2} to {to:.2} px"))
         }
         (Margin::Pixels(margin), _) => {
             ((at - other).abs() <= margin.to_num::<f64>(), format!("{margin:.2} px"))
         }
         (Margin::Metres { .. }, None) => (false, "unknown without a rig".to_owned()),
     };
-    let text = format!(
-        "{}window and census {:.2} px apart, allowed {allowed}",
-        name("both"),
-        (at - other).abs()
-    );
+    let (name, gap) = (name("both"), (at - other).abs());
+    let text = format!("{name}window and census {gap:.2} px apart, allowed {allowed}");
     steps.push(Step::test("agreement", agrees, text));
 }
 

@@ -45,14 +45,10 @@ pub(super) fn account(
     let beside_ground = points.plane().filter(|_| point.is_beside_ground());
     let failed = if let Some(plane) = beside_ground {
         let at = f64::from(plane.at_q6(pixel.0.into(), pixel.1.into())) / 64.0;
-        account.steps.push(Step::note(
-            "search",
-            "up to 7 px beside the ground plane, as well as all disparities".into(),
-        ));
-        account.steps.push(Step::note(
-            "ground plane",
-            format!("{at:.2} px: the window was moved along it row by row"),
-        ));
+        let range = "up to 7 px beside the ground plane, as well as all disparities";
+        let plane = format!("{at:.2} px: the window was moved along it row by row");
+        account.steps.push(Step::note("search", range));
+        account.steps.push(Step::note("ground plane", plane));
         ""
     } else {
         add_tests(
@@ -62,40 +58,26 @@ pub(super) fn account(
             &mut account,
         )
     };
+    let plot = |title, name, curve: &Curve| Plot::new(title, vec![(name, curve.clone())]);
     account.plots = vec![
-        Plot::new(
-            "support point: window alone, before aggregation",
-            vec![("window", costs.window.clone())],
-        ),
-        Plot::new(
-            "support point: sum of the paths, after aggregation",
-            vec![("paths", costs.paths.clone())],
-        ),
+        plot("support point: window alone, before aggregation", "window", &costs.window),
+        plot("support point: sum of the paths, after aggregation", "paths", &costs.paths),
     ];
     if !point.is_matched() {
         account.verdict = failed.to_owned();
         return (pixel, account);
     }
     let disparity: f64 = point.disparity().to_num();
-    account
-        .plots
-        .iter_mut()
-        .for_each(|plot| plot.marks.push(Mark { name: "answer", at: disparity }));
+    let mark = Mark { name: "answer", at: disparity };
+    account.plots.iter_mut().for_each(|plot| plot.marks.push(mark.clone()));
     account.steps.push(neighbours(pixel, disparity, &list));
     let (p, least) = (point.confidence().to_num::<f64>(), params.min_confidence.to_num::<f64>());
-    account.steps.push(Step::test(
-        "probability",
-        account.accepted,
-        format!("{p:.3}, asked for {least:.2}"),
-    ));
-    account.verdict = format!(
-        "{disparity:.2} px, p {p:.3}{}",
-        if account.accepted {
-            ""
-        } else {
-            ": not probable enough; it only guides the search of segments"
-        }
-    );
+    let words = format!("{p:.3}, asked for {least:.2}");
+    account.steps.push(Step::test("probability", account.accepted, words));
+    account.verdict = format!("{disparity:.2} px, p {p:.3}");
+    if !account.accepted {
+        account.verdict += ": not probable enough; it only guides the search of segments";
+    }
     (pixel, account)
 }
 
@@ -144,8 +126,6 @@ fn neighbours((x, y): (u16, u16), disparity: f64, list: &[((u16, u16), &SupportP
     let agree = near.iter().filter(|gap| gap.abs() <= AGREES).count();
     let farther = near.iter().filter(|gap| **gap < -AGREES).count();
     let nearer = near.len() - agree - farther;
-    Step::note(
-        "support around it",
-        format!("{agree} points agree, {farther} are farther, {nearer} are nearer"),
-    )
+    let words = format!("{agree} points agree, {farther} are farther, {nearer} are nearer");
+    Step::note("support around it", words)
 }
