@@ -100,10 +100,11 @@ fn cache() -> Result<PathBuf> {
 /// A folder that looks like an installed toolchain: the installed libraries, the linker, and a
 /// compiler that looks there.
 fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
-    let host = process::first_line(Command::new(RUSTC).args(["--print", "host-tuple"]))
-        .context("Debian's rustc does not run")?;
-    let installed = process::first_line(Command::new(RUSTC).args(["--print", "sysroot"]))
-        .context("Debian's rustc does not run")?;
+    let printed = |what| {
+        process::first_line(Command::new(RUSTC).args(["--print", what]))
+            .context("Debian's rustc does not run")
+    };
+    let (host, installed) = (printed("host-tuple")?, printed("sysroot")?);
     let libraries = folder.join("lib/rustlib").join(&host);
     fs::create_dir_all(libraries.join("bin"))?;
     fs::create_dir_all(folder.join("bin"))?;
@@ -112,8 +113,8 @@ fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
         libraries.join("lib"),
     )?;
     symlink(linker, libraries.join("bin/rust-lld"))?;
-    let script =
-        format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{}\" \"$@\"\n", final_folder.display());
+    let final_folder = final_folder.display();
+    let script = format!("#!/bin/sh\nexec {RUSTC} --sysroot \"{final_folder}\" \"$@\"\n");
     let rustc = folder.join("bin/rustc");
     fs::write(&rustc, script)?;
     make_readable(&rustc)?;
@@ -169,14 +170,11 @@ fn build_core(folder: &Path, source: &Path, target: &str) -> Result<()> {
     fs::create_dir_all(&libraries)?;
     let mut found = 0;
     for entry in fs::read_dir(at("target").join(target).join("release/deps"))? {
-        let path = entry?.path();
-        let name =
-            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let wanted = ["libcore-", "liballoc-", "libcompiler_builtins-"]
-            .iter()
-            .any(|start| name.starts_with(start));
-        if wanted && name.ends_with(".rlib") {
-            fs::copy(&path, libraries.join(&name))?;
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let starts = ["libcore-", "liballoc-", "libcompiler_builtins-"];
+        if starts.iter().any(|start| name.starts_with(start)) && name.ends_with(".rlib") {
+            fs::copy(entry.path(), libraries.join(name))?;
             found += 1;
         }
     }

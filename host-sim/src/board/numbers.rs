@@ -101,10 +101,10 @@ pub struct PairNumbers {
 impl BoardNumbers {
     /// Of what a board said: of every pair.
     pub fn new(hello: &Hello, machine: &MachineReport, reports: &[CaseReport]) -> Result<Self> {
-        let board = Board::named(&hello.board).with_context(|| {
+        let name = &hello.board;
+        let board = Board::named(name).with_context(|| {
             format!(
-                "this program knows no board {}; build it and the firmware from one checkout",
-                hello.board
+                "this program knows no board {name}; build it and the firmware from one checkout"
             )
         })?;
         let is_in_cycles = machine.unit == "cycles";
@@ -191,14 +191,8 @@ impl BoardNumbers {
                 on(silicon.data_cache),
             );
         }
-        let _ = write!(
-            text,
-            "\n{:27} {:>9} {:>8} {:>6}",
-            format!("thousand {}", self.unit),
-            "total",
-            "ms",
-            "c/i"
-        );
+        let unit = format!("thousand {}", self.unit);
+        let _ = write!(text, "\n{unit:27}     total       ms    c/i");
         for stage in Stage::ALL {
             let _ = write!(text, " {:>11}", stage.name());
         }
@@ -208,11 +202,8 @@ impl BoardNumbers {
             let ms = f64::from(pair.time_us) / 1e3;
             let _ = write!(text, "\n{name:27} {:>9} {ms:>8.1} {ratio:>6}", pair.total / 1000);
             for stage in Stage::ALL {
-                let _ = write!(
-                    text,
-                    " {:>11}",
-                    pair.by_stage.get(stage.name()).map_or(0, |cost| cost / 1000)
-                );
+                let cost = pair.by_stage.get(stage.name()).map_or(0, |cost| cost / 1000);
+                let _ = write!(text, " {cost:>11}");
             }
         }
         text.push('\n');

@@ -24,7 +24,7 @@ const LIMIT: Duration = Duration::from_secs(600);
 pub type Costs = [u64; Stage::ALL.len()];
 
 /// Result and cost of a pair on a board.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct BoardResult {
     pub result: FrameResult,
     /// Cost of rectifying both images; 0 for a pair that was rectified before.
@@ -124,12 +124,12 @@ impl Machine {
             push_pair(&mut input, id_of(number), left, right)?;
         }
         let (answers, replayed) = self.replay(&input)?;
-        match answers.iter().find_map(|(_, outcome)| {
-            if let Outcome::Refused(why) = outcome { Some(why) } else { None }
-        }) {
-            Some(why) => bail!("{} refused a request: {why}", self.board.name),
-            None => Ok(replayed),
+        for (_, outcome) in answers {
+            if let Outcome::Refused(why) = outcome {
+                bail!("{} refused a request: {why}", self.board.name);
+            }
         }
+        Ok(replayed)
     }
 
     /// Matches pairs after further requests; raw ones with a rig.
@@ -142,17 +142,17 @@ impl Machine {
     ) -> Result<Replayed> {
         let set_rig = rig.map(|rig| Request::SetRig(rig.encode(0).into_iter().collect()));
         let settings = set_rig.into_iter().chain([Request::SetParams(*update)]).chain(requests);
-        let (mut input, mut sent) = (Vec::new(), 0);
+        let (mut input, mut requested) = (Vec::new(), 0);
         for request in settings {
             push(&mut input, &Command { id: 0, request })?;
-            sent += 1;
+            requested += 1;
         }
         let push = if rig.is_some() { push_raw_pair } else { push_pair };
         for (number, (left, right)) in pairs.iter().enumerate() {
             push(&mut input, id_of(number), left, right)?;
         }
         let (answers, replayed) = self.replay(&input)?;
-        for number in 0..sent {
+        for number in 0..requested {
             match answers.get(number) {
                 Some((0, Outcome::Accepted)) => {}
                 Some((0, Outcome::Refused(why))) => {
@@ -162,12 +162,8 @@ impl Machine {
             }
         }
         if replayed.pairs.len() != pairs.len() {
-            bail!(
-                "{} pairs were sent to {}, {} were answered",
-                pairs.len(),
-                self.board.name,
-                replayed.pairs.len()
-            );
+            let (sent, answered) = (pairs.len(), replayed.pairs.len());
+            bail!("{sent} pairs were sent to {}, {answered} were answered", self.board.name);
         }
         Ok(replayed)
     }
@@ -197,10 +193,8 @@ impl Machine {
         if let Some(flash) = flash {
             *flash = untrusted::read(&at("flash"), RESULT_BYTES)?;
         }
-        let (table, output) = (
-            untrusted::read_text(&at("table"), RESULT_BYTES)?,
-            untrusted::read(&at("output"), RESULT_BYTES)?,
-        );
+        let table = untrusted::read_text(&at("table"), RESULT_BYTES)?;
+        let output = untrusted::read(&at("output"), RESULT_BYTES)?;
         collect(&output, &table)
             .with_context(|| format!("what {} answered cannot be used", self.board.name))
     }
@@ -293,14 +287,7 @@ fn collect(output: &[u8], table: &str) -> Result<(Vec<(u16, Outcome)>, Replayed)
             Message::Frame(head) => {
                 let FrameHead { counts, health, pair, .. } = head;
                 let result = FrameResult { counts, health, pair, ..FrameResult::default() };
-                frame = Some(BoardResult {
-                    result,
-                    rectification: 0,
-                    costs: Costs::default(),
-                    objects: Vec::new(),
-                    objects_cost: 0,
-                    points_cost: 0,
-                });
+                frame = Some(BoardResult { result, ..BoardResult::default() });
             }
             Message::Segments(segments) => {
                 let frame = frame.as_mut().context("segments without a frame")?;

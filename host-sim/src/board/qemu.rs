@@ -11,11 +11,6 @@ use linestereo_boards::{Device, Exit};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Debian's package of a QEMU: Arm has one of its own, most others share one.
-fn package(program: &str) -> &str {
-    if program == "qemu-system-arm" { program } else { "qemu-system-misc" }
-}
-
 /// How a program ended.
 #[derive(Clone, Debug)]
 pub struct Ended {
@@ -50,7 +45,9 @@ pub fn find(board: &Board) -> Result<(PathBuf, &'static [&'static str])> {
     };
     let there = || process::first_line(Command::new(program).arg("--version")).is_some();
     if !there() {
-        packages::install("running a board", &[package(program)])?;
+        // Arm has a package of its own, most others share one.
+        let package = if program == "qemu-system-arm" { program } else { "qemu-system-misc" };
+        packages::install("running a board", &[package])?;
     }
     if there() {
         Ok((program.into(), arguments))
