@@ -32,6 +32,11 @@ pub struct PortArgs {
 }
 
 impl PortArgs {
+    /// The port, or in its place a file of recorded bytes.
+    pub fn open_or(&self, file: Option<&Path>) -> Result<Port> {
+        file.map_or_else(|| self.open(), Port::file)
+    }
+
     pub fn open(&self) -> Result<Port> {
         match (&self.tcp, &self.serial) {
             (Some(address), _) => Port::tcp(address),

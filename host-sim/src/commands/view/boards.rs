@@ -21,7 +21,6 @@ use linestereo_frames::GrayImage;
 use linestereo_rig::CameraSide;
 use linestereo_wire::{ObjectRecord, RegionBox, Regions, Request, Sectors};
 use serde_json::json;
-use std::path::Path;
 use std::thread;
 use std::time::Instant;
 
@@ -52,7 +51,7 @@ struct Show<'a> {
 /// Shows what the board sends until its end, or Ctrl-C; the summary.
 pub(super) fn show(args: &Args) -> Result<String> {
     let link = Link::new(requests::parse(&args.send)?);
-    let mut port = open(args)?;
+    let mut port = args.board.open_or(args.path.as_deref())?;
     let server = &args.serve()?;
     let is_live = args.path.is_none();
     let mut show = Show {
@@ -79,7 +78,7 @@ pub(super) fn show(args: &Args) -> Result<String> {
         {
             break outcome;
         }
-        port = open(args)?;
+        port = args.board.open_or(args.path.as_deref())?;
     };
     if let (Ok(()), Some(path)) = (&outcome, args.path.as_ref().filter(|_| show.link.has_nothing()))
     {
@@ -104,10 +103,6 @@ pub(super) fn show(args: &Args) -> Result<String> {
         Err(error) => end(server, &format!("{error:#}\n{summary}")),
     }
     outcome.map(|()| summary)
-}
-
-fn open(args: &Args) -> Result<Port> {
-    args.path.as_deref().map_or_else(|| args.board.open(), |path: &Path| Port::file(path))
 }
 
 impl Show<'_> {
