@@ -65,7 +65,8 @@ impl ObjectArgs {
     /// The objects of these pairs, which are at `root`. What holds none of any of them is refused,
     /// before the first of them is matched: files by their names, messages by their topic.
     pub(super) fn open(&self, root: &Path, found: &Footage) -> Result<Objects<'_>> {
-        let Some(path) = &self.objects else { return Ok(Objects { args: self, detections: None }) };
+        let mut objects = Objects { args: self, detections: None };
+        let Some(path) = &self.objects else { return Ok(objects) };
         if found.of_video().is_some() {
             bail!(
                 "--objects needs image names or the time stamps of a recording, and a video has \
@@ -73,20 +74,16 @@ impl ObjectArgs {
             );
         }
         if let Some(recording) = found.of_recording() {
-            return Ok(Objects {
-                args: self,
-                detections: Some(detections(path, root, recording.window_ms())?),
-            });
-        }
-        let folder = path.display();
-        if !path.is_dir() {
+            objects.detections = Some(detections(path, root, recording.window_ms())?);
+        } else if !path.is_dir() {
             std::fs::metadata(path).map_err(|error| ObjectsError::Read(path.clone(), error))?;
         } else if !found.pairs.iter().any(|pair| file_of(path, pair.left()).is_some()) {
             bail!(
-                "{folder} holds no file that is called like a left image, such as left.json beside left.png; add or rename them"
+                "{} holds no file that is called like a left image, such as left.json beside left.png; add or rename them",
+                path.display()
             );
         }
-        Ok(Objects { args: self, detections: None })
+        Ok(objects)
     }
 }
 

@@ -124,29 +124,21 @@ impl Sink {
         sectors: ObstacleParams,
         recording: Option<&Recording>,
     ) -> Result<Self> {
-        let Some(path) = out.filter(|path| !path.is_stdout()) else {
-            if !with.is_empty() {
-                bail!("--with writes messages; give --out FILE.mcap");
+        let path = out.filter(|path| !path.is_stdout()).map(|path| path.to_path_buf());
+        if !with.is_empty() && !path.as_deref().is_some_and(is_mcap) {
+            bail!("--with writes messages; give --out FILE.mcap");
+        }
+        let to = match &path {
+            None => To::Stdout,
+            Some(path) if is_mcap(path) => {
+                let file = RosFile::new(LineFile::new(path)?, with, sectors);
+                To::Messages(Box::new(file.map_err(|error| cannot_write(path, &error))?))
             }
-            return Ok(Self {
-                path: PathBuf::new(),
-                to: To::Stdout,
-                frame_id: String::new(),
-                first_ns: 0,
-            });
+            Some(path) => To::Lines(LineFile::new(path)?),
         };
         let frame_id =
             recording.map(Recording::frame_id).filter(|name| !name.is_empty()).unwrap_or(FRAME_ID);
-        let (lines, path) = (LineFile::new(path)?, path.to_path_buf());
-        let to = if is_mcap(&path) {
-            To::Messages(Box::new(
-                RosFile::new(lines, with, sectors).map_err(|error| cannot_write(&path, &error))?,
-            ))
-        } else if with.is_empty() {
-            To::Lines(lines)
-        } else {
-            bail!("--with writes messages; give --out FILE.mcap");
-        };
+        let path = path.unwrap_or_default();
         Ok(Self { path, to, frame_id: frame_id.to_owned(), first_ns: 0 })
     }
 
