@@ -33,7 +33,6 @@ pub struct FrameResult {
     pub health: Health,
     /// The numbers behind it; `None` when nobody looked.
     pub pair: Option<PairReport>,
-    /// The ground plane, if one was found.
     pub ground: Option<GroundPlane>,
     /// Segments of the exchanged pair: matched, and all of them. `None` unless it matches far more
     /// of them.

@@ -34,7 +34,6 @@ const LEAST_ANSWERS: usize = 12;
 /// Planes through three answers that are tried.
 const TRIALS: u64 = 300;
 
-/// An answer of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallAnswer {
     pub at: [f64; 2],
@@ -84,7 +83,6 @@ pub struct Quality {
     pub temporal_noise_m: Option<f64>,
 }
 
-/// Region, rig and distance of a wall.
 #[derive(Clone, Copy, Debug)]
 pub struct Wall<'a> {
     /// Part of the left image that shows nothing but the wall.

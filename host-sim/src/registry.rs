@@ -44,7 +44,6 @@ pub enum Way {
 pub struct Package {
     /// Its name; files of it start with it.
     pub name: String,
-    /// Client that fetches the package.
     pub way: Way,
     /// Package and version, as the client names it.
     pub requirement: String,
@@ -53,7 +52,6 @@ pub struct Package {
     pub scenes: Vec<PackedScene>,
 }
 
-/// A scene of a package.
 #[derive(Clone, Debug, Deserialize)]
 pub struct PackedScene {
     /// Its folder, below the one that holds all frames.
@@ -212,7 +210,6 @@ impl Package {
     }
 }
 
-/// A package's files.
 enum Source {
     Wheel(ZipArchive<BufReader<File>>),
     Unpacked(TempDir),

@@ -20,7 +20,6 @@ const FIRMWARE: &str = "linestereo-firmware";
 /// Where a program's logs go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Logs {
-    /// It has none.
     None,
     /// To the PC that runs QEMU.
     Semihosting,
@@ -29,7 +28,6 @@ pub enum Logs {
 }
 
 impl Logs {
-    /// Where those of a board go.
     #[must_use]
     pub const fn of(board: &Board) -> Self {
         if board.is_emulated() { Self::Semihosting } else { Self::Rtt }
@@ -41,11 +39,8 @@ impl Logs {
 pub struct Images<'a> {
     /// Their package: the firmware, or one that stands on it without a default board.
     pub package: &'a str,
-    /// Their names.
     pub programs: &'a [&'a str],
-    /// Where their logs go.
     pub logs: Logs,
-    /// More features of the firmware.
     pub features: &'a [&'a str],
 }
 

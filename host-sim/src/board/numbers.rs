@@ -25,11 +25,8 @@ const CLOCK_TOLERANCE: f64 = 0.01;
 /// Answers of a board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoardNumbers {
-    /// Its name.
     pub board: String,
-    /// Its processor.
     pub processor: String,
-    /// Version of its firmware.
     pub firmware: String,
     /// Unit of its costs: `cycles`, or `instructions` of an emulator.
     pub unit: String,
@@ -41,30 +38,22 @@ pub struct BoardNumbers {
     /// Cycles per instruction over the pairs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles_per_instruction: Option<PerInstruction>,
-    /// By name.
     pub pairs: BTreeMap<String, PairNumbers>,
 }
 
 /// A [`Silicon`] as text, and its clock as measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SiliconNumbers {
-    /// [`Silicon::processor_id`].
     pub processor_id: String,
-    /// [`Silicon::chip_id`].
     pub chip_id: String,
-    /// [`Silicon::core_hz`].
     pub core_hz: u32,
     /// The same by the cycles and the microseconds of all pairs.
     pub measured_hz: u64,
-    /// [`Silicon::flash_wait`].
     pub flash_wait: u8,
-    /// [`Silicon::instruction_cache`].
     pub instruction_cache: bool,
-    /// [`Silicon::data_cache`].
     pub data_cache: bool,
 }
 
-/// Cycles per instruction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PerInstruction {
     /// Of the pair in the middle.
@@ -77,22 +66,18 @@ pub struct PerInstruction {
     pub instructions: String,
 }
 
-/// Of one built-in pair.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PairNumbers {
     /// Sum over the stages.
     pub total: u64,
-    /// Time of the run, microseconds.
     pub time_us: u32,
     /// Segments of the left image.
     pub segments: u16,
     /// The first stage whose digest is not the PC's, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub differs_in: Option<String>,
-    /// Its cycles per instruction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cycles_per_instruction: Option<f64>,
-    /// By stage.
     pub by_stage: BTreeMap<String, u64>,
     /// Of the stages in their order, then of what an autopilot gets, hexadecimal.
     pub digests: Vec<String>,

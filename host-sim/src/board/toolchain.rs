@@ -98,7 +98,6 @@ impl Toolchain {
         command
     }
 
-    /// The linker for boards.
     pub fn linker(&self, top: &Path) -> Result<PathBuf> {
         let sysroot = match &self.folder {
             Some(folder) => folder.clone(),

@@ -4,7 +4,6 @@ use super::arguments::both;
 use anyhow::{Result, anyhow, bail};
 use linestereo_calibration::boards::{Board, Dictionary, Pattern};
 
-/// Kind and size of a board.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoardSize {
     kind: Kind,

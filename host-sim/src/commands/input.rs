@@ -95,7 +95,6 @@ pub(super) struct InputArgs {
 /// Knowledge of a pair besides its images.
 #[derive(Clone, Debug, Default)]
 pub(super) enum Known {
-    /// Nothing.
     #[default]
     Nothing,
     /// It is rectified; the file that says what else is known.

@@ -170,7 +170,6 @@ fn run_command(cli: &Cli) -> Result<()> {
     }
 }
 
-/// The core with these parameters for images of this size.
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {
     if params.max_disparity >= dims.width {
         let range = params.max_disparity;

@@ -31,7 +31,6 @@ pub(super) struct Played {
     pub(super) images: [GrayImage; 2],
     pub(super) result: FrameResult,
     pub(super) objects: Option<Asked>,
-    /// The ground plane.
     pub(super) ground: Option<crate::results::ground::Ground>,
     /// Every direction of the turn, where they are asked for.
     pub(super) sectors: Option<Vec<Direction>>,

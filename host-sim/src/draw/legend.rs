@@ -17,7 +17,6 @@ const BAR_HEIGHT: f32 = 14.0;
 /// Labels of the bar stand at least this far apart, in px of the picture.
 const LABEL_DISTANCE: f32 = 80.0;
 
-/// The picture with a legend below it.
 pub(super) fn below(
     picture: &RgbImage,
     result: &FrameResult,

@@ -56,7 +56,6 @@ impl Sheet {
         stroke(&mut self.pixmap, [from, to], &paint(rgb, 1.0), &style);
     }
 
-    /// Fills a polygon.
     pub fn fill(&mut self, corners: &[(f32, f32)], rgb: [u8; 3], alpha: f32) {
         let mut path = PathBuilder::new();
         for (index, &(x, y)) in corners.iter().enumerate() {
@@ -74,7 +73,6 @@ impl Sheet {
         }
     }
 
-    /// Sets a pixel.
     pub fn pixel(&mut self, [x, y]: [u32; 2], [red, green, blue]: [u8; 3]) {
         let width = self.pixmap.width();
         if x < width && y < self.pixmap.height() {

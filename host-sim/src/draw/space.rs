@@ -38,7 +38,6 @@ impl Vertices {
     }
 }
 
-/// Points and segments as PLY.
 pub fn ply(result: &FrameResult, rig: &Rig, colours: &Range) -> String {
     let vertices = Vertices::new(result, rig, colours);
     let (points, ends) = (vertices.points.len(), vertices.ends.len());

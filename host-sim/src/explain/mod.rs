@@ -116,7 +116,6 @@ impl TestTexts {
         self.segments.get(&[a, b]).or_else(|| self.segments.get(&[b, a])).map(String::as_str)
     }
 
-    /// Of this bar.
     pub fn of_bar(&self, bar: &Bar) -> Option<&str> {
         self.bars.get(bar).map(String::as_str)
     }

@@ -17,9 +17,7 @@ use linestereo_wire::{FrameHead, Segments};
 /// A frame as far as it arrived.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// Head of the frame as the board sent it.
     pub head: FrameHead,
-    /// Its segments, in their order.
     pub matches: Vec<Match>,
     /// Position after the last segment that arrived.
     next: u16,
@@ -47,7 +45,6 @@ pub struct FrameCounts {
     pub restarts: u64,
 }
 
-/// Puts frames together.
 #[derive(Debug, Default)]
 pub struct Assembler {
     open: Option<Frame>,
@@ -56,7 +53,6 @@ pub struct Assembler {
 }
 
 impl Assembler {
-    /// Counts of complete, incomplete and lost frames so far.
     pub fn counts(&self) -> FrameCounts {
         self.counts
     }

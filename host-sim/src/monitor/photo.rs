@@ -15,7 +15,6 @@ use linestereo_wire::{PairHead, Pixels};
 )]
 pub struct PixelsLost;
 
-/// Puts photographs together.
 #[derive(Debug, Default)]
 pub struct PhotoAssembler {
     open: Option<[GrayImage; 2]>,

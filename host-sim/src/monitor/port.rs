@@ -46,7 +46,6 @@ impl PortArgs {
     }
 }
 
-/// Outcome of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Received {
     Bytes(usize),
@@ -80,7 +79,6 @@ impl Port {
         Ok(Self { name, line: Line::File(Box::new(file)) })
     }
 
-    /// A connection to `HOST:PORT`.
     pub fn tcp(address: &str) -> Result<Self> {
         let cannot = |error: io::Error| {
             anyhow!("cannot connect to {address}: {error}; is something listening there?")
@@ -104,7 +102,6 @@ impl Port {
         Ok(Self { name: address.to_owned(), line: Line::Tcp(stream) })
     }
 
-    /// A serial port, 8 data bits, no parity, 1 stop bit.
     pub fn serial(name: &str, baud: u32) -> Result<Self> {
         let mut port = serialport::new(name, baud).timeout(PATIENCE).open().map_err(|error| {
             anyhow!("cannot open the serial port {name}: {error}; check that the board is plugged in and no other program has it")

@@ -40,11 +40,9 @@ pub const NAMES: [&str; 15] = [
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wanted {
     pub request: Request,
-    /// The words of the user.
     pub words: String,
 }
 
-/// The requests of these words.
 pub fn parse(words: &[String]) -> Result<Vec<Wanted>> {
     let mut list = Vec::new();
     for group in words.chunk_by(|before, after| {

@@ -13,7 +13,6 @@ const LEAST_OVERLAP: f64 = 0.5;
 /// Ranges are suggested in steps of this.
 const RANGE_STEP: f64 = 8.0;
 
-/// Requirements of a rig.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
     /// Nearest distance to be measured, m.

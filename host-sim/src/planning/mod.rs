@@ -38,7 +38,6 @@ const STEPS: [f64; 6] = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0];
 /// The table ends where the error is about this share of the distance.
 const LAST_ERROR: f64 = 0.2;
 
-/// How the focal length is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focal {
     Pixels(f64),
@@ -79,7 +78,6 @@ pub struct RigPlan {
     pub sigma: f64,
 }
 
-/// Accuracy at one distance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Row {
     pub distance_m: f64,

@@ -9,7 +9,6 @@ use serde::Serialize;
 pub struct Ground {
     /// Change of the disparity down the rows: baseline / height of the cameras.
     pub down_px_per_row: f64,
-    /// Change along the columns.
     pub across_px_per_column: f64,
     /// At the left top pixel.
     pub origin_px: f64,

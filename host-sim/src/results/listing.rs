@@ -17,7 +17,6 @@ use linestereo::{Dims, NoDepth, ObjectDepth};
 use linestereo_wire::Counts;
 use serde::{Serialize, Serializer};
 
-/// First line of [`csv`].
 const CSV_HEAD: &str = "id,x0,y0,x1,y1,disparity0_px,disparity1_px,sigma_px,confidence,owner,depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n";
 
 #[derive(Serialize)]
@@ -46,7 +45,6 @@ pub struct Answers {
     /// Depth of each pixel that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub queries: Option<Vec<Query>>,
-    /// The ground plane.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<Ground>,
     /// Every direction of the turn.

@@ -14,7 +14,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
-/// Most connections at once.
 const MOST_CONNECTIONS: usize = 24;
 /// A visitor who takes nothing for so long is let go.
 const TAKES_WITHIN: Duration = Duration::from_secs(10);
@@ -70,7 +69,6 @@ impl Server {
         Ok(Self { shared, acceptor: Some(acceptor) })
     }
 
-    /// Address of the page.
     #[must_use]
     pub fn address(&self) -> String {
         let Door { port, token } = &self.shared.door;

@@ -5,7 +5,6 @@ use core::time::Duration;
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Most visitors at once.
 const MOST_VISITORS: usize = 8;
 /// Most texts and bytes that wait for a visitor.
 const MOST_WAITING: usize = 64;
@@ -70,7 +69,6 @@ impl Visitors {
         Some(queue)
     }
 
-    /// The visitor has gone.
     pub(super) fn leave(&self, queue: &Arc<Queue>) {
         locked(&self.all).queues.retain(|other| !Arc::ptr_eq(other, queue));
     }
@@ -93,7 +91,6 @@ impl Visitors {
         }
     }
 
-    /// Is nobody there?
     pub(super) fn is_empty(&self) -> bool {
         locked(&self.all).queues.is_empty()
     }
