@@ -12,7 +12,7 @@
 //! package file may be given, brought by whatever way there is to a machine without a network.
 
 use crate::output::OutputFiles;
-use crate::programs::process;
+use crate::programs;
 use anyhow::{Context, Result, anyhow, bail};
 use core::fmt::Display;
 use core::time::Duration;
@@ -148,7 +148,7 @@ impl Package {
         for (program, first) in [("python3", &["-m", "pip"][..]), ("pip3", &[]), ("pip", &[])] {
             let mut command = Command::new(program);
             command.args(first).args(arguments).arg(folder).arg(&self.requirement);
-            match process::run(&mut command, LIMIT) {
+            match programs::run(&mut command, LIMIT) {
                 Ok(outcome) if outcome.status.success() => return Ok(()),
                 Ok(outcome) => reason = reason.or_else(|| Some(last_error(&outcome.stderr))),
                 Err(_) => {} // not on this machine: another name may be
@@ -165,7 +165,7 @@ impl Package {
                 .arg("-qq")
                 .args(arguments)
                 .env("DEBIAN_FRONTEND", "noninteractive");
-            process::run(&mut command, LIMIT).map_err(|_| anyhow!("no apt-get on this machine"))
+            programs::run(&mut command, LIMIT).map_err(|_| anyhow!("no apt-get on this machine"))
         };
         let outcome = apt(&["download", &self.requirement])?;
         if outcome.status.success() {
@@ -229,7 +229,7 @@ impl Source {
                     tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
                 let mut command = Command::new("dpkg-deb");
                 let outcome =
-                    process::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
+                    programs::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
                 let outcome = outcome
                     .context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
                 if !outcome.status.success() {

@@ -10,7 +10,7 @@
 //! Each part is made beside it and renamed into place, under a lock of its own: what is there is
 //! whole, and targets are made side by side.
 
-use crate::programs::{packages, process};
+use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::fs;
@@ -37,7 +37,7 @@ fn symlink(_: impl AsRef<Path>, _: impl AsRef<Path>) -> std::io::Result<()> {
 /// The folder of the toolchain, made once, with this target.
 pub(super) fn toolchain(target: &str) -> Result<PathBuf> {
     if source().is_none() || !Path::new(CARGO).is_file() || linker().is_none() {
-        packages::install("a board build", &PACKAGES)?;
+        programs::install("a board build", &PACKAGES)?;
     }
     let (version, source) =
         source().context("the source of Debian's rustc is not where it should be")?;
@@ -70,14 +70,14 @@ pub(super) fn toolchain(target: &str) -> Result<PathBuf> {
 /// The clippy of Debian's compiler, installed when it is missing.
 pub(super) fn clippy() -> Result<&'static str> {
     if !Path::new(CLIPPY).is_file() {
-        packages::install("clippy for boards", &[CLIPPY_PACKAGE])?;
+        programs::install("clippy for boards", &[CLIPPY_PACKAGE])?;
     }
     Ok(CLIPPY)
 }
 
 /// The version of Debian's compiler, and where its library's source is, if both are there.
 fn source() -> Option<(String, PathBuf)> {
-    let line = process::first_line(Command::new(RUSTC).arg("--version"))?;
+    let line = programs::first_line(Command::new(RUSTC).arg("--version"))?;
     let version = line.split(' ').nth(1)?.to_owned();
     let source = PathBuf::from(format!("/usr/src/rustc-{version}/library"));
     source.is_dir().then_some((version, source))
@@ -101,7 +101,7 @@ fn cache() -> Result<PathBuf> {
 /// compiler that looks there.
 fn assemble(folder: &Path, final_folder: &Path, linker: &Path) -> Result<()> {
     let printed = |what| {
-        process::first_line(Command::new(RUSTC).args(["--print", what]))
+        programs::first_line(Command::new(RUSTC).args(["--print", what]))
             .context("Debian's rustc does not run")
     };
     let (host, installed) = (printed("host-tuple")?, printed("sysroot")?);
@@ -160,7 +160,7 @@ fn build_core(folder: &Path, source: &Path, target: &str) -> Result<()> {
         .env("RUSTC_BOOTSTRAP", "1")
         // For link-time optimisation through the library.
         .env("RUSTFLAGS", "-Cembed-bitcode=yes");
-    let outcome = process::run(&mut command, CORE_LIMIT)?;
+    let outcome = programs::run(&mut command, CORE_LIMIT)?;
     if !outcome.status.success() {
         let reason =
             outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");

@@ -2,7 +2,7 @@
 
 use super::toolchain::Toolchain;
 use super::{Board, top};
-use crate::programs::process;
+use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::collections::BTreeSet;
@@ -185,7 +185,7 @@ const INLINING: &str = "target.'cfg(target_os = \"none\")'.rustflags = \
     [\"-Cllvm-args=-inlinehint-threshold=30\", \"-Cllvm-args=-inlinedefault-threshold=120\"]";
 
 fn run(command: &mut Command, what: &str) -> Result<()> {
-    let outcome = process::run(command, LIMIT)?;
+    let outcome = programs::run(command, LIMIT)?;
     if !outcome.status.success() {
         let error =
             outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");

@@ -4,7 +4,7 @@
 //! every run is the same.
 
 use super::Board;
-use crate::programs::{packages, process};
+use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use linestereo_boards::{Device, Exit};
@@ -43,11 +43,11 @@ pub fn find(board: &Board) -> Result<(PathBuf, &'static [&'static str])> {
     let Device::Qemu { program, arguments } = board.device else {
         bail!("{} is no machine of QEMU: build its program, and flash it", board.name)
     };
-    let there = || process::first_line(Command::new(program).arg("--version")).is_some();
+    let there = || programs::first_line(Command::new(program).arg("--version")).is_some();
     if !there() {
         // Arm has a package of its own, most others share one.
         let package = if program == "qemu-system-arm" { program } else { "qemu-system-misc" };
-        packages::install("running a board", &[package])?;
+        programs::install("running a board", &[package])?;
     }
     if there() {
         Ok((program.into(), arguments))
@@ -86,7 +86,7 @@ pub fn run(
 ) -> Result<Ended> {
     let mut command = command(board, elf, arguments, folder)?;
     let outcome =
-        process::run(command.args(["-serial", "none"]), limit).context("a board program hangs")?;
+        programs::run(command.args(["-serial", "none"]), limit).context("a board program hangs")?;
     let code = outcome.status.code().and_then(|code| u32::try_from(code).ok());
     Ok(Ended {
         exit: Exit::ALL.into_iter().find(|&exit| Some(exit as u32) == code),

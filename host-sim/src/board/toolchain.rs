@@ -11,7 +11,7 @@
 //! that plain cargo builds for them. Targets come to it one by one, as they are asked for.
 
 use super::{Board, debian, top};
-use crate::programs::process;
+use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -114,17 +114,17 @@ impl Toolchain {
             .folder
             .as_ref()
             .map_or_else(|| PathBuf::from("rustc"), |folder| folder.join("bin/rustc"));
-        process::first_line(Command::new(rustc).arg("--version").current_dir(top))
+        programs::first_line(Command::new(rustc).arg("--version").current_dir(top))
             .context("rustc does not run")
     }
 }
 
 fn sysroot(rustc: &mut Command) -> Option<PathBuf> {
-    process::first_line(rustc.args(["--print", "sysroot"])).map(PathBuf::from)
+    programs::first_line(rustc.args(["--print", "sysroot"])).map(PathBuf::from)
 }
 
 fn host() -> Result<String> {
-    process::first_line(Command::new("rustc").args(["--print", "host-tuple"]))
+    programs::first_line(Command::new("rustc").args(["--print", "host-tuple"]))
         .context("rustc does not run")
 }
 
@@ -140,7 +140,7 @@ fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
         return Ok(toolchain);
     }
     eprintln!("rustup target add {target}");
-    let added = process::run(
+    let added = programs::run(
         Command::new("rustup").args(["target", "add", target]).current_dir(top),
         RUSTUP_LIMIT,
     );

@@ -1,16 +1,17 @@
 //! Pairs of a folder, a recording, a video or a camera, in their order, matched one after the
 //! other.
 
-use super::arguments::both;
+use super::arguments::{both, number_in};
 use super::input::{InputArgs, Known, LoadedPair, PairMatcher, Setup, TimedResult};
 use super::objects::{Asked, Objects};
-use super::recording::{Played, RecordingArgs};
+use super::recording::Played;
 use super::video::CameraArgs;
+use crate::interruption;
 use crate::results::ground::Ground;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use linestereo_frames::{SceneInfo, StoredPair};
-use linestereo_recordings::Footage;
+use linestereo_recordings::{Choice, DEFAULT_WINDOW_MS, Footage, is_recording, is_video};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -32,10 +33,55 @@ pub(super) struct SourceArgs {
     recording: RecordingArgs,
 }
 
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Recordings of ROS 2 (.mcap)")]
+struct RecordingArgs {
+    /// Topic with the left images [default: by its name].
+    #[arg(long, value_name = "TOPIC", requires = "right_topic")]
+    left_topic: Option<String>,
+    /// Topic with the right images.
+    #[arg(long, value_name = "TOPIC", requires = "left_topic")]
+    right_topic: Option<String>,
+    /// Largest time between the two images of a pair [default: 10].
+    #[arg(long, value_name = "MS",
+          value_parser = number_in(0.0..=10_000.0, "give milliseconds, 0 to 10000"))]
+    pair_window_ms: Option<f64>,
+}
+
 impl SourceArgs {
     /// The pairs of this path, or of the camera where there is none.
     pub(super) fn find(&self, path: Option<&Path>) -> Result<Footage> {
-        self.recording.find(path, self.right.as_deref(), self.side_by_side, &self.camera)
+        let RecordingArgs { left_topic, right_topic, pair_window_ms } = &self.recording;
+        if path.is_some() {
+            self.camera.refuse_options()?;
+        }
+        let is_recorded = self.right.is_none() && path.is_some_and(is_recording);
+        if !is_recorded && (left_topic.is_some() || pair_window_ms.is_some()) {
+            bail!(
+                "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
+            );
+        }
+        let Some(path) = path else { return self.camera.open() };
+        if self.right.is_some() || (is_video(path) && !path.is_dir()) {
+            return super::video::find(path, self.right.as_deref(), self.side_by_side);
+        }
+        if !is_recorded && path.is_file() {
+            bail!(
+                "{} is neither a folder, nor a recording (.mcap), nor a video that is read; linestereo run matches two images",
+                path.display()
+            );
+        }
+        if !is_recorded {
+            return Ok(Footage::open(path, self.side_by_side, interruption::requested)?);
+        }
+        if self.side_by_side {
+            bail!(
+                "--side-by-side is for folders; images of a recording have a topic for each camera"
+            );
+        }
+        let topics = [left_topic.clone(), right_topic.clone()];
+        let choice = Choice { topics, window_ms: pair_window_ms.unwrap_or(DEFAULT_WINDOW_MS) };
+        Ok(Footage::recorded(path, &choice)?)
     }
 
     /// Those of them that are asked for.

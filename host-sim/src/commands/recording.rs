@@ -1,11 +1,8 @@
-//! Recordings of ROS 2 as input and as output of a sequence.
+//! Results of a sequence: lines, or a recording of ROS 2.
 
-use super::arguments::number_in;
 use super::input::Setup;
 use super::objects::Asked;
-use super::video::CameraArgs;
 use crate::engine::FrameResult;
-use crate::interruption;
 use crate::output::{LineFile, OutputPath, cannot_write, is_terminal, print};
 use crate::results::directions::Direction;
 use crate::results::listing;
@@ -15,11 +12,9 @@ use linestereo::obstacles::ObstacleParams;
 use linestereo_frames::regions::Object;
 use linestereo_frames::{GrayImage, StoredPair};
 use linestereo_recordings::ros::sent::{Label, Stamp};
-use linestereo_recordings::{
-    Choice, DEFAULT_WINDOW_MS, Footage, Recording, is_mcap, is_recording, is_video,
-};
+use linestereo_recordings::{Recording, is_mcap};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Frame of what is not from a recording.
 const FRAME_ID: &str = "left_camera_optical_frame";
@@ -34,70 +29,6 @@ pub(super) struct Played {
     pub(super) ground: Option<crate::results::ground::Ground>,
     /// Every direction of the turn, where they are asked for.
     pub(super) sectors: Option<Vec<Direction>>,
-}
-
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Recordings of ROS 2 (.mcap)")]
-pub(super) struct RecordingArgs {
-    /// Topic with the left images [default: by its name].
-    #[arg(long, value_name = "TOPIC", requires = "right_topic")]
-    left_topic: Option<String>,
-    /// Topic with the right images.
-    #[arg(long, value_name = "TOPIC", requires = "left_topic")]
-    right_topic: Option<String>,
-    /// Largest time between the two images of a pair [default: 10].
-    #[arg(long, value_name = "MS",
-          value_parser = number_in(0.0..=10_000.0, "give milliseconds, 0 to 10000"))]
-    pair_window_ms: Option<f64>,
-}
-
-impl RecordingArgs {
-    /// The pairs of a folder, of a recording, of one video or of a left and a right one, or of a
-    /// camera.
-    pub(super) fn find(
-        &self,
-        root: Option<&Path>,
-        right: Option<&Path>,
-        side_by_side: bool,
-        camera: &CameraArgs,
-    ) -> Result<Footage> {
-        let Some(root) = root else {
-            self.refuse_options()?;
-            return camera.open();
-        };
-        camera.refuse_options()?;
-        if right.is_some() || (is_video(root) && !root.is_dir()) {
-            self.refuse_options()?;
-            return super::video::find(root, right, side_by_side);
-        }
-        if !is_recording(root) {
-            self.refuse_options()?;
-            if root.is_file() {
-                bail!(
-                    "{} is neither a folder, nor a recording (.mcap), nor a video that is read; linestereo run matches two images",
-                    root.display()
-                );
-            }
-            return Ok(Footage::open(root, side_by_side, interruption::requested)?);
-        }
-        if side_by_side {
-            bail!(
-                "--side-by-side is for folders; images of a recording have a topic for each camera"
-            );
-        }
-        let topics = [self.left_topic.clone(), self.right_topic.clone()];
-        let choice = Choice { topics, window_ms: self.pair_window_ms.unwrap_or(DEFAULT_WINDOW_MS) };
-        Ok(Footage::recorded(root, &choice)?)
-    }
-
-    fn refuse_options(&self) -> Result<()> {
-        if self.left_topic.is_some() || self.pair_window_ms.is_some() {
-            bail!(
-                "--left-topic, --right-topic and --pair-window-ms are for an .mcap file; give one, or leave them out"
-            );
-        }
-        Ok(())
-    }
 }
 
 /// Where results go.

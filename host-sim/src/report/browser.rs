@@ -1,6 +1,6 @@
 //! A browser without a window: what a page is after its script has run. For tests of pages.
 
-use crate::programs::{packages, process};
+use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
 use std::path::{Path, PathBuf};
@@ -38,7 +38,7 @@ impl Browser {
         let programs =
             named.map_or_else(|| PROGRAMS.map(PathBuf::from).to_vec(), |named| vec![named]);
         let runs = |program: &PathBuf| {
-            process::first_line(Command::new(program).arg("--version")).is_some()
+            programs::first_line(Command::new(program).arg("--version")).is_some()
         };
         programs.into_iter().find(runs).map(Self)
     }
@@ -46,7 +46,7 @@ impl Browser {
     /// The one that is there, or Debian's.
     pub fn install() -> Result<Self> {
         if Self::find().is_none() {
-            packages::install("testing pages", &[PACKAGE])?;
+            programs::install("testing pages", &[PACKAGE])?;
         }
         Self::find().context("no browser runs; install chromium, or name one in LINESTEREO_BROWSER")
     }
@@ -62,7 +62,7 @@ impl Browser {
         command.args(FLAGS).args(flags).args([PAGE_TIME, "--dump-dom"]);
         command.arg(format!("--user-data-dir={}", profile.path().display()));
         command.arg(format!("file://{}", page.canonicalize()?.display()));
-        let outcome = process::run(&mut command, LIMIT)?;
+        let outcome = programs::run(&mut command, LIMIT)?;
         if !outcome.status.success() {
             bail!(
                 "the browser failed: {}",

@@ -1,11 +1,15 @@
-//! Running other programs: with a time limit, with their output caught, and with errors that say
-//! what to do.
+//! Other programs of this machine: run with a time limit, with their output caught and with errors
+//! that say what to do. Debian's packages are installed where a program is missing, only for root.
 
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use std::io::Read;
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
+
+/// Longest installation.
+const LIMIT: Duration = Duration::from_secs(600);
 
 /// Outcome of a program: status and output.
 #[derive(Debug)]
@@ -44,7 +48,7 @@ fn read_all(pipe: Option<impl Read + Send + 'static>) -> std::thread::JoinHandle
 }
 
 /// Waits for the end of a program, and ends it when it takes too long.
-pub(crate) fn wait(child: &mut Child, limit: Duration) -> Result<ExitStatus> {
+fn wait(child: &mut Child, limit: Duration) -> Result<ExitStatus> {
     let start = Instant::now();
     loop {
         if let Some(status) = child.try_wait()? {
@@ -64,4 +68,31 @@ pub(crate) fn first_line(command: &mut Command) -> Option<String> {
     let outcome =
         run(command, Duration::from_secs(60)).ok().filter(|outcome| outcome.status.success())?;
     String::from_utf8(outcome.stdout).ok()?.lines().next().map(str::to_owned)
+}
+
+/// Installs packages, or says how a user does it.
+pub(crate) fn install(what_for: &str, packages: &[&str]) -> Result<()> {
+    let list = packages.join(" ");
+    if first_line(Command::new("id").arg("-u")).as_deref() != Some("0") {
+        bail!("{what_for} needs {list}; install: sudo apt-get install {list}");
+    }
+    // One at a time: apt-get refuses to work beside another one, and what one caller has installed
+    // the next one finds.
+    static INSTALLING: Mutex<()> = Mutex::new(());
+    let _installing = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
+    eprintln!("installing {list}");
+    let apt = |arguments: &[&str]| {
+        let mut command = Command::new("apt-get");
+        command
+            .args(["-qq", "-o", "DPkg::Lock::Timeout=600"])
+            .args(arguments)
+            .env("DEBIAN_FRONTEND", "noninteractive");
+        run(&mut command, LIMIT).is_ok_and(|outcome| outcome.status.success())
+    };
+    let mut arguments = vec!["install", "-y", "--no-install-recommends"];
+    arguments.extend(packages);
+    if apt(&arguments) || (apt(&["update"]) && apt(&arguments)) {
+        return Ok(());
+    }
+    bail!("{what_for} needs {list}, which apt-get cannot install here; install them by hand")
 }
