@@ -95,11 +95,8 @@ impl Package {
         };
         packages().into_iter().find(named).with_context(|| {
             let names: Vec<String> = packages().into_iter().map(|package| package.name).collect();
-            format!(
-                "{} is none of the packages {}; give one of them",
-                path.display(),
-                names.join(", ")
-            )
+            let (path, names) = (path.display(), names.join(", "));
+            format!("{path} is none of the packages {names}; give one of them")
         })
     }
 

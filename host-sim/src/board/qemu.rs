@@ -30,11 +30,8 @@ impl Ended {
         }
         let why = self.exit.map_or("QEMU failed", Exit::meaning);
         let reported = self.errors.trim();
-        bail!(
-            "{program} on {}: {why}{}{reported}",
-            board.name,
-            if reported.is_empty() { "" } else { ": " }
-        )
+        let colon = if reported.is_empty() { "" } else { ": " };
+        bail!("{program} on {}: {why}{colon}{reported}", board.name)
     }
 }
 

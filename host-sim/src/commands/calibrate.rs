@@ -128,12 +128,8 @@ pub fn run(args: &Args) -> Result<()> {
         let photos = clearest_pair(&estimate, &pairs)?;
         Ok(draw::png(&draw::calibration(&estimate, &assessment, photos.as_ref()))?)
     })?;
-    let mut text = format!(
-        "{}: board found in {} of {} pairs, {dims}\n",
-        args.folder.display(),
-        views.len(),
-        pairs.len()
-    );
+    let (folder, seen, all) = (args.folder.display(), views.len(), pairs.len());
+    let mut text = format!("{folder}: board found in {seen} of {all} pairs, {dims}\n");
     if !turned.is_empty() {
         let _ = writeln!(text, "  the rig is that of the turned images{turned}");
     }
@@ -167,12 +163,8 @@ fn turned_by_exif(pairs: &[PhotoPair]) -> Result<String> {
     let mut turned = files.iter().zip(&turns).filter(|(_, turn)| **turn != UPRIGHT);
     let Some((file, turn)) = turned.next() else { return Ok(String::new()) };
     if turns.iter().any(|other| other != turn) {
-        let count = 1 + turned.count();
-        bail!(
-            "EXIF turns {} {turn}, and {count} of {} photos in all; {EXIF_REMEDY}",
-            file.display(),
-            files.len()
-        );
+        let (file, count, all) = (file.display(), 1 + turned.count(), files.len());
+        bail!("EXIF turns {file} {turn}, and {count} of {all} photos in all; {EXIF_REMEDY}");
     }
     Ok(format!(
         "; EXIF turns all photos {turn}, and images without EXIF are not turned: {EXIF_REMEDY}"
@@ -200,11 +192,8 @@ fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)>
     let mut sizes = files.zip(seen.iter().flatten().map(|(dims, _)| *dims));
     let (first, dims) = sizes.next().context("there are no photos")?;
     if let Some((path, other)) = sizes.find(|(_, other)| *other != dims) {
-        bail!(
-            "{} is {dims}, {} is {other}; all photos of a calibration have one size",
-            first.display(),
-            path.display()
-        );
+        let (first, path) = (first.display(), path.display());
+        bail!("{first} is {dims}, {path} is {other}; all photos of a calibration have one size");
     }
     Ok((dims, seen.into_iter().map(|pair| pair.map(|(_, found)| found)).collect()))
 }

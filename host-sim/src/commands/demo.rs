@@ -234,10 +234,7 @@ fn summary(objects: &[RoomObject], truth: &Truth, result: &FrameResult) -> Strin
         .filter(|&reason| counts.rejected(reason) > 0)
         .map(|reason| format!("{} {}", counts.rejected(reason), reason.name().replace('_', " ")))
         .collect();
-    let _ = writeln!(
-        text,
-        "Rejected: {}",
-        if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") }
-    );
+    let reasons = if reasons.is_empty() { "none".to_owned() } else { reasons.join(", ") };
+    let _ = writeln!(text, "Rejected: {reasons}");
     text
 }

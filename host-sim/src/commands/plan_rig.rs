@@ -100,17 +100,10 @@ fn text(
             1e3 * found.baseline_m
         );
         if is_given {
-            let row = plan.row(*far);
-            let reached = if row.error_percent <= 100.0 * error * (1.0 + 1e-9) {
-                "reached"
-            } else {
-                "not reached"
-            };
-            let _ = writeln!(
-                text,
-                "  with the one given, {:.1} % at {far} m: {reached}",
-                row.error_percent
-            );
+            let percent = plan.row(*far).error_percent;
+            let is_reached = percent <= 100.0 * error * (1.0 + 1e-9);
+            let reached = if is_reached { "reached" } else { "not reached" };
+            let _ = writeln!(text, "  with the one given, {percent:.1} % at {far} m: {reached}");
         }
         for sentence in &found.advice {
             let _ = writeln!(text, "  {sentence}");

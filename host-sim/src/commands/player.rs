@@ -88,11 +88,8 @@ impl SourceArgs {
     pub(super) fn chosen<'a>(&self, path: &Path, found: &'a Footage) -> Result<Chosen<'a>> {
         let chosen = Chosen::new(found, self.frames);
         if chosen.count() == Some(0) {
-            bail!(
-                "none of the {} pairs in {} has a number in --frames",
-                found.pairs.len(),
-                path.display()
-            );
+            let (all, path) = (found.pairs.len(), path.display());
+            bail!("none of the {all} pairs in {path} has a number in --frames");
         }
         Ok(chosen)
     }

@@ -67,16 +67,13 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = OutputFiles::new();
     output.add(&args.out, html.as_bytes())?;
     let megabytes = html.len() as f64 / 1e6;
+    let (shown, all, failed) = (shown.len(), pairs.len(), failed.len());
+    let (path, note) = (args.out.display(), video_note(&found));
     output.commit_and_say(&format!(
-        "{} of {} pairs, {} failed: wrote {} ({megabytes:.1} MB)\n{}",
-        shown.len(),
-        pairs.len(),
-        failed.len(),
-        args.out.display(),
-        video_note(&found)
+        "{shown} of {all} pairs, {failed} failed: wrote {path} ({megabytes:.1} MB)\n{note}"
     ))?;
     // The page shows why.
-    match refusals.first().filter(|_| failed.len() + refusals.len() == pairs.len()) {
+    match refusals.first().filter(|_| failed + refusals.len() == all) {
         Some(why) => bail!("no pair can be used; {why}"),
         None => Ok(()),
     }

@@ -44,17 +44,16 @@ pub fn calibration(
         Verdict::Usable => FAIR,
         Verdict::Repeat => POOR,
     };
-    let title = format!(
-        "{}: stereo RMS {:.3} px, baseline {:.2} +- {:.2} mm{}",
+    let mut title = format!(
+        "{}: stereo RMS {:.3} px, baseline {:.2} +- {:.2} mm",
         assessment.verdict,
         estimate.rms,
         1e3 * estimate.calibration.baseline(),
         1e3 * estimate.baseline_sigma,
-        assessment
-            .rectified
-            .as_ref()
-            .map_or(String::new(), |r| format!(", vertical residual {:.3} px", r.vertical)),
     );
+    if let Some(rectified) = &assessment.rectified {
+        title += &format!(", vertical residual {:.3} px", rectified.vertical);
+    }
     sheet.label((MARGIN, 14.0), Align::Left, verdict, title);
     for (eye, side) in ["left", "right"].into_iter().enumerate() {
         let left = MARGIN + eye as f32 * (FIELD + MARGIN);

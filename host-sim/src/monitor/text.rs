@@ -158,11 +158,9 @@ pub fn summary(
     );
     if let Some(found) = other_version {
         let what = if found & 0x80 == 0 { "version" } else { "commands (an echo?) of version" };
-        let _ = writeln!(
-            text,
-            "another version: {what} {}, this program reads version {VERSION}",
-            found & 0x7f
-        );
+        let found = found & 0x7f;
+        let _ =
+            writeln!(text, "another version: {what} {found}, this program reads version {VERSION}");
     }
     let _ = writeln!(text, "bytes: {bytes} received, {} skipped", packets.skipped_bytes);
     text

@@ -234,12 +234,9 @@ pub fn summary(result: &FrameResult) -> String {
     if let Some(offset) =
         offset.filter(|_| rows.names().any(|name| health.names().any(|set| set == name)))
     {
-        let px = f64::from(offset) / 256.0;
-        text.push_str(&format!(
-            "health: the right image is {:.2} px too {}\n",
-            px.abs(),
-            if px > 0.0 { "low" } else { "high" }
-        ));
+        let (px, side) =
+            (f64::from(offset.unsigned_abs()) / 256.0, if offset > 0 { "low" } else { "high" });
+        text.push_str(&format!("health: the right image is {px:.2} px too {side}\n"));
     }
     let is_small = health.of_pair().contains(HealthFlags::RANGE_SMALL);
     if let Some(RangeReport { windows, beyond, disparity }) =

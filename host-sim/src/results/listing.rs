@@ -207,19 +207,11 @@ pub fn json(dims: Dims, result: &FrameResult, answers: &Answers) -> serde_json::
 pub fn csv(result: &FrameResult) -> String {
     let mut text = String::from(CSV_HEAD);
     for (id, found) in result.matches.iter().enumerate() {
-        let [start, end] = found.ends.map(position);
-        let [from, to] = found.disparity.map(Disparity::to_num::<f64>);
-        let _ = write!(
-            text,
-            "{id},{},{},{},{},{from},{to},{},{},{}",
-            start[0],
-            start[1],
-            end[0],
-            end[1],
-            found.sigma.to_num::<f64>(),
-            five_decimals(found.confidence.to_num()),
-            owner_name(found.owner)
-        );
+        let [[x0, y0], [x1, y1]] = found.ends.map(position);
+        let [d0, d1] = found.disparity.map(Disparity::to_num::<f64>);
+        let (sigma, owner) = (found.sigma.to_num::<f64>(), owner_name(found.owner));
+        let p = five_decimals(found.confidence.to_num());
+        let _ = write!(text, "{id},{x0},{y0},{x1},{y1},{d0},{d1},{sigma},{p},{owner}");
         for metres in [found.depth, found.depth_sigma] {
             for end in 0..2 {
                 text.push(',');
@@ -246,19 +238,12 @@ pub fn objects_csv(objects: &[Object]) -> String {
         } else {
             name.to_owned()
         };
-        let _ = writeln!(
-            text,
-            "{},{name},{},{},{},{},{},{},{},{}",
-            object.label,
-            number(object.disparity_px),
-            object.sigma_px,
-            number(object.depth_m),
-            object.sigma_m,
-            number(object.nearest_m),
-            object.support,
-            object.confidence,
-            object.reason.unwrap_or("")
-        );
+        let Object { label, sigma_px, sigma_m, support, confidence, .. } = object;
+        let [disparity, depth, nearest] =
+            [object.disparity_px, object.depth_m, object.nearest_m].map(number);
+        let reason = object.reason.unwrap_or("");
+        let _ = write!(text, "{label},{name},{disparity},{sigma_px},{depth},{sigma_m},{nearest},");
+        let _ = writeln!(text, "{support},{confidence},{reason}");
     }
     text
 }
