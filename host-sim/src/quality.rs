@@ -23,7 +23,7 @@
 //! RMS error and fill rate).
 
 use linestereo::{Area, Rig, results::Point, unstable::SUPPORT_PITCH};
-use linestereo_frames::statistics::quantile;
+use linestereo_frames::statistics::upper_median;
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -101,9 +101,7 @@ impl Wall<'_> {
             answers = self.answers(points);
             each.push(self.of_pair(&mut answers));
         }
-        let middle = |of: fn(&Quality) -> Option<f64>| {
-            quantile(each.iter().filter_map(of).collect(), 0.5, f64::total_cmp)
-        };
+        let middle = |of: fn(&Quality) -> Option<f64>| median(each.iter().filter_map(of));
         let Area { left, top, right, bottom } = self.region;
         let mut all = Quality {
             pairs: pairs.len(),
@@ -200,7 +198,7 @@ impl Wall<'_> {
             // Planes in parallel have depths, along every ray, in the same proportion.
             let errors =
                 on.iter().map(|a| depth(a.disparity) - depth(plane.at(a.at)) * known / distance);
-            let error = quantile(errors.collect(), 0.5, f64::total_cmp);
+            let error = median(errors);
             quality.z_accuracy_m = error;
             quality.z_accuracy = error.map(|error| error / known);
             quality.disparity_error_px = Some(fb / known - fb / distance);
@@ -221,14 +219,12 @@ impl Wall<'_> {
         let repeated: Vec<&Vec<f64>> =
             by_pixel.values().filter(|values| values.len() >= least).collect();
         quality.repeated_pixels = Some(repeated.len());
-        let median = |values: Vec<f64>| quantile(values, 0.5, f64::total_cmp);
-        quality.temporal_noise_px =
-            median(repeated.iter().map(|values| deviation(values)).collect());
+        quality.temporal_noise_px = median(repeated.iter().map(|values| deviation(values)));
         if let Some((fb, offset)) = self.stereo() {
             let depths =
                 |values: &&Vec<f64>| values.iter().map(|d| fb / (d + offset)).collect::<Vec<f64>>();
-            quality.temporal_noise_m =
-                median(repeated.iter().map(|values| deviation(&depths(values))).collect());
+            let deviations = repeated.iter().map(|values| deviation(&depths(values)));
+            quality.temporal_noise_m = median(deviations);
         }
     }
 }
@@ -247,6 +243,10 @@ fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (count, sum) =
         values.fold((0_u32, 0.0), |(count, sum), value| (count + 1, sum + value * value));
     (count > 0).then(|| (sum / f64::from(count)).sqrt())
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    upper_median(values.collect(), f64::total_cmp)
 }
 
 fn deviation(values: &[f64]) -> f64 {
@@ -278,7 +278,7 @@ fn fitted(answers: &[WallAnswer]) -> Option<Plane> {
     };
     let median_off = |plane: &Plane| {
         let off = answers.iter().map(|answer| (answer.disparity - plane.at(answer.at)).abs());
-        quantile(off.collect(), 0.5, f64::total_cmp).unwrap_or(f64::MAX)
+        median(off).unwrap_or(f64::MAX)
     };
     let trials = (0..TRIALS).filter_map(|_| through([next(), next(), next()].iter()));
     let mut plane = trials.min_by(|a, b| median_off(a).total_cmp(&median_off(b)))?;

@@ -151,14 +151,14 @@ impl EdgeCase {
                             DisparityPlane { at, disparity: disparity + 1.5 * shift, slope };
                         let greys =
                             if seed.is_multiple_of(2) { [80.0, 160.0] } else { [150.0, 70.0] };
-                        let background = 0.5 * disparity;
+                        let (background, grain) = (0.5 * disparity, 25.0);
                         cases.push(Self {
                             plane,
                             direction,
                             owner,
                             background,
                             greys,
-                            grain: 25.0,
+                            grain,
                             seed,
                         });
                     }

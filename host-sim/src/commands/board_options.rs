@@ -76,11 +76,9 @@ impl BoardOptions {
             }
             Kind::AprilGrid => {
                 let tag = given(self.tag_mm, "--tag-mm")? / 1e3;
-                Board::april_grid(
-                    size.sides,
-                    tag,
-                    self.spacing.ok_or_else(|| anyhow!("give --spacing, Kalibr's is 0.3"))?,
-                )
+                let spacing =
+                    self.spacing.ok_or_else(|| anyhow!("give --spacing, Kalibr's is 0.3"))?;
+                Board::april_grid(size.sides, tag, spacing)
             }
         };
         let right = match size.kind {

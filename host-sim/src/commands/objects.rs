@@ -137,13 +137,8 @@ impl Objects<'_> {
             let (found, name) = (engine.object(&region), object.name.as_deref());
             Some((object.clone(), listing::Object::new(region.label(), &found, name)))
         });
-        Some(Asked {
-            list: list.collect(),
-            skipped: objects.skipped,
-            told,
-            is_missing,
-            error: None,
-        })
+        let (list, skipped) = (list.collect(), objects.skipped);
+        Some(Asked { list, skipped, told, is_missing, error: None })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
@@ -151,13 +146,8 @@ impl Objects<'_> {
         let path = self.args.objects.as_deref().filter(|_| self.args.only_objects)?;
         let OfPair { objects, .. } = self.read(path, setup, pair).ok()?; // what is wrong is said with the depths
         let dims = setup.dims();
-        Some(
-            objects
-                .list
-                .iter()
-                .filter_map(|object| Some(object.region(dims).ok()?.area()))
-                .collect(),
-        )
+        let area = |object: &Object| Some(object.region(dims).ok()?.area());
+        Some(objects.list.iter().filter_map(area).collect())
     }
 
     fn read(&self, path: &Path, setup: &Setup<'_>, pair: &StoredPair) -> Result<OfPair, String> {
@@ -184,11 +174,8 @@ impl Objects<'_> {
         let file = if path.is_dir() { file_of(path, image) } else { Some(path.to_path_buf()) };
         let load = |file: &PathBuf| regions::load(file, self.args.classes.as_deref(), frame);
         let objects = file.as_ref().map(load).transpose().map_err(|error| error.to_string())?;
-        Ok(OfPair {
-            is_missing: objects.is_none(),
-            objects: objects.unwrap_or_default(),
-            told: Vec::new(),
-        })
+        let is_missing = objects.is_none();
+        Ok(OfPair { objects: objects.unwrap_or_default(), told: Vec::new(), is_missing })
     }
 }
 

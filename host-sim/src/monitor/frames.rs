@@ -107,11 +107,8 @@ impl Assembler {
     }
 
     fn finish_if_ended(&mut self) -> Option<Frame> {
-        if self.open.as_ref().is_some_and(|frame| frame.next == frame.head.segments) {
-            self.finish()
-        } else {
-            None
-        }
+        self.open.as_ref().filter(|frame| frame.next == frame.head.segments)?;
+        self.finish()
     }
 }
 
@@ -125,16 +122,8 @@ mod tests {
 
     fn head(sequence: u32, segments: u16) -> FrameHead {
         let dims = Dims { width: 64, height: 48 };
-        FrameHead {
-            segments,
-            ..FrameHead::new(
-                sequence,
-                0,
-                dims,
-                Health::GOOD,
-                &linestereo::results::Counts::default(),
-            )
-        }
+        let counts = linestereo::results::Counts::default();
+        FrameHead { segments, ..FrameHead::new(sequence, 0, dims, Health::GOOD, &counts) }
     }
 
     fn piece(sequence: u32, first: u16, length: usize) -> Segments {

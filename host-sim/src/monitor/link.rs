@@ -51,6 +51,7 @@ struct Waiting {
 }
 
 /// State of the link and of the board as far as it is known.
+#[derive(Default)]
 pub struct Link {
     decoder: Decoder<Message, MAX_PACKET>,
     frames: Assembler,
@@ -70,19 +71,9 @@ pub struct Link {
 impl Link {
     /// A link that sends these requests, each after the answer to the one before.
     pub fn new(wanted: Vec<Wanted>) -> Self {
-        Self {
-            decoder: Decoder::new(),
-            frames: Assembler::default(),
-            photos: PhotoAssembler::default(),
-            bytes: 0,
-            other_version: None,
-            wanted: described(wanted).into(),
-            synced: None,
-            waiting: None,
-            next_id: std::process::id() as u16, // a late answer to an earlier program is not taken for one to this
-            last_hello: None,
-            settings: Vec::new(),
-        }
+        // A late answer to an earlier program is not taken for one to this.
+        let next_id = std::process::id() as u16;
+        Self { wanted: described(wanted).into(), next_id, ..Self::default() }
     }
 
     /// One more request, behind those that wait.

@@ -307,6 +307,7 @@ impl Value<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use linestereo::Area;
     use linestereo_wire::RigFault;
 
     fn requests(words: &[&str]) -> Result<Vec<Request>> {
@@ -343,12 +344,8 @@ mod tests {
         ])
         .unwrap();
         let boxes = |list: &[[u16; 5]], only| {
-            let of = |&[label, left, top, right, bottom]: &[u16; 5]| RegionBox {
-                label,
-                left,
-                top,
-                right,
-                bottom,
+            let of = |&[label, left, top, right, bottom]: &[u16; 5]| {
+                RegionBox::from((label, Area { left, top, right, bottom }))
             };
             Request::SetRegions(Regions { boxes: list.iter().map(of).collect(), only })
         };

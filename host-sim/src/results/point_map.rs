@@ -88,7 +88,8 @@ pub fn pfm(dims: Dims, result: &FrameResult) -> Vec<u8> {
     bytes
 }
 
-fn map<T: Copy>(
+/// A value for every pixel, `none` where there is no point.
+pub(super) fn map<T: Copy>(
     dims: Dims,
     result: &FrameResult,
     none: T,

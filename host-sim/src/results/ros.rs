@@ -17,6 +17,7 @@
 //! depth is left out. Scans have a frame of their own at the left camera, x forward, y left, z up.
 
 use super::health;
+use super::point_map::map;
 use crate::engine::FrameResult;
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::units::{Confidence, Disparity, Position};
@@ -289,13 +290,9 @@ fn disparity_image(stamp: Stamp<'_>, frame: &Frame<'_>) -> DisparityImage<'stati
     let range = [f32::from(frame.params.min_disparity), f32::from(frame.params.max_disparity)]
         .map(|end| end + offset);
     // As OpenCV marks them.
-    let mut values: Vec<f32> = vec![range[0] - 1.0; usize::from(width) * usize::from(height)];
-    for point in &frame.result.points {
-        let at = usize::from(point.y) * usize::from(width) + usize::from(point.x);
-        if let Some(value) = values.get_mut(at) {
-            *value = point.disparity.to_num::<f32>() + offset;
-        }
-    }
+    let values = map(frame.images[0].dims, frame.result, range[0] - 1.0, |disparity| {
+        disparity.to_num::<f32>() + offset
+    });
     let data: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
     let (encoding, step) = ("32FC1".to_owned(), 4 * u32::from(width));
     DisparityImage {

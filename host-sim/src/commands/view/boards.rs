@@ -15,7 +15,7 @@ use crate::results::listing;
 use crate::serve::Server;
 use anyhow::{Result, bail};
 use core::time::Duration;
-use linestereo::{Dims, obstacles::Sector};
+use linestereo::{Area, Dims, obstacles::Sector};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::GrayImage;
 use linestereo_rig::CameraSide;
@@ -145,12 +145,8 @@ impl Show<'_> {
             return;
         }
         let numbered = self.asked.boxes.iter().zip(0..);
-        let boxes = numbered.map(|(&[left, top, right, bottom], label)| RegionBox {
-            label,
-            left,
-            top,
-            right,
-            bottom,
+        let boxes = numbered.map(|(&[left, top, right, bottom], label)| {
+            RegionBox::from((label, Area { left, top, right, bottom }))
         });
         let request = Request::SetRegions(Regions { boxes: boxes.collect(), only: false });
         self.link.ask(Wanted { request, words: "the boxes of the page".to_owned() });
