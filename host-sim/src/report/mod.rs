@@ -8,7 +8,6 @@
 //! only. Images are PNG where there is one pair, JPEG in a sequence.
 
 pub mod browser;
-pub mod live;
 
 use crate::draw::{ColourRange, gray_png, shown};
 use crate::engine::FrameResult;
@@ -17,17 +16,21 @@ use crate::results::health;
 use crate::results::listing::{self, finite_metres, owner_name};
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, codecs::jpeg::JpegEncoder};
+use linestereo::objects::Reason;
 use linestereo::results::{Bar, Match, Rejection};
 use linestereo::{Rig, units::Depth};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
+use linestereo_wire::Health;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Points of a frame that are kept: every so many-th of them.
 pub const MOST_POINTS: usize = 4000;
 const JPEG_QUALITY: u8 = 85;
 
+const LIVE_PAGE: &str = include_str!("live.html");
+const LIVE_SCRIPT: &str = include_str!("live.js");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -177,17 +180,39 @@ impl Page {
             pinhole: setup.rig.and_then(pinhole),
             reasons: Rejection::ALL.map(|reason| (reason.name(), meaning(reason))),
         })?;
-        // Nothing in the data may end the script that holds it.
-        let harmless = |json: String| json.replace('<', "\\u003c");
-        let frames = harmless(format!("[{}]", self.frames.join(",\n")));
+        let frames = harmless(&format!("[{}]", self.frames.join(",\n")));
         let (before, after) = PAGE.split_once("/*SCRIPT*/").unwrap_or((PAGE, ""));
         let before = before
             .replace("/*STYLE*/", STYLE)
-            .replace("/*SETUP*/", &harmless(data))
+            .replace("/*SETUP*/", &harmless(&data))
             .replace("<!--TITLE-->", &escaped(&setup.title));
         let (head, tail) = before.split_once("/*FRAMES*/").unwrap_or((&before, ""));
         Ok([head, &frames, tail, SCRIPT, after].concat())
     }
+}
+
+/// The live page of this source, a name for people: events of a server in, pictures and charts out.
+/// It asks for nothing but those events. The server's word `nonce` marks its scripts and styles.
+pub fn live_page(source: &str, nonce: &str) -> String {
+    // Flags and reasons share names.
+    let reasons = Reason::ALL.map(|reason| (reason.name(), reason.to_string()));
+    let words = json!({"flags": Health::ADVICE, "reasons": reasons}).to_string();
+    // Behind what it imports it needs no imports.
+    let script: String =
+        LIVE_SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
+    let parts = [
+        ("/*NONCE*/", nonce),
+        ("/*STYLE*/", SHARED_STYLE),
+        ("/*WORDS*/", &harmless(&words)),
+        ("/*SCRIPT*/", &[DRAWING, &script].concat()),
+        ("/*SOURCE*/", &escaped(source)),
+    ];
+    parts.into_iter().fold(LIVE_PAGE.to_owned(), |page, (place, part)| page.replace(place, part))
+}
+
+/// Nothing in these data may end the script that holds them.
+fn harmless(json: &str) -> String {
+    json.replace('<', "\\u003c")
 }
 
 fn escaped(text: &str) -> String {

@@ -12,7 +12,7 @@ use super::sector_options::SectorPlanArgs;
 use crate::interruption;
 use crate::monitor::port::PortArgs;
 use crate::output::{print, say};
-use crate::report::live;
+use crate::report::live_page;
 use crate::serve::{AskedBox, Event, Server};
 use anyhow::Result;
 use base64::{Engine as _, prelude::BASE64_STANDARD};
@@ -82,7 +82,7 @@ impl Args {
             .or_else(|| tcp.clone())
             .or_else(|| serial.clone())
             .unwrap_or_else(|| "camera".to_owned());
-        let server = Server::start(self.port, |nonce| live::page(&source, nonce))?;
+        let server = Server::start(self.port, |nonce| live_page(&source, nonce))?;
         // Wanted even by who wants no notes.
         print(&format!("{}\n", server.address()))?;
         Ok(server)
