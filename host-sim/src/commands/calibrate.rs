@@ -250,7 +250,6 @@ fn too_few(board: &Board, pairs: usize, usable: usize, found: &[Found]) -> Strin
     )
 }
 
-/// The same of a board with markers.
 fn marked_too_few<'a>(
     board: &Board,
     pairs: usize,

@@ -34,15 +34,13 @@ pub mod run;
 pub mod scene;
 mod sector_options;
 pub mod sequence;
-mod shell;
-mod video;
 pub mod view;
 
 use crate::engine::Engine;
-use crate::output::OutputPath;
-use anyhow::{Result, bail};
+use crate::output::{OutputPath, print, say};
+use anyhow::{Context, Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use clap_complete::Shell;
+use clap_complete::{Shell, generate};
 use linestereo::params::{Param, ParamError};
 use linestereo::{Dims, Params};
 use program::Verbosity;
@@ -142,10 +140,12 @@ fn command() -> clap::Command {
 
 fn run_command(cli: &Cli) -> Result<()> {
     if let Some(shell) = cli.completions {
-        return shell::completions(shell, arguments::prepared(command()));
+        let mut script = Vec::new();
+        generate(shell, &mut arguments::prepared(command()), NAME, &mut script);
+        return print(&String::from_utf8(script)?);
     }
     if let Some(folder) = &cli.man {
-        return shell::man(folder, arguments::prepared(command()));
+        return manual(folder);
     }
     match &cli.command {
         Some(Command::Demo(args)) => demo::run(args),
@@ -168,6 +168,17 @@ fn run_command(cli: &Cli) -> Result<()> {
         Some(Command::Quality(args)) => quality::run(args),
         None => demo::run(&demo::Args::default()),
     }
+}
+
+/// Writes manual pages, one for the program and one for each command.
+fn manual(folder: &Path) -> Result<()> {
+    let name = folder.display();
+    std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(arguments::prepared(command()), folder))
+        .with_context(|| {
+            format!("cannot write to {name}; choose a folder that can be written to")
+        })?;
+    say(&format!("manual pages in {name}\n"))
 }
 
 pub fn engine_with(params: &Params, dims: Dims) -> Result<Engine> {

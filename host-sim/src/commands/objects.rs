@@ -37,7 +37,6 @@ pub(super) struct ObjectArgs {
     only_objects: bool,
 }
 
-/// Depths of a frame's objects.
 #[derive(Debug, Default)]
 pub(super) struct Asked {
     /// In the order of the file.
@@ -109,7 +108,6 @@ pub(super) struct Objects<'a> {
     detections: Option<Detections>,
 }
 
-/// Objects of one pair.
 struct OfPair {
     objects: regions::Objects,
     /// As the messages of a recording tell them.

@@ -35,7 +35,7 @@ pub(super) fn pairs_of(
     if let Some(right) = right {
         let title = format!("{} and {}", name(left), name(right));
         if is_film(left) || is_film(right) {
-            return Ok((super::video::find(left, Some(right), side_by_side)?, title));
+            return Ok((super::player::videos(left, Some(right), side_by_side)?, title));
         }
         let files = PairFiles::Two([left.to_path_buf(), right.to_path_buf()]);
         return Ok((alone(name(left), files), title));

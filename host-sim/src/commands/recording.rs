@@ -21,7 +21,6 @@ const FRAME_ID: &str = "left_camera_optical_frame";
 /// Time between two pairs that have none, ns.
 const STEP_NS: u64 = 100_000_000;
 
-/// A pair that was matched.
 pub(super) struct Played {
     pub(super) images: [GrayImage; 2],
     pub(super) result: FrameResult,
