@@ -67,7 +67,6 @@ impl PackedScene {
     }
 }
 
-/// Every package that is known.
 pub fn packages() -> Vec<Package> {
     parsed(LIST).unwrap_or_default()
 }

@@ -191,7 +191,6 @@ fn opaque(pixmap: &Pixmap) -> RgbImage {
     RgbImage::from_raw(pixmap.width(), pixmap.height(), bytes).expect("three bytes for each pixel")
 }
 
-/// Draws a straight line.
 fn stroke(pixmap: &mut Pixmap, [from, to]: [Position; 2], paint: &Paint<'_>, stroke: &Stroke) {
     let mut path = PathBuilder::new();
     path.move_to(from.0, from.1);

@@ -91,7 +91,6 @@ pub(super) fn ratio(best: Low, second: Low) -> f64 {
     f64::from(ratio_q8) / 256.0
 }
 
-/// A disparity that is marked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     pub name: &'static str,

@@ -121,7 +121,6 @@ impl TestTexts {
     }
 }
 
-/// A depth in words.
 fn metres(depth: Depth) -> String {
     finite_metres(depth).map_or("infinite".to_owned(), |z| format!("{z:.2} m"))
 }

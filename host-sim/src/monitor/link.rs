@@ -216,12 +216,10 @@ impl Link {
         self.bytes
     }
 
-    /// Frames and packets so far.
     pub fn counts(&self) -> (FrameCounts, Counters) {
         (self.frames.counts(), self.decoder.counters())
     }
 
-    /// The counts in a few lines.
     pub fn summary(&self) -> String {
         text::summary(
             &self.frames.counts(),

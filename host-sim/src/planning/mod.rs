@@ -153,7 +153,6 @@ impl RigPlan {
         (1.0 - self.disparity(distance) / f64::from(self.dims.width)).max(0.0)
     }
 
-    /// All of this at one distance.
     pub fn row(&self, distance: f64) -> Row {
         let error = self.error(distance);
         Row {

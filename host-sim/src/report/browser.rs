@@ -27,12 +27,10 @@ const FLAGS: [&str; 10] = [
     "--window-size=1280,1400",
 ];
 
-/// A browser that runs.
 #[derive(Clone, Debug)]
 pub struct Browser(PathBuf);
 
 impl Browser {
-    /// The one that is there.
     pub fn find() -> Option<Self> {
         let named = std::env::var_os(VARIABLE).map(PathBuf::from);
         let programs =

@@ -81,7 +81,6 @@ impl Directions {
         f64::from(self.plan.range_cm()) / 100.0
     }
 
-    /// Width of a sector, degrees.
     pub fn width_deg(&self) -> f64 {
         360.0 / f64::from(self.plan.sectors())
     }

@@ -50,7 +50,6 @@ impl Ground {
         }
     }
 
-    /// A line of the summary.
     pub fn summary(&self) -> String {
         let slope = self.down_px_per_row;
         match (self.camera_height_m, self.pitch_deg, self.roll_deg) {

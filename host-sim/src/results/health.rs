@@ -81,7 +81,6 @@ pub fn names(health: Health) -> Vec<String> {
     names
 }
 
-/// Health as JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Listing {
     flags: Vec<String>,

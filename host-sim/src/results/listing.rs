@@ -89,7 +89,6 @@ impl Query {
         }
     }
 
-    /// In a line.
     pub fn summary(&self) -> String {
         let Self { x, y, sigma_px, sigma_m, confidence, .. } = self;
         let Some(disparity) = self.disparity_px else {

@@ -49,13 +49,8 @@ impl Mask {
 
     /// Does the pixel belong to it? None outside of the image does.
     pub fn contains(&self, x: i32, y: i32) -> bool {
-        self.index(x, y).is_some_and(|i| self.pixels[i])
-    }
-
-    fn index(&self, x: i32, y: i32) -> Option<usize> {
-        let (x, y) = (u16::try_from(x).ok()?, u16::try_from(y).ok()?);
-        let inside = x < self.dims.width && y < self.dims.height;
-        inside.then(|| usize::from(y) * usize::from(self.dims.width) + usize::from(x))
+        let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y)) else { return false };
+        x < self.dims.width && y < self.dims.height && self.at(x.into(), y.into())
     }
 
     /// Adds the pixels of another mask of the same size.

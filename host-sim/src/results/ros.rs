@@ -65,7 +65,6 @@ pub enum Extra {
     Disparity,
 }
 
-/// A pair that was matched.
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
     pub images: &'a [GrayImage; 2],

@@ -40,7 +40,6 @@ struct Waiting {
     is_over: bool,
 }
 
-/// Next in a queue.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Next {
     /// A text, behind so many that were dropped.
