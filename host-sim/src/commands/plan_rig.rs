@@ -26,7 +26,8 @@ pub struct Args {
     #[arg(long, value_name = "UM", requires = "focal_mm")]
     pixel_um: Option<f64>,
     /// Horizontal field of view.
-    #[arg(long, value_name = "DEGREES", value_parser = number_in(1.0..=150.0, "give degrees from 1 to 150"))]
+    #[arg(long, value_name = "DEGREES",
+          value_parser = number_in(1.0..=150.0, "give degrees from 1 to 150"))]
     hfov_deg: Option<f64>,
     /// Width and height of the images as matched.
     #[arg(long, value_name = "WxH", default_value = "320x240", value_parser = super::convert_rig::parse_size)]
