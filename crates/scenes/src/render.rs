@@ -37,6 +37,7 @@ impl Default for Sensor {
 /// A rendered pair and what is true of every pixel centre of its left image, row by row.
 #[derive(Clone, Debug)]
 pub struct Rendering {
+    /// Left image, the reference.
     pub left: GrayImage,
     /// Right image.
     pub right: GrayImage,

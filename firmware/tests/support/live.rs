@@ -5,8 +5,8 @@ use linestereo::Dims;
 use linestereo_firmware::boards::mps2_an386::BoardMemory;
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
-use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, PairSource};
-use linestereo_firmware::programs::live::{Live, NoAutopilot, Turn};
+use linestereo_firmware::ports::{ByteSink, ByteSource, CapturedPair, NoPort, PairSource};
+use linestereo_firmware::programs::live::{Live, Turn};
 use linestereo_firmware::session::Session;
 use linestereo_rig::{Calibration, Camera, Lens, RigImage, View};
 use linestereo_wire::{CaptureReport, Message, ParamUpdate, Request, RigUpdate};
@@ -29,7 +29,7 @@ pub(crate) fn rig_numbers(rig: RigUpdate) -> Request {
 }
 
 /// A running program. Clones of its port are the same line.
-pub(crate) struct Running<'a, S, A = NoAutopilot> {
+pub(crate) struct Running<'a, S, A = NoPort> {
     pub(crate) port: Port,
     pub(crate) memory: Box<BoardMemory>,
     pub(crate) camera: S,

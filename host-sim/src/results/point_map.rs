@@ -98,7 +98,9 @@ pub(super) fn map<T: Copy>(
     let width = usize::from(dims.width);
     let mut map = vec![none; width * usize::from(dims.height)];
     for point in &result.points {
-        map[usize::from(point.y) * width + usize::from(point.x)] = value(point.disparity);
+        if let Some(pixel) = map.get_mut(usize::from(point.y) * width + usize::from(point.x)) {
+            *pixel = value(point.disparity);
+        }
     }
     map
 }
