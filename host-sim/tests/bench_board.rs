@@ -1,7 +1,7 @@
 //! `linestereo bench-board` as a user types it: the board's own program behind a connection, with
 //! clocks that count looks at them, and the same program in QEMU.
 
-use crate::support::{linestereo, refused, succeed};
+use crate::support::{failed, linestereo, listening, refused, says, stdout, succeed, tells};
 use core::cell::Cell;
 use linestereo::unstable::Stage;
 use linestereo_boards::Board;
@@ -14,7 +14,7 @@ use linestereo_sim::board::{qemu, toolchain::Toolchain};
 use linestereo_tests::board::{image, or_skip};
 use linestereo_wire::*;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::process::Stdio;
 use std::rc::Rc;
 use std::thread::{self, JoinHandle};
@@ -102,8 +102,7 @@ const SILICON: Silicon = Silicon {
 fn board(
     change: impl FnMut(Message) -> Option<Message> + Send + 'static,
 ) -> (String, JoinHandle<()>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let (listener, address) = listening();
     let thread = thread::spawn(move || {
         let (stream, is_open) = (listener.accept().unwrap().0, Rc::new(Cell::new(true)));
         let (counter, mut memory) = (Cycles::default(), Box::new(BoardMemory::CLEARED));
@@ -129,16 +128,16 @@ fn board(
 fn a_board_is_measured_and_its_file_holds_everything() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(Some);
-    let said = succeed(folder.path(), &["bench-board", "--tcp", &address]);
+    let said = succeed(folder.path(), &format!("bench-board --tcp {address}"));
     thread.join().unwrap();
     assert!(said.starts_with("stm32h743 (Cortex-M7), firmware "), "{said}");
-    assert!(
-        said.contains(
-            "\nprocessor 0x411fc271, chip 0x20036450, 400.0 MHz (measured 400.0), flash wait 2, "
-        ),
-        "{said}"
+    says(
+        &said,
+        &[
+            "\nprocessor 0x411fc271, chip 0x20036450, 400.0 MHz (measured 400.0), flash wait 2, ",
+            "; assumed 0.7 to 1.1 (instructions of mps2-an500)\n",
+        ],
     );
-    assert!(said.contains("; assumed 0.7 to 1.1 (instructions of mps2-an500)\n"), "{said}");
     assert!(
         said.ends_with("\nstm32h743.toml written\nequal: all 22 pairs have the PC's digests\n"),
         "{said}"
@@ -194,9 +193,8 @@ fn wrong_digests_are_named_and_the_file_is_there() {
         let folder = TempDir::new().unwrap();
         let (address, _) = board(move |message| with_wrong_pair(message, version));
         let output =
-            linestereo(folder.path(), &["bench-board", "--tcp", &address, "--out", "mine.toml"]);
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!((output.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+            linestereo(folder.path(), &format!("bench-board --tcp {address} --out mine.toml"));
+        let error = failed(&output);
         assert!(
             error.starts_with("linestereo: 1 of 22 pairs are wrong; ") && error.contains(says),
             "{error}"
@@ -226,51 +224,46 @@ fn a_wrong_clock_and_a_cache_that_is_off_are_doubtful() {
             other => other,
         })
     });
-    let said = succeed(folder.path(), &["bench-board", "--tcp", &address]);
-    assert!(
-        said.contains(
-            "\ndoubtful: the core was set to 200.0 MHz and runs at 400.0 MHz by the board's clock\n"
-        ),
-        "{said}"
-    );
-    assert!(said.contains("\ndoubtful: a cache is off\n"), "{said}");
+    let words = [
+        "\ndoubtful: the core was set to 200.0 MHz and runs at 400.0 MHz by the board's clock\n",
+        "\ndoubtful: a cache is off\n",
+    ];
+    tells(folder.path(), &format!("bench-board --tcp {address}"), &words);
 }
+
+/// What becomes of a message on its way.
+type Change = fn(Message) -> Option<Message>;
 
 #[test]
 fn what_fails_says_what_to_do_and_writes_nothing() {
     let folder = TempDir::new().unwrap();
-    let run = |address: &str| refused(folder.path(), &["bench-board", "--tcp", address]);
-    let (address, _) =
-        board(|message| Some(message).filter(|message| !matches!(message, Message::Machine(_))));
-    let error = run(&address);
-    assert!(
-        error.contains(
-            "stm32h743 runs another program, such as live; flash selftest: cargo xtask build"
+    let changes: [(Change, &[&str]); 4] = [
+        (
+            |message| Some(message).filter(|message| !matches!(message, Message::Machine(_))),
+            &["stm32h743 runs another program, such as live; flash selftest: cargo xtask build"],
         ),
-        "{error}"
-    );
-    let (address, _) =
-        board(|message| Some(message).filter(|message| !matches!(message, Message::Answer(_))));
-    let error = run(&address);
-    assert!(
-        error.contains("flash its program selftest") && error.contains("no answer in 5 s"),
-        "{error}"
-    );
-    let (address, _) =
-        board(|message| Some(message).filter(|message| !matches!(message, Message::Case(_))));
-    assert!(run(&address).contains("pair 1 of 22: its numbers were lost on the way"));
-    let (address, _) = board(|message| {
-        Some(match message {
-            Message::Machine(machine) => Message::Machine(MachineReport { cases: 23, ..machine }),
-            other => other,
-        })
-    });
-    assert!(
-        run(&address).contains("pair 23 of 23: the board refused: case is 22 but must be 0 to 21")
-    );
+        (
+            |message| Some(message).filter(|message| !matches!(message, Message::Answer(_))),
+            &["flash its program selftest", "no answer in 5 s"],
+        ),
+        (
+            |message| Some(message).filter(|message| !matches!(message, Message::Case(_))),
+            &["pair 1 of 22: its numbers were lost on the way"],
+        ),
+        (
+            |message| match message {
+                Message::Machine(it) => Some(Message::Machine(MachineReport { cases: 23, ..it })),
+                other => Some(other),
+            },
+            &["pair 23 of 23: the board refused: case is 22 but must be 0 to 21"],
+        ),
+    ];
+    for (change, words) in changes {
+        let (address, _) = board(change);
+        refused(folder.path(), &format!("bench-board --tcp {address}"), words);
+    }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
-    let nowhere = refused(folder.path(), &["bench-board"]);
-    assert!(nowhere.contains("--tcp") && nowhere.contains("--serial"), "{nowhere}");
+    refused(folder.path(), "bench-board", &["--tcp", "--serial"]);
 }
 
 /// The program as it is flashed, on a serial port.
@@ -292,11 +285,10 @@ fn an_emulated_board_has_the_digests_of_the_pc() {
         .split_whitespace()
         .find(|word| word.starts_with("/dev/"))
         .unwrap_or_else(|| panic!("{line}"));
-    let output = linestereo(folder.path(), &["bench-board", "--serial", port]);
+    let output = linestereo(folder.path(), &format!("bench-board --serial {port}"));
     qemu.kill().unwrap();
     qemu.wait().unwrap();
-    let said = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    let said = stdout(&output);
     assert!(said.ends_with("equal: all 22 pairs have the PC's digests\n"), "{said}");
     let text = std::fs::read_to_string(folder.path().join(format!("{}.toml", board.name))).unwrap();
     let numbers = BoardNumbers::parse(&text).unwrap();

@@ -1,6 +1,6 @@
 //! `linestereo calibrate` as a user meets it: files, messages, exit codes.
 
-use crate::support::{refused_with, succeed};
+use crate::support::{self, tells};
 use linestereo_tests::captured;
 use std::fs;
 use std::path::Path;
@@ -9,18 +9,15 @@ fn empty_photo(path: &Path, width: u32, height: u32) {
     image::GrayImage::from_pixel(width, height, image::Luma([128])).save(path).unwrap();
 }
 
-const BOARD: [&str; 4] = ["--board", "9x6", "--square-mm", "25"];
+const BOARD: &str = "--board 9x6 --square-mm 25";
 
 fn refused(prepare: impl Fn(&Path), words: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let photos = folder.path().join("photos");
     fs::create_dir(&photos).unwrap();
     prepare(&photos);
-    refused_with(
-        folder.path(),
-        &[&["calibrate", "photos", "--out", "rig.toml"], &BOARD[..]].concat(),
-        words,
-    );
+    let line = format!("calibrate photos --out rig.toml {BOARD}");
+    support::refused(folder.path(), &line, words);
     assert!(!folder.path().join("rig.toml").exists());
 }
 
@@ -60,8 +57,8 @@ fn folders_without_usable_pairs() {
     );
 }
 
-/// A JPEG with this EXIF orientation.
-fn with_exif(path: &Path, orientation: u8) {
+/// Gives a JPEG this EXIF orientation.
+pub(crate) fn with_exif(path: &Path, orientation: u8) {
     let jpeg = fs::read(path).unwrap();
     let tiff = [
         b"II*\0",
@@ -110,25 +107,20 @@ fn a_pair_of_which_exif_turns_one_image_is_refused() {
             .unwrap();
     }
     with_exif(&folder.path().join("right.jpg"), 3);
-    refused_with(
-        folder.path(),
-        &["run", "left.jpg", "right.jpg"],
-        &["EXIF turns", "right.jpg by 180 degrees", "exiftool"],
-    );
+    let words = ["EXIF turns", "right.jpg by 180 degrees", "exiftool"];
+    support::refused(folder.path(), "run left.jpg right.jpg", &words);
 }
 
 #[test]
 fn options_that_are_slips() {
     let folder = tempfile::tempdir().unwrap();
-    let words: [(&[&str], &[&str]); 4] = [
-        (&["--board", "9", "--square-mm", "25"], &["COLSxROWS"]),
-        (&["--board", "2x6", "--square-mm", "25"], &["3 to 60 inner corners"]),
-        (&["--board", "9x6", "--square-mm", "0"], &["0 mm"]),
-        (&["--board", "9x6"], &["--square-mm"]),
+    let cases = [
+        ("calibrate . --board 9 --square-mm 25", "COLSxROWS"),
+        ("calibrate . --board 2x6 --square-mm 25", "3 to 60 inner corners"),
+        ("calibrate . --board 9x6 --square-mm 0", "0 mm"),
+        ("calibrate . --board 9x6", "--square-mm"),
     ];
-    for (args, words) in words {
-        refused_with(folder.path(), &[&["calibrate", "."], args].concat(), words);
-    }
+    support::all_refused(folder.path(), &cases);
 }
 
 /// Copies photos under other names.
@@ -148,29 +140,17 @@ fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
 fn photos_become_a_rig() {
     let Some(photos) = captured::folder("calibration_boards/sourishg_2") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let args = [
-        "--board",
-        "9x6",
-        "--square-mm",
-        "24.23",
-        "--out",
-        "rig.toml",
-        "--json",
-        "rig.json",
-        "--report",
-        "rig.png",
-    ];
-    let text =
-        succeed(folder.path(), &[&["calibrate", photos.to_str().unwrap()], &args[..]].concat());
+    copied(&photos, &folder.path().join("photos"), |name| Some(name.to_owned()));
+    let line = "calibrate photos --board 9x6 --square-mm 24.23 --out rig.toml --json rig.json \
+                --report rig.png";
+    let words =
+        ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "];
+    let text = tells(folder.path(), line, &words);
     let rms = text
         .lines()
         .find_map(|line| line.strip_prefix("stereo RMS ")?.strip_suffix(" px"))
         .unwrap();
     assert!(rms.parse::<f64>().unwrap() <= 0.22 && rms.len() == 5, "{rms}");
-    for word in ["baseline 93.", "vertical residual", "coverage left", "field of view", "verdict: "]
-    {
-        assert!(text.contains(word), "\"{word}\" is missing in: {text}");
-    }
     let rig =
         linestereo_calibration::rig_file::RigFile::load(&folder.path().join("rig.toml")).unwrap();
     assert!((rig.calibration.baseline() - 0.0939).abs() < 5e-4);
@@ -196,9 +176,8 @@ fn photos_in_folders_swapped_and_of_another_board() {
         let few = number(name).as_str() < "08.jpg";
         few.then(|| format!("{}{}", side(name).1, number(name)))
     });
-    let run = |name, board| ["calibrate", name, "--board", board, "--square-mm", "25"];
-    let said = succeed(folder.path(), &run("folders", "9x6"));
-    assert!(said.contains("13 of 13 pairs"), "{said}");
+    let run = |name, board| format!("calibrate {name} --board {board} --square-mm 25");
+    let said = tells(folder.path(), &run("folders", "9x6"), &["13 of 13 pairs"]);
     for (name, range) in [
         ("stereo RMS ", 0.0..=0.23),
         ("baseline ", 82.9..=83.5),
@@ -209,7 +188,8 @@ fn photos_in_folders_swapped_and_of_another_board() {
             .find_map(|line| line.strip_prefix(name)?.split(' ').next()?.parse::<f64>().ok());
         assert!(range.contains(&value.unwrap()), "{name}{value:?}");
     }
-    let fails = |name, board, words: &[&str]| refused_with(folder.path(), &run(name, board), words);
+    let fails =
+        |name, board, words: &[&str]| support::refused(folder.path(), &run(name, board), words);
     fails("swapped", "9x6", &["the cameras are swapped"]);
     copied(&photos, &folder.path().join("few"), |name| {
         (number(name).as_str() < "05.jpg").then(|| name.to_owned())

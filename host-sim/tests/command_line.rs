@@ -1,9 +1,12 @@
 //! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how
 //! they fail.
 
-use crate::support::{linestereo, save, stderr, stdout};
+use crate::support::{
+    failed, json, json_lines, linestereo, refused, save, says, stderr, stdout, succeed, tells,
+};
 use linestereo::Dims;
-use linestereo_sim::scene::{self, Kind, Sensor};
+use linestereo_sim::scene::Kind;
+use linestereo_tests::drawn::rendered;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -13,15 +16,14 @@ const DIMS: Dims = Dims { width: 320, height: 240 };
 /// `0001_left.png`, `0001_right.png`, ...
 fn recording(folder: &Path, frames: u64) {
     for frame in 1..=frames {
-        let sensor = Sensor { noise: 1.0, seed: frame, ..Sensor::default() };
-        let rendering = scene::render(&scene::build(Kind::Boxes, DIMS, 1), DIMS, &sensor);
+        let rendering = rendered(Kind::Boxes, DIMS, 1.0, frame);
         save(&rendering.left, &folder.join(format!("{frame:04}_left.png")));
         save(&rendering.right, &folder.join(format!("{frame:04}_right.png")));
     }
 }
 
-const SECTORS: [&str; 3] = ["--sectors", "--sector-range", "4"];
-const RIG: [&str; 4] = ["--focal-px", "300", "--baseline-m", "0.1"];
+const SECTORS: &str = "--sectors --sector-range 4";
+const RIG: &str = "--focal-px 300 --baseline-m 0.1";
 
 #[test]
 fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
@@ -36,11 +38,8 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
     )
     .unwrap();
     fs::write(at.join("boxes/0003_left.json"), "{").unwrap();
-    let with_rig = [&["sequence", ".", "--objects", "boxes"][..], &SECTORS, &RIG].concat();
-    let output = linestereo(at, &with_rig);
-    assert!(output.status.success(), "{}", stderr(&output));
-    let lines: Vec<Value> =
-        stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let output = linestereo(at, &format!("sequence . --objects boxes {SECTORS} {RIG}"));
+    let lines = json_lines(&stdout(&output));
     assert_eq!(
         lines.iter().map(|line| line["frame"].as_u64().unwrap()).collect::<Vec<_>>(),
         [1, 2, 3, 4]
@@ -66,16 +65,11 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
         (&lines[3]["objects"], &lines[3]["objects_error"]),
         (&Value::Array(vec![]), &Value::Null)
     );
-    assert!(stderr(&output).contains("4 frames, 1 failed"), "{}", stderr(&output));
+    says(&stderr(&output), &["4 frames, 1 failed"]);
 
     // The first pair as `run` sees it, but for its frame and name; and lines in a file.
-    let run = [
-        &["run", "0001_left.png", "0001_right.png", "--objects", "boxes", "--json", "-"][..],
-        &SECTORS,
-        &RIG,
-    ]
-    .concat();
-    let mut alone: Value = serde_json::from_str(&stdout(&linestereo(at, &run))).unwrap();
+    let pair = "0001_left.png 0001_right.png";
+    let mut alone = json(at, &format!("run {pair} --objects boxes --json - {SECTORS} {RIG}"));
     let mut first = lines[0].clone();
     for value in [&mut alone, &mut first] {
         let fields = value.as_object_mut().unwrap();
@@ -84,11 +78,8 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
     }
     assert_eq!(alone, first);
     assert_eq!(first["sectors"].as_array().unwrap().len(), 72);
-    let some = linestereo(
-        at,
-        &["sequence", ".", "--frames", "3..9", "--no-points", "--out", "lines.jsonl"],
-    );
-    assert!(stdout(&some).contains("2 frames, 0 failed"), "{}", stderr(&some));
+    let some = "sequence . --frames 3..9 --no-points --out lines.jsonl";
+    tells(at, some, &["2 frames, 0 failed"]);
     assert_eq!(fs::read_to_string(at.join("lines.jsonl")).unwrap().lines().count(), 2);
 }
 
@@ -98,24 +89,8 @@ fn broken_objects_cost_nothing_else() {
     let at = folder.path();
     recording(at, 1);
     fs::write(at.join("broken.json"), "{\"annotations\": [").unwrap();
-    let output = linestereo(
-        at,
-        &[
-            "run",
-            "0001_left.png",
-            "0001_right.png",
-            "--objects",
-            "broken.json",
-            "--json",
-            "out.json",
-        ],
-    );
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        stderr(&output).starts_with("linestereo: broken.json holds no objects"),
-        "{}",
-        stderr(&output)
-    );
+    let run = "run 0001_left.png 0001_right.png --objects broken.json --json out.json";
+    says(&failed(&linestereo(at, run)), &["linestereo: broken.json holds no objects"]);
     let written: Value = serde_json::from_slice(&fs::read(at.join("out.json")).unwrap()).unwrap();
     assert!(!written["segments"].as_array().unwrap().is_empty());
     assert_eq!(written["objects"], Value::Array(vec![]));
@@ -126,17 +101,10 @@ fn a_report_is_one_file() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     recording(at, 3);
-    let output = linestereo(at, &["report", ".", "-o", "page.html", "--max-frames", "2"]);
-    assert!(
-        output.status.success() && stdout(&output).contains("2 of 3 pairs"),
-        "{}",
-        stderr(&output)
-    );
+    tells(at, "report . -o page.html --max-frames 2", &["2 of 3 pairs"]);
     let page = fs::read_to_string(at.join("page.html")).unwrap();
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 4);
-    let output = linestereo(at, &["report", "nowhere", "-o", "page.html"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("is no folder"), "{}", stderr(&output));
+    refused(at, "report nowhere -o page.html", &["is no folder"]);
 }
 
 #[test]
@@ -146,13 +114,9 @@ fn objects_alone_have_the_depths_of_the_whole_frame() {
     recording(at, 2);
     fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n40,30,120,100,a\n180,120,260,200,b\n")
         .unwrap();
-    let asked = ["sequence", ".", "--objects", "boxes.csv"];
-    let lines = |more: &[&str]| -> Vec<Value> {
-        let output = linestereo(at, &[&asked[..], &RIG, more].concat());
-        assert!(output.status.success(), "{}", stderr(&output));
-        stdout(&output).lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-    };
-    let (whole, alone) = (lines(&[]), lines(&["--only-objects"]));
+    let asked = format!("sequence . --objects boxes.csv {RIG}");
+    let [whole, alone] =
+        [&asked, &format!("{asked} --only-objects")].map(|line| json_lines(&succeed(at, line)));
     assert_eq!(whole[0], alone[0]); // the first pair tells how far the rows are apart
     let objects = |line: &Value| line["objects"].as_array().unwrap().clone();
     let (whole_objects, alone_objects) = (objects(&whole[1]), objects(&alone[1]));

@@ -2,6 +2,7 @@
 //! listed here with the reason why it is not.
 
 use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
+use crate::interchange::{USUAL, opencv_cameras, opencv_pose};
 use crate::rectify::RIG;
 use crate::support::{save, succeed};
 use linestereo_calibration::boards::{Board, Dictionary};
@@ -125,14 +126,6 @@ fn copied(from: &Path, to: &Path) {
 const DETECTIONS: &str =
     r#"[{"image_id": 1, "category_id": 3, "bbox": [110, 70, 100, 90], "score": 0.9}]"#;
 const BOXES: &str = "x0,y0,x1,y1,name\n110,70,210,160,thing\n";
-const INTRINSICS: &str = "%YAML:1.0\n---\n\
-    M1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 500., 240., 0., 0., 1. ]\n\
-    D1: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ -0.1, 0., 0., 0., 0. ]\n\
-    M2: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 500., 240., 0., 0., 1. ]\n\
-    D2: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n   data: [ -0.1, 0., 0., 0., 0. ]\n";
-const EXTRINSICS: &str = "%YAML:1.0\n---\n\
-    R: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., 0., 1. ]\n\
-    T: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ -0.07, 0., 0. ]\n";
 
 /// Photos of a chessboard, `left01.png` and `right01.png` and so on, and the rig that took them.
 fn photographed(folder: &Path) -> Calibration {
@@ -155,7 +148,7 @@ fn prepared() -> TempDir {
     let at = folder.path();
     let path = |name: &str| at.join(name);
     let scene = |kind: &str, size: &str, name: &str| {
-        succeed(at, &["scene", "--kind", kind, "--size", size, name]);
+        succeed(at, &format!("scene --kind {kind} --size {size} {name}"));
     };
     scene("demo", "320x240", ".");
     for side in ["left", "right"] {
@@ -185,21 +178,8 @@ fn prepared() -> TempDir {
             }
         }
     }
-    succeed(
-        at,
-        &[
-            "sequence",
-            "recording",
-            "--out",
-            "recording.mcap",
-            "--with",
-            "images",
-            "--focal-px",
-            "288",
-            "--baseline-m",
-            "0.12",
-        ],
-    );
+    let rig = "--focal-px 288 --baseline-m 0.12";
+    succeed(at, &format!("sequence recording --out recording.mcap --with images {rig}"));
     fs::create_dir(path("rig")).unwrap();
     fs::copy(path("scene.json"), path("rig/scene.json")).unwrap();
     for (camera, side) in [("cam0", "left"), ("cam1", "right")] {
@@ -209,25 +189,21 @@ fn prepared() -> TempDir {
         fs::create_dir(path(camera)).unwrap();
     }
     fs::write(path("rig.toml"), RIG).unwrap();
-    let outs: [(&str, &[&str]); 5] = [
-        ("opencv-xml", &["calib.xml"]),
-        ("opencv-yaml", &["stereo.yml"]),
-        ("kalibr", &["camchain.yaml"]),
-        ("ros", &["left.yaml", "right.yaml"]),
-        ("euroc", &["cam0.yaml", "cam1.yaml"]),
-    ];
-    for (format, names) in outs {
-        let out = names.iter().flat_map(|name| ["--out", *name]);
-        let args: Vec<&str> =
-            ["convert-rig", "rig.toml", "--to", format].into_iter().chain(out).collect();
-        succeed(at, &args);
+    for format in [
+        "opencv-xml --out calib.xml",
+        "opencv-yaml --out stereo.yml",
+        "kalibr --out camchain.yaml",
+        "ros --out left.yaml --out right.yaml",
+        "euroc --out cam0.yaml --out cam1.yaml",
+    ] {
+        succeed(at, &format!("convert-rig rig.toml --to {format}"));
     }
     for camera in ["cam0", "cam1"] {
         fs::copy(path(&format!("{camera}.yaml")), path(camera).join("sensor.yaml")).unwrap();
         fs::copy(path(&format!("{camera}.yaml")), path(&format!("{camera}_sensor.yaml"))).unwrap();
     }
-    fs::write(path("intrinsics.yml"), INTRINSICS).unwrap();
-    fs::write(path("extrinsics.yml"), EXTRINSICS).unwrap();
+    fs::write(path("intrinsics.yml"), opencv_cameras(USUAL)).unwrap();
+    fs::write(path("extrinsics.yml"), opencv_pose(false)).unwrap();
     fs::write(path("detections.json"), DETECTIONS).unwrap();
     fs::write(path("boxes.csv"), BOXES).unwrap();
     for folder in [".local/share/bash-completion/completions", ".zfunc", ".config/fish/completions"]

@@ -1,24 +1,20 @@
 //! Explanations agree with the core: its curves, its tests, its results.
 
-use crate::support::{POLE_DIMS, all_refused, pole, succeed, with_pole, with_scene};
+use crate::support::{POLE_DIMS, all_refused, pole, tells, with_pole, with_scene};
 use linestereo::unstable::{CurveKind, Observer, Segment, SegmentCurves, SegmentKind, StageEvent};
 use linestereo::{Dims, Params};
 use linestereo_sim::engine::Engine;
 use linestereo_sim::explain::{Account, CurveLog, Explanation};
-use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
+use linestereo_sim::scene::{self, Kind, Rendering};
+use linestereo_tests::drawn::rendered;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
 fn room() -> (Rendering, Params) {
-    let scene = scene::build(Kind::Demo, DIMS, 1);
-    let rendering =
-        scene::render(&scene, DIMS, &Sensor { noise: 1.0, seed: 1, ..Sensor::default() });
-    let params = Params {
-        max_disparity: rendering.search_range(),
-        rig: Some(scene.pair.rig().unwrap()),
-        ..Params::default()
-    };
-    (rendering, params)
+    let rig = scene::build(Kind::Demo, DIMS, 1).pair.rig().unwrap();
+    let rendering = rendered(Kind::Demo, DIMS, 1.0, 1);
+    let max_disparity = rendering.search_range();
+    (rendering, Params { max_disparity, rig: Some(rig), ..Params::default() })
 }
 
 /// Uniqueness ratios of near-vertical segments, Q8: by the curves that an observer is shown, and as
@@ -248,20 +244,16 @@ fn a_print_is_said_to_be_level_with_its_wall() {
 #[test]
 fn words_and_picture_of_a_bar() {
     let folder = with_pole();
-    let pair = ["explain", "rec/1/left.png", "rec/1/right.png", "152,120", "--picture", "why.png"];
-    let text = succeed(
-        folder.path(),
-        &[&pair[..], &["--focal-px", "300", "--baseline-m", "0.1"]].concat(),
-    );
-    for words in [
+    let line = "explain rec/1/left.png rec/1/right.png 152,120 --picture why.png --focal-px 300 \
+                --baseline-m 0.1";
+    let words = [
         "bar, left edge (1",
         "second-best (cost ",
         "in front          passed",
         "lies on one at 24.",
         " m\n",
-    ] {
-        assert!(text.contains(words), "{words} is missing in:\n{text}");
-    }
+    ];
+    tells(folder.path(), line, &words);
     let picture = image::open(folder.path().join("why.png")).unwrap().to_rgb8();
     let outline = picture.pixels().filter(|pixel| pixel.0 == [200, 130, 255]).count();
     assert!(outline > 500, "{outline}");
@@ -270,12 +262,9 @@ fn words_and_picture_of_a_bar() {
 #[test]
 fn words_and_picture() {
     let folder = with_scene("demo", "320x240", "demo");
-    let pair = ["explain", "demo/left.png", "demo/right.png"];
-    let with = |more: &[&'static str]| [&pair[..], more].concat();
-    let scene = ["--scene", "demo/scene.json"];
-    let text =
-        succeed(folder.path(), &[&with(&["60,60", "--picture", "why.png"])[..], &scene].concat());
-    for words in [
+    let pair = "explain demo/left.png demo/right.png";
+    let scene = "--scene demo/scene.json";
+    let words = [
         "near-horizontal",
         "window",
         "census",
@@ -283,16 +272,15 @@ fn words_and_picture() {
         "support point at",
         "left-right check",
         "wrote why.png",
-    ] {
-        assert!(text.contains(words), "{words} is missing in:\n{text}");
-    }
+    ];
+    tells(folder.path(), &format!("{pair} 60,60 --picture why.png {scene}"), &words);
     assert!(image::open(folder.path().join("why.png")).unwrap().width() > 1000);
     // Reduced images: the pixel is that of the images as given.
-    let text = succeed(folder.path(), &[&with(&["60,60", "--width", "160"])[..], &scene].concat());
-    assert!(text.contains("pixel 60,60 is 30,30 of the images as matched"), "{text}");
-    let cases: [(&[&str], &str); 2] = [
-        (&with(&["320,10"]), "outside of the left image"),
-        (&with(&["12"]), "give a column and a row"),
+    let reduced = format!("{pair} 60,60 --width 160 {scene}");
+    tells(folder.path(), &reduced, &["pixel 60,60 is 30,30 of the images as matched"]);
+    let cases: [(&str, &str); 2] = [
+        (&format!("{pair} 320,10"), "outside of the left image"),
+        (&format!("{pair} 12"), "give a column and a row"),
     ];
     all_refused(folder.path(), &cases);
 }

@@ -75,7 +75,7 @@ pub(crate) fn assert_is_the_example(found: &Imported) {
     assert_eq!(right.lens(), Lens::BrownConrady { k: [-0.2, 0.05, 0.0], p: [0.003, 0.004] });
 }
 
-fn opencv_matrix(name: &str, rows: usize, cols: usize, data: &str) -> String {
+pub(crate) fn opencv_matrix(name: &str, rows: usize, cols: usize, data: &str) -> String {
     format!(
         "{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n"
     )

@@ -2,7 +2,7 @@
 //! what is said of wrong ones.
 
 use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
-use crate::support::{refused_with, succeed};
+use crate::support::{self, says, succeed};
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
 };
@@ -135,11 +135,6 @@ fn parts_of_boards_calibrate_within_three_stated_deviations() {
         assert!(estimate.views.iter().all(|view| view.dropped.is_none()), "{board}");
         let scores = scores(&rig, &estimate);
         let beyond: Vec<_> = scores.iter().filter(|(_, score)| score.abs() > 3.0).collect();
-        println!(
-            "{board}: {} corners {rms:.3} px off, RMS {:.3} px, {scores:.1?}",
-            squares.len(),
-            estimate.rms
-        );
         assert!(beyond.is_empty(), "{board}: {beyond:?}");
     }
 }
@@ -178,8 +173,7 @@ fn the_command_says_what_to_do() {
         fs::copy(from, photos.join(format!("{side}{number}.png"))).unwrap();
     }
     let refused = |args: &str, words: &[&str]| {
-        let args: Vec<&str> = ["calibrate", "photos"].into_iter().chain(args.split(' ')).collect();
-        refused_with(folder.path(), &args, words);
+        support::refused(folder.path(), &format!("calibrate photos {args}"), words);
     };
     refused(
         "--board charuco:5x4 --square-mm 40 --marker-mm 30 --dictionary DICT_6X6_50",
@@ -213,17 +207,14 @@ fn the_command_says_what_to_do() {
 fn boards_are_printed_in_their_size() {
     let folder = tempfile::tempdir().unwrap();
     let print = |args: &str| {
-        succeed(
-            folder.path(),
-            &["print-board"].into_iter().chain(args.split(' ')).collect::<Vec<_>>(),
-        );
+        succeed(folder.path(), &format!("print-board {args} --out board.svg"));
         fs::read_to_string(folder.path().join("board.svg")).unwrap()
     };
-    let chessboard = print("9x6 --square-mm 25 --out board.svg");
+    let chessboard = print("9x6 --square-mm 25");
     // 10x7 squares and half a square around, but 10 mm at least.
-    assert!(chessboard.contains("width=\"275.0000mm\" height=\"200.0000mm\""), "{chessboard}");
+    says(&chessboard, &["width=\"275.0000mm\" height=\"200.0000mm\""]);
     assert_eq!(chessboard.matches("h25.0000v25.0000").count(), 35);
-    let tags = print("aprilgrid:3x2 --tag-mm 40 --spacing 0.3 --out board.svg");
-    assert!(tags.contains("width=\"208.0000mm\" height=\"156.0000mm\""), "{tags}");
+    let tags = print("aprilgrid:3x2 --tag-mm 40 --spacing 0.3");
+    says(&tags, &["width=\"208.0000mm\" height=\"156.0000mm\""]);
     assert_eq!(tags.matches("h12.0000v12.0000").count(), 12);
 }

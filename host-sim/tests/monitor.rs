@@ -1,15 +1,16 @@
 //! `linestereo monitor` as a user types it: a damaged file, a board behind a connection, a serial
 //! port, and bad input.
 
-use crate::support::{linestereo, refused_with};
+use crate::support::{
+    failed, json_lines, keys, linestereo, listening, refused, says, stderr, stdout, tells,
+    with_file,
+};
 use linestereo::results::{ImagePosition, Match, Owner, Techniques};
 use linestereo::units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
 use linestereo::{Dims, Params};
 use linestereo_wire::*;
-use serde_json::Value;
 use std::fs;
 use std::io::{ErrorKind, Read, Write};
-use std::net::TcpListener;
 use std::path::Path;
 use std::process::Output;
 use std::thread;
@@ -18,12 +19,8 @@ use tempfile::TempDir;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
-fn monitor(folder: &Path, args: &[&str]) -> Output {
-    linestereo(folder, &[&["monitor"], args].concat())
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
+fn monitor(folder: &Path, args: &str) -> Output {
+    linestereo(folder, &format!("monitor {args}"))
 }
 
 pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {
@@ -141,11 +138,10 @@ pub(crate) fn damaged_recording() -> (Vec<u8>, usize) {
 
 #[test]
 fn a_damaged_file_is_shown_and_counted_exactly() {
-    let folder = TempDir::new().unwrap();
     let (bytes, skipped) = damaged_recording();
-    fs::write(folder.path().join("run.bin"), &bytes).unwrap();
-    let output = monitor(folder.path(), &["run.bin", "--record", "copy.bin"]);
-    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+    let folder = with_file("run.bin", &bytes);
+    let output = monitor(folder.path(), "run.bin --record copy.bin");
+    assert!(output.stderr.is_empty(), "{output:?}");
     let expected = format!(
         "    frame      time s  since ms  wait ms  match ms  port ms  segments  nearest m  farthest m  health\n\
          board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n\
@@ -160,47 +156,25 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
          bytes: {} received, {skipped} skipped\n",
         bytes.len()
     );
-    assert_eq!(text(&output.stdout), expected);
-    assert_eq!(
-        fs::read(folder.path().join("copy.bin")).unwrap(),
-        bytes,
-        "the record is what was read"
-    );
+    assert_eq!(stdout(&output), expected);
+    let copy = fs::read(folder.path().join("copy.bin")).unwrap();
+    assert_eq!(copy, bytes, "the record is what was read");
 }
 
 #[test]
 fn json_has_one_line_per_complete_frame() {
-    let folder = TempDir::new().unwrap();
-    let (bytes, _) = damaged_recording();
-    fs::write(folder.path().join("run.bin"), &bytes).unwrap();
-    let output = monitor(folder.path(), &["run.bin", "--json"]);
-    assert!(output.status.success());
-    assert!(
-        text(&output.stderr)
-            .contains("frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n")
-    );
-    let lines: Vec<Value> =
-        text(&output.stdout).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let folder = with_file("run.bin", damaged_recording().0);
+    let output = monitor(folder.path(), "run.bin --json");
+    let lines = json_lines(&stdout(&output));
+    let words = ["frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n"];
+    says(&stderr(&output), &words);
     assert_eq!(
         lines.iter().map(|line| line["sequence"].as_u64().unwrap()).collect::<Vec<_>>(),
         [1, 5]
     );
     let first = &lines[0];
-    let mut keys: Vec<&String> = first.as_object().unwrap().keys().collect();
-    keys.sort();
-    assert_eq!(
-        keys,
-        [
-            "capture_time_us",
-            "clock",
-            "counts",
-            "health",
-            "segments",
-            "sequence",
-            "size",
-            "times_us"
-        ]
-    );
+    let named = "capture_time_us clock counts health segments sequence size times_us";
+    assert_eq!(keys(first), named);
     assert_eq!(first["capture_time_us"], 40_000);
     assert_eq!(first["size"], serde_json::json!([320, 240]));
     assert_eq!(
@@ -237,12 +211,11 @@ pub(crate) fn sectors() -> Message {
 
 #[test]
 fn directions_are_a_line_behind_their_frame() {
-    let folder = TempDir::new().unwrap();
     let none = Sectors { sequence: 2, turn: 72, list: heapless::Vec::new() };
     let of_second = packet(&Message::Sectors(none));
     let bytes = [frame(1, 3).concat(), packet(&sectors()), frame(2, 0).concat(), of_second];
-    fs::write(folder.path().join("run.bin"), bytes.concat()).unwrap();
-    let output = text(&monitor(folder.path(), &["run.bin"]).stdout);
+    let folder = with_file("run.bin", bytes.concat());
+    let output = stdout(&monitor(folder.path(), "run.bin"));
     let lines: Vec<&str> = output.lines().collect();
     assert_eq!(
         (lines[3], lines[5]),
@@ -251,9 +224,7 @@ fn directions_are_a_line_behind_their_frame() {
             "sectors: unknown"
         )
     );
-    let output = text(&monitor(folder.path(), &["run.bin", "--json"]).stdout);
-    let lines: Vec<Value> =
-        output.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let lines = json_lines(&stdout(&monitor(folder.path(), "run.bin --json")));
     assert_eq!(lines.len(), 4);
     let none = serde_json::json!({"sequence": 2, "turn": 72, "sectors": []});
     assert_eq!(
@@ -277,23 +248,19 @@ fn a_file_of_garbage_alone_or_of_nothing_is_refused() {
     fs::write(folder.path().join("image.png"), &image).unwrap();
     fs::write(folder.path().join("empty"), []).unwrap();
     for (file, bytes) in [("image.png", 50_000), ("empty", 0)] {
-        let output = monitor(folder.path(), &[file]);
-        assert_eq!(output.status.code(), Some(2));
-        let error = text(&output.stderr);
         let says = format!("linestereo: {file} holds nothing that a board sent, in {bytes} bytes");
-        assert!(error.starts_with(&says) && error.lines().count() == 1, "{error}");
+        let error = failed(&monitor(folder.path(), file));
+        assert!(error.starts_with(&says), "{error}");
     }
 }
 
 #[test]
 fn count_stops_after_so_many_complete_frames() {
-    let folder = TempDir::new().unwrap();
     let bytes = [frame(1, 3).concat(), frame(2, 0).concat(), frame(3, 0).concat()].concat();
-    fs::write(folder.path().join("run.bin"), bytes).unwrap();
-    let output = monitor(folder.path(), &["run.bin", "--json", "--count", "2"]);
-    assert!(output.status.success());
-    assert_eq!(text(&output.stdout).lines().count(), 2);
-    assert!(text(&output.stderr).starts_with("frames: 2 complete, 0 incomplete, 0 lost\n"));
+    let folder = with_file("run.bin", bytes);
+    let output = monitor(folder.path(), "run.bin --json --count 2");
+    assert_eq!(stdout(&output).lines().count(), 2);
+    assert!(stderr(&output).starts_with("frames: 2 complete, 0 incomplete, 0 lost\n"));
 }
 
 /// A board: answers commands as a firmware would, and sends frames while it is started.
@@ -305,6 +272,26 @@ struct Board<P> {
     deaf: usize,
     last_id: Option<u16>,
     log: Vec<Request>,
+}
+
+/// The next command at a board's port, or `None` when the host is gone or silent for as long as the
+/// port waits.
+pub(crate) fn next_command(
+    port: &mut impl Read,
+    decoder: &mut Decoder<Command, MAX_COMMAND>,
+) -> Option<Command> {
+    let mut byte = [0];
+    loop {
+        match port.read(&mut byte) {
+            Ok(1) => {
+                if let Some(command) = decoder.push(byte[0]) {
+                    return Some(command.unwrap());
+                }
+            }
+            Err(error) if error.kind() == ErrorKind::TimedOut => {} // as serial ports say it
+            _ => return None,
+        }
+    }
 }
 
 impl<P: Read + Write> Board<P> {
@@ -319,28 +306,16 @@ impl<P: Read + Write> Board<P> {
         }
     }
 
-    /// The next command, or `None` when the host is gone.
-    fn command(&mut self) -> Option<Command> {
-        let mut byte = [0];
-        loop {
-            match self.port.read(&mut byte) {
-                Ok(0) => return None,
-                Ok(_) => {
-                    if let Some(Ok(command)) = self.decoder.push(byte[0]) {
-                        return Some(command);
-                    }
-                }
-                Err(error)
-                    if [ErrorKind::TimedOut, ErrorKind::WouldBlock].contains(&error.kind()) => {}
-                Err(_) => return None,
-            }
-        }
+    /// Sends what was asked for.
+    fn accepted(&mut self, messages: &[Message]) -> Outcome {
+        messages.iter().for_each(|message| self.port.write_all(&packet(message)).unwrap());
+        Outcome::Accepted
     }
 
     /// Serves until the host is gone or a start was answered; gives what was asked.
     fn serve_until_start(&mut self) {
         self.port.write_all(b"boot: hello\r\n\0").unwrap(); // what a boot loader says first
-        while let Some(Command { id, request }) = self.command() {
+        while let Some(Command { id, request }) = next_command(&mut self.port, &mut self.decoder) {
             if self.deaf > 0 {
                 self.deaf -= 1;
                 continue;
@@ -352,25 +327,15 @@ impl<P: Read + Write> Board<P> {
                 Request::SetParams(update) => {
                     update.checked(self.params, DIMS).map(|params| self.params = params).into()
                 }
-                Request::Describe => {
-                    self.port.write_all(&packet(&hello())).unwrap();
-                    Outcome::Accepted
-                }
-                Request::ReadClock => {
-                    self.port.write_all(&packet(&Message::Clock(BOARD_US))).unwrap();
-                    Outcome::Accepted
-                }
+                Request::Describe => self.accepted(&[hello()]),
+                Request::ReadClock => self.accepted(&[Message::Clock(BOARD_US)]),
                 Request::Settings => {
-                    for (number, value) in [(5, 16.0), (15, 1.0)] {
-                        self.port
-                            .write_all(&packet(&Message::Setting(SettingValue { number, value })))
-                            .unwrap();
-                    }
                     let slots = [Ok(4), Err(RigFault::Empty)];
-                    self.port
-                        .write_all(&packet(&Message::Kept(KeptReport { is_kept: true, slots })))
-                        .unwrap();
-                    Outcome::Accepted
+                    self.accepted(&[
+                        Message::Setting(SettingValue { number: 5, value: 16.0 }),
+                        Message::Setting(SettingValue { number: 15, value: 1.0 }),
+                        Message::Kept(KeptReport { is_kept: true, slots }),
+                    ])
                 }
                 Request::Start
                 | Request::Stop
@@ -399,8 +364,7 @@ type Memory = (Vec<Request>, Params, usize);
 
 /// A board behind a connection, which it closes in the end: its address, and its thread.
 fn board(deaf: usize, frames: u32) -> (String, thread::JoinHandle<Memory>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let (listener, address) = listening();
     let thread = thread::spawn(move || {
         let mut board = Board::new(listener.accept().unwrap().0, deaf);
         board.serve_until_start();
@@ -418,20 +382,8 @@ fn board(deaf: usize, frames: u32) -> (String, thread::JoinHandle<Memory>) {
 fn a_board_is_described_set_started_and_watched() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(0, 3);
-    let send = [
-        "--send",
-        "describe",
-        "--send",
-        "max_disparity=96",
-        "--send",
-        "cell=24",
-        "--send",
-        "start",
-    ];
-    let output =
-        monitor(folder.path(), &[&["--tcp", &address, "--count", "3"], &send[..]].concat());
-    let shown = text(&output.stdout);
-    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
+    let send = "--send describe --send max_disparity=96 --send cell=24 --send start";
+    let shown = stdout(&monitor(folder.path(), &format!("--tcp {address} --count 3 {send}")));
     let lines: Vec<&str> = shown.lines().collect();
     let expected = [
         "board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one",
@@ -459,18 +411,12 @@ const BOARD_US: u64 = 3_000_000;
 fn settings_are_shown_and_the_board_follows_this_computers_clock() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(0, 1);
-    let send = ["--send", "range_m=6", "--send", "settings", "--send", "sync", "--send", "start"];
+    let send = "--send range_m=6 --send settings --send sync --send start";
     let before = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
-    let output =
-        monitor(folder.path(), &[&["--tcp", &address, "--count", "1"], &send[..]].concat());
+    let words =
+        ["accepted: range_m=6\n", "settings (kept; slots: image 4, empty): cell=16 policy=block\n"];
+    tells(folder.path(), &format!("monitor --tcp {address} --count 1 {send}"), &words);
     let after = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
-    let shown = text(&output.stdout);
-    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
-    for line in
-        ["accepted: range_m=6\n", "settings (kept; slots: image 4, empty): cell=16 policy=block\n"]
-    {
-        assert!(shown.contains(line), "{shown}");
-    }
     let (log, ..) = thread.join().unwrap();
     let [
         set,
@@ -497,29 +443,15 @@ fn a_refused_parameter_is_named_and_changes_nothing() {
     ];
     for (word, says) in cases {
         let (address, thread) = board(0, 0);
-        let args = [
-            "--tcp", &address, "--count", "0", "--send", "cell=24", "--send", word, "--send",
-            "start",
-        ];
-        let output = monitor(folder.path(), &args);
-        assert_eq!(output.status.code(), Some(2));
-        assert_eq!(
-            text(&output.stderr),
-            format!("linestereo: the board refused cell=24 {word}: {says}\n")
-        );
+        let args = format!("--tcp {address} --count 0 --send cell=24 --send {word} --send start");
+        let error = failed(&monitor(folder.path(), &args));
+        assert_eq!(error, format!("linestereo: the board refused cell=24 {word}: {says}\n"));
         let (log, params, _) = thread.join().unwrap();
         assert_eq!((log.len(), params), (1, Params::default()), "no start after a refusal");
     }
     let (address, thread) = board(0, 0);
-    let send = ["--send", "focal_px=0.5", "--send", "baseline_m=0.1"];
-    let output =
-        monitor(folder.path(), &[&["--tcp", &address, "--count", "0"], &send[..]].concat());
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        text(&output.stderr).contains("focal length 0.5 px is outside"),
-        "{}",
-        text(&output.stderr)
-    );
+    let args = format!("--tcp {address} --count 0 --send focal_px=0.5 --send baseline_m=0.1");
+    says(&failed(&monitor(folder.path(), &args)), &["focal length 0.5 px is outside"]);
     thread.join().unwrap();
 }
 
@@ -527,11 +459,10 @@ fn a_refused_parameter_is_named_and_changes_nothing() {
 fn a_lost_command_is_sent_again() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(2, 0);
-    let output = monitor(folder.path(), &["--tcp", &address, "--count", "0", "--send", "start"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
+    let output = monitor(folder.path(), &format!("--tcp {address} --count 0 --send start"));
     let board = "board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n";
     assert_eq!(
-        text(&output.stdout),
+        stdout(&output),
         format!("{board}accepted: describe\naccepted: start\n"),
         "described once, unasked"
     );
@@ -542,13 +473,8 @@ fn a_lost_command_is_sent_again() {
 fn a_board_that_never_answers_is_an_error() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(usize::MAX, 0);
-    let output = monitor(folder.path(), &["--tcp", &address, "--count", "0", "--send", "stop"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        text(&output.stderr).starts_with("linestereo: no answer to stop in 5 s"),
-        "{}",
-        text(&output.stderr)
-    );
+    let output = monitor(folder.path(), &format!("--tcp {address} --count 0 --send stop"));
+    says(&failed(&output), &["linestereo: no answer to stop in 5 s"]);
     assert_eq!(usize::MAX - thread.join().unwrap().2, 5, "it was sent five times");
 }
 
@@ -556,17 +482,12 @@ fn a_board_that_never_answers_is_an_error() {
 fn a_closed_connection_is_one_line_after_the_summary() {
     let folder = TempDir::new().unwrap();
     let (address, thread) = board(0, 2);
-    let output = monitor(folder.path(), &["--tcp", &address, "--send", "start"]);
+    let output = monitor(folder.path(), &format!("--tcp {address} --send start"));
     thread.join().unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    let error = text(&output.stderr);
-    assert_eq!(error.lines().count(), 1, "{error}");
-    assert!(
-        error.starts_with(&format!("linestereo: the connection to {address} was closed")),
-        "{error}"
-    );
-    let shown = text(&output.stdout);
-    assert!(shown.contains("frames: 2 complete, 0 incomplete, 0 lost\n"), "{shown}");
+    let closed = format!("linestereo: the connection to {address} was closed");
+    says(&failed(&output), &[&closed]);
+    let shown = String::from_utf8_lossy(&output.stdout);
+    says(&shown, &["frames: 2 complete, 0 incomplete, 0 lost\n"]);
 }
 
 #[cfg(unix)]
@@ -582,55 +503,45 @@ fn a_board_on_a_serial_port_is_watched() {
         board.port.write_all(&[frame(0, 12), frame(1, 12)].concat().concat()).unwrap();
         board // a port that is closed forgets what it holds
     });
-    let args = ["--serial", &name, "--baud", "921600", "--send", "start", "--count", "2"];
-    let output = monitor(folder.path(), &args);
-    let shown = text(&output.stdout);
-    assert!(output.status.success(), "{shown}{}", text(&output.stderr));
-    assert!(shown.contains("accepted: describe\naccepted: start\n"), "{shown}");
-    assert!(shown.contains("frames: 2 complete, 0 incomplete, 0 lost\n"), "{shown}");
+    let line = format!("monitor --serial {name} --baud 921600 --send start --count 2");
+    let words =
+        ["accepted: describe\naccepted: start\n", "frames: 2 complete, 0 incomplete, 0 lost\n"];
+    tells(folder.path(), &line, &words);
     assert_eq!(thread.join().unwrap().log, [Request::Describe, Request::Start]);
     drop(slave);
 }
 
 #[test]
 fn bad_input_gets_one_line() {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("run.bin"), frame(1, 1).concat()).unwrap();
-    let unused = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
-    let cases: [(&[&str], &str); 14] = [
-        (&[], "<FILE|--tcp <HOST:PORT>|--serial <PORT>>"),
-        (&["missing.bin"], "cannot read missing.bin"),
-        (&["."], "cannot read ."),
-        (&["run.bin", "--tcp", "localhost:1"], "--tcp"),
-        (&["run.bin", "--send", "start"], "--send"),
-        (&["run.bin", "--baud", "9600"], "--baud"),
-        (&["run.bin", "--record", "run.bin"], "--record run.bin and run.bin are the same"),
-        (&["run.bin", "--record", "no/such/folder"], "no/such/folder"),
-        (&["--tcp", "nowhere"], "cannot resolve nowhere"),
-        (&["--tcp", &unused], "cannot connect"),
-        (&["--serial", "no-such-port"], "cannot open the serial port no-such-port"),
-        (&["--tcp", &unused, "--send", "begin"], "--send begin is unknown"),
-        (&["--tcp", &unused, "--send", "cell=many"], "cell=many"),
-        (&["run.bin", "--count", "-1"], "-1"),
+    let folder = with_file("run.bin", frame(1, 1).concat());
+    let (_, unused) = listening();
+    let cases: [(&str, &str); 14] = [
+        ("", "<FILE|--tcp <HOST:PORT>|--serial <PORT>>"),
+        ("missing.bin", "cannot read missing.bin"),
+        (".", "cannot read ."),
+        ("run.bin --tcp localhost:1", "--tcp"),
+        ("run.bin --send start", "--send"),
+        ("run.bin --baud 9600", "--baud"),
+        ("run.bin --record run.bin", "--record run.bin and run.bin are the same"),
+        ("run.bin --record no/such/folder", "no/such/folder"),
+        ("--tcp nowhere", "cannot resolve nowhere"),
+        (&format!("--tcp {unused}"), "cannot connect"),
+        ("--serial no-such-port", "cannot open the serial port no-such-port"),
+        (&format!("--tcp {unused} --send begin"), "--send begin is unknown"),
+        (&format!("--tcp {unused} --send cell=many"), "cell=many"),
+        ("run.bin --count -1", "-1"),
     ];
-    for (args, says) in cases {
-        refused_with(folder.path(), &[&["monitor"], args].concat(), &[says]);
+    for (args, word) in cases {
+        refused(folder.path(), &format!("monitor {args}"), &[word]);
     }
-    assert_eq!(
-        fs::read(folder.path().join("run.bin")).unwrap(),
-        frame(1, 1).concat(),
-        "the input is as it was"
-    );
+    let input = fs::read(folder.path().join("run.bin")).unwrap();
+    assert_eq!(input, frame(1, 1).concat(), "the input is as it was");
 }
 
 #[test]
 fn help_shows_examples_and_names_every_parameter() {
     let folder = TempDir::new().unwrap();
-    let output = monitor(folder.path(), &["--help"]);
-    assert!(output.status.success());
-    let shown = text(&output.stdout);
-    assert!(shown.contains("linestereo monitor --tcp localhost:4444"), "{shown}");
-    for name in linestereo_sim::monitor::requests::NAMES {
-        assert!(shown.contains(name), "{name} is not in the help");
-    }
+    let shown =
+        tells(folder.path(), "monitor --help", &["linestereo monitor --tcp localhost:4444"]);
+    says(&shown, &linestereo_sim::monitor::requests::NAMES);
 }

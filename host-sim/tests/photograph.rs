@@ -1,32 +1,19 @@
 //! `linestereo photograph` as a user types it, with boards behind a connection.
 
-use crate::support::{linestereo, refused};
+use crate::monitor::{next_command, packet};
+use crate::support::{listening, refused, succeed};
 use linestereo_wire::*;
 use std::fs;
-use std::io::{Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::io::Write;
+use std::net::TcpStream;
 use std::thread::{self, JoinHandle};
 use tempfile::TempDir;
 
 const SIZE: [u16; 2] = [40, 30];
 const PIXELS: usize = 40 * 30;
 
-fn send<T: Record>(stream: &mut TcpStream, record: &T) {
-    stream.write_all(encode(record, &mut [0; MAX_PACKET]).unwrap()).unwrap();
-}
-
-/// The id of the next command, which has to ask for a photo.
-fn asked(stream: &mut TcpStream) -> Option<u16> {
-    let mut decoder: Decoder<Command, MAX_COMMAND> = Decoder::new();
-    let mut byte = [0];
-    while stream.read(&mut byte).ok()? > 0 {
-        if let Some(command) = decoder.push(byte[0]) {
-            let command = command.unwrap();
-            assert_eq!(command.request, Request::Photograph);
-            return Some(command.id);
-        }
-    }
-    None
+fn send(stream: &mut TcpStream, message: &Message) {
+    stream.write_all(&packet(message)).unwrap();
 }
 
 /// Photo number `n` of a side.
@@ -37,29 +24,16 @@ fn image(n: u8, is_right: bool) -> Vec<u8> {
 fn send_photo(stream: &mut TcpStream, command: u16, n: u8, lost: Option<usize>) {
     send(stream, &Message::Answer(Answer { command, outcome: Outcome::Accepted }));
     let [width, height] = SIZE;
-    send(
-        stream,
-        &Message::Photo(PairHead {
-            width,
-            height,
-            capture_time_us: 1,
-            right_capture_time_us: None,
-        }),
-    );
+    let head = PairHead { width, height, capture_time_us: 1, right_capture_time_us: None };
+    send(stream, &Message::Photo(head));
     for is_right in [false, true] {
         for (place, piece) in image(n, is_right).chunks(PIXELS_PER_PACKET).enumerate() {
             if lost == Some(place) && is_right {
                 continue;
             }
             let list = heapless::Vec::from_slice(piece).unwrap();
-            send(
-                stream,
-                &Message::Pixels(Pixels {
-                    is_right,
-                    first: (place * PIXELS_PER_PACKET) as u32,
-                    list,
-                }),
-            );
+            let first = (place * PIXELS_PER_PACKET) as u32;
+            send(stream, &Message::Pixels(Pixels { is_right, first, list }));
             // Other messages of a board stand between them.
             send(stream, &Message::Capture(CaptureReport::default()));
         }
@@ -68,13 +42,13 @@ fn send_photo(stream: &mut TcpStream, command: u16, n: u8, lost: Option<usize>) 
 
 /// A board that does this for every photo it is asked for, counted from 0.
 fn board(act: impl Fn(&mut TcpStream, u16, u8) + Send + 'static) -> (String, JoinHandle<u8>) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
+    let (listener, address) = listening();
     let thread = thread::spawn(move || {
         let mut stream = listener.accept().unwrap().0;
-        let mut photos = 0;
-        while let Some(command) = asked(&mut stream) {
-            act(&mut stream, command, photos);
+        let (mut decoder, mut photos) = (Decoder::new(), 0);
+        while let Some(Command { id, request }) = next_command(&mut stream, &mut decoder) {
+            assert_eq!(request, Request::Photograph);
+            act(&mut stream, id, photos);
             photos += 1;
         }
         photos
@@ -88,11 +62,8 @@ fn pairs_become_files_that_calibrate_reads_behind_those_that_are_there() {
     fs::create_dir(folder.path().join("photos")).unwrap();
     fs::write(folder.path().join("photos/left07.png"), "an older one").unwrap();
     let (address, thread) = board(|stream, command, n| send_photo(stream, command, n, None));
-    let output =
-        linestereo(folder.path(), &["photograph", "photos", "--tcp", &address, "--count", "2"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = succeed(folder.path(), &format!("photograph photos --tcp {address} --count 2"));
     assert_eq!(thread.join().unwrap(), 2);
-    let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.starts_with("photo 08: 40x30, mean grey level 47 left, 147 right\n"), "{said}");
     for (number, n) in [("08", 0), ("09", 1)] {
         for (side, is_right) in [("left", false), ("right", true)] {
@@ -107,24 +78,21 @@ fn pairs_become_files_that_calibrate_reads_behind_those_that_are_there() {
 fn what_fails_is_said_and_leaves_no_half_pair() {
     let folder = TempDir::new().unwrap();
     let no_pair = |stream: &mut TcpStream, command: u16, _: u8| {
-        send(
-            stream,
-            &Message::Answer(Answer { command, outcome: Outcome::Refused(Refusal::NoPair) }),
-        );
+        let outcome = Outcome::Refused(Refusal::NoPair);
+        send(stream, &Message::Answer(Answer { command, outcome }));
     };
-    let run = |address: &str| refused(folder.path(), &["photograph", "photos", "--tcp", address]);
-    let (address, _) = board(no_pair);
-    assert!(
-        run(&address)
-            .contains("photo 1 of 1: the board refused: the cameras delivered no complete pair")
-    );
-    let (address, _) = board(|stream, command, n| send_photo(stream, command, n, Some(1)));
-    assert!(run(&address).contains("pixels were lost on the way"));
-    let (address, _) = board(|stream, _, _| {
+    let lost_pixels =
+        |stream: &mut TcpStream, command: u16, n: u8| send_photo(stream, command, n, Some(1));
+    let closed = |stream: &mut TcpStream, _: u16, _: u8| {
         let _ = stream.shutdown(std::net::Shutdown::Both);
-    });
-    assert!(run(&address).contains("was closed"));
+    };
+    for ((address, _), word) in [
+        (board(no_pair), "photo 1 of 1: the board refused: the cameras delivered no complete pair"),
+        (board(lost_pixels), "pixels were lost on the way"),
+        (board(closed), "was closed"),
+    ] {
+        refused(folder.path(), &format!("photograph photos --tcp {address}"), &[word]);
+    }
     assert_eq!(fs::read_dir(folder.path().join("photos")).unwrap().count(), 0);
-    let nowhere = refused(folder.path(), &["photograph", "photos"]);
-    assert!(nowhere.contains("--tcp") && nowhere.contains("--serial"), "{nowhere}");
+    refused(folder.path(), "photograph photos", &["--tcp", "--serial"]);
 }

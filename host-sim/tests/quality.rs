@@ -1,7 +1,7 @@
 //! Depth quality on walls that are known: drawn ones through the command, planes with known errors
 //! through its arithmetic.
 
-use crate::support::{all_refused, json, succeed};
+use crate::support::{all_refused, json, tells};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
 use linestereo::{Area, Dims, Rig};
@@ -44,8 +44,8 @@ fn textured() -> Texture {
     Texture::grained(Pattern::Mosaic { greys: [60.0, 200.0], cell: [0.12, 0.09] }, 25.0, 0.02, 5)
 }
 
-fn measure(folder: &Path, more: &[&str]) -> Value {
-    json(folder, &[&["quality", ".", "--json", "-"], more].concat())
+fn measure(folder: &Path, more: &str) -> Value {
+    json(folder, &format!("quality . --json - {more}"))
 }
 
 #[track_caller]
@@ -57,7 +57,7 @@ fn assert_near(value: &Value, expected: f64, tolerance: f64) {
 #[test]
 fn a_wall_that_faces_the_cameras_is_good() {
     let folder = wall(0.0, textured(), 4);
-    let found = measure(folder.path(), &["--distance", "1.5"]);
+    let found = measure(folder.path(), "--distance 1.5");
     assert_eq!(
         (found["pairs"].as_u64(), &found["verdict"]),
         (Some(4), &Value::from("good")),
@@ -71,20 +71,16 @@ fn a_wall_that_faces_the_cameras_is_good() {
     // Noise is there, and below the limits of "good".
     assert_near(&found["sub_pixel_rms_px"], 0.11, 0.09);
     assert_near(&found["temporal_noise_px"], 0.07, 0.06);
-    let text =
-        succeed(folder.path(), &["quality", ".", "--distance", "1.5", "--picture", "wall.png"]);
-    for words in
-        ["Z accuracy", "plane-fit RMS", "temporal noise", "verdict: good", "wrote wall.png"]
-    {
-        assert!(text.contains(words), "{words} is missing in:\n{text}");
-    }
+    let words =
+        ["Z accuracy", "plane-fit RMS", "temporal noise", "verdict: good", "wrote wall.png"];
+    tells(folder.path(), "quality . --distance 1.5 --picture wall.png", &words);
     assert!(image::open(folder.path().join("wall.png")).unwrap().width() > 900);
 }
 
 #[test]
 fn a_wall_that_is_turned_keeps_its_figures() {
     let folder = wall(0.5, textured(), 1);
-    let found = measure(folder.path(), &["--distance", "1.5"]);
+    let found = measure(folder.path(), "--distance 1.5");
     assert_near(&found["tilt_deg"], 0.5_f64.atan().to_degrees(), 1.5);
     assert_near(&found["z_accuracy"], 0.0, 0.006);
     assert_near(&found["sub_pixel_rms_px"], 0.13, 0.12);
@@ -94,21 +90,18 @@ fn a_wall_that_is_turned_keeps_its_figures() {
 #[test]
 fn a_wrong_distance_is_told_as_disparity() {
     let folder = wall(0.0, textured(), 1);
-    let found = measure(folder.path(), &["--distance", "1.6"]);
+    let found = measure(folder.path(), "--distance 1.6");
     assert_near(&found["z_accuracy"], 1.5 / 1.6 - 1.0, 0.004);
     assert_near(&found["disparity_error_px"], 288.0 * 0.12 * (1.0 / 1.6 - 1.0 / 1.5), 0.08);
     assert_eq!(found["verdict"], "poor");
-    let text = succeed(folder.path(), &["quality", ".", "--distance", "1.6"]);
-    assert!(
-        text.contains("too near at 1.6 m") && text.contains("px of disparity too much"),
-        "{text}"
-    );
+    let words = ["too near at 1.6 m", "px of disparity too much"];
+    tells(folder.path(), "quality . --distance 1.6", &words);
 }
 
 #[test]
 fn a_blank_wall_is_poor_and_says_what_it_lacks() {
     let folder = wall(0.0, Texture::plain(Pattern::Blank(150.0)), 1);
-    let found = measure(folder.path(), &["--distance", "1.5"]);
+    let found = measure(folder.path(), "--distance 1.5");
     assert_eq!(found["verdict"], "poor");
     assert!(found["fill_rate"].as_f64().unwrap() < 0.2, "{found}");
     assert!(found["advice"][0].as_str().unwrap().contains("more texture"), "{found}");
@@ -118,14 +111,14 @@ fn a_blank_wall_is_poor_and_says_what_it_lacks() {
 fn without_a_rig_pixels_are_all_that_is_said() {
     let folder = wall(0.0, textured(), 1);
     fs::remove_file(folder.path().join("scene.json")).unwrap();
-    let found = measure(folder.path(), &["--region", "100,80,120,80"]);
+    let found = measure(folder.path(), "--region 100,80,120,80");
     assert!(found["distance_m"].is_null() && found["plane_fit_rms_m"].is_null(), "{found}");
     assert!(found["sub_pixel_rms_px"].is_f64());
-    let cases: [(&[&str], &str); 4] = [
-        (&["quality", ".", "--distance", "1.5"], "--distance needs depths"),
-        (&["quality", ".", "--region", "300,0,40,40"], "does not lie in the left image"),
-        (&["quality", ".", "--region", "0,0,16,16"], "less than 32 px"),
-        (&["quality", "nowhere"], "is no folder"),
+    let cases: [(&str, &str); 4] = [
+        ("quality . --distance 1.5", "--distance needs depths"),
+        ("quality . --region 300,0,40,40", "does not lie in the left image"),
+        ("quality . --region 0,0,16,16", "less than 32 px"),
+        ("quality nowhere", "is no folder"),
     ];
     all_refused(folder.path(), &cases);
 }

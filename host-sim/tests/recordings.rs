@@ -1,7 +1,10 @@
 //! Recordings of ROS 2, both ways: against files of the same pixels, and against `rosbags`, which
 //! knows the official definitions.
 
-use crate::support::{all_refused, linestereo, stderr, succeed, with_drawn_pairs};
+use crate::support::{
+    all_refused, json, json_lines, linestereo, refused, says, stderr, stdout, succeed,
+    with_drawn_pairs,
+};
 use linestereo_frames::load_gray;
 use linestereo_recordings::mcap::{McapFault, Reader, Record, Writer};
 use linestereo_recordings::ros::cdr;
@@ -53,15 +56,20 @@ fn bag(folder: &Path, job: &Value) -> Option<String> {
 
 /// Lines without what files and recordings call their frames.
 fn records(text: &str) -> Vec<Value> {
-    let record = |line: &str| {
-        let mut value: Value = serde_json::from_str(line).unwrap();
-        let fields = value.as_object_mut().unwrap();
+    let mut lines = json_lines(text);
+    for line in &mut lines {
+        let fields = line.as_object_mut().unwrap();
         fields.remove("frame");
         fields.remove("name");
         fields.get_mut("health").unwrap().as_object_mut().unwrap().remove("skew_us");
-        value
-    };
-    text.lines().map(record).collect()
+    }
+    lines
+}
+
+/// What a command that succeeds prints of its frames.
+#[track_caller]
+fn recorded(folder: &Path, line: &str) -> Vec<Value> {
+    records(&succeed(folder, line))
 }
 
 /// The images of some folders below this one, as PGM files too.
@@ -101,9 +109,8 @@ fn rig() -> Value {
 fn a_bag_gives_what_its_files_give() {
     let folder = drawn();
     let at = folder.path();
-    let known = ["--max-disparity", "48"];
-    let of_files = ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12"];
-    let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
+    let known = "--max-disparity 48";
+    let expected = recorded(at, &format!("sequence rec --focal-px 288 --baseline-m 0.12 {known}"));
     for (encoding, compression, scramble) in [
         ("mono8", "none", false),
         ("mono16", "zstd", false),
@@ -120,7 +127,7 @@ fn a_bag_gives_what_its_files_give() {
         let job = json!({"pairs": pairs(&DRAWN, file), "encoding": encoding, "compression": compression,
                          "rig": rig(), "topics": topics, "scramble": scramble});
         let Some(bag) = bag(at, &job) else { return };
-        let found = records(&succeed(at, &[&["sequence", &bag], &known[..]].concat()));
+        let found = recorded(at, &format!("sequence {bag} {known}"));
         assert_eq!(found.len(), 3);
         assert!(found == expected, "{encoding} {compression}");
     }
@@ -133,9 +140,8 @@ fn a_recording_of_foxglove_gives_what_its_files_give() {
     }
     let folder = drawn();
     let at = folder.path();
-    let known = ["--max-disparity", "48"];
-    let of_files = ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12"];
-    let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
+    let known = "--max-disparity 48";
+    let expected = recorded(at, &format!("sequence rec --focal-px 288 --baseline-m 0.12 {known}"));
     for encoding in ["mono8", "mono16", "bgr8", "file"] {
         let file = if encoding == "file" { "png" } else { "pgm.raw" };
         let job = json!({"pairs": pairs(&DRAWN, file), "encoding": encoding, "rig": rig(), "topics": TOPICS});
@@ -143,7 +149,7 @@ fn a_recording_of_foxglove_gives_what_its_files_give() {
         if python(at, &["foxglove", "fox.mcap", "job.json"]).is_none() {
             return;
         }
-        let found = records(&succeed(at, &[&["sequence", "fox.mcap"], &known[..]].concat()));
+        let found = recorded(at, &format!("sequence fox.mcap {known}"));
         assert!(found.len() == 3 && found == expected, "{encoding}");
     }
     // Raw, with a lens: rectified by the calibration as by that of ROS 2.
@@ -153,11 +159,8 @@ fn a_recording_of_foxglove_gives_what_its_files_give() {
     let job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "rig": raw, "topics": topics, "compression": "none"});
     let Some(bag) = bag(at, &job) else { return };
     python(at, &["foxglove", "fox.mcap", "job.json"]).unwrap();
-    let expected = records(&succeed(at, &[&["sequence", &bag], &known[..]].concat()));
-    assert!(
-        records(&succeed(at, &[&["sequence", "fox.mcap"], &known[..]].concat())) == expected,
-        "raw"
-    );
+    let expected = recorded(at, &format!("sequence {bag} {known}"));
+    assert!(recorded(at, &format!("sequence fox.mcap {known}")) == expected, "raw");
 }
 
 #[test]
@@ -177,8 +180,8 @@ fn captured_pairs_come_out_of_a_bag_as_they_went_in() {
         let job = json!({"pairs": pairs(&[name], "pgm.raw"), "encoding": "mono8", "compression": "zstd",
                          "topics": ["/camera/infra1/image_rect_raw", "/camera/infra2/image_rect_raw"]});
         let Some(bag) = bag(at, &job) else { return };
-        let expected = records(&succeed(at, &["sequence", name]));
-        assert!(records(&succeed(at, &["sequence", &bag])) == expected, "{name}");
+        let expected = recorded(at, &format!("sequence {name}"));
+        assert!(recorded(at, &format!("sequence {bag}")) == expected, "{name}");
     }
 }
 
@@ -196,41 +199,30 @@ fn images_are_paired_by_their_times_and_the_rest_is_counted() {
     ]);
     let job = json!({"pairs": pairs, "encoding": "mono8", "compression": "none", "topics": TOPICS});
     let Some(bag) = bag(folder.path(), &job) else { return };
-    let told = |args: &[&str]| {
-        let output =
-            linestereo(folder.path(), &[&["sequence", &bag, "--no-points"], args].concat());
-        let lines = String::from_utf8(output.stdout.clone()).unwrap();
-        let values: Vec<Value> =
-            lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
-        (stderr(&output), values)
+    let told = |args: &str, words: &[&str]| {
+        let output = linestereo(folder.path(), &format!("sequence {bag} --no-points {args}"));
+        says(&stderr(&output), words);
+        json_lines(&String::from_utf8(output.stdout).unwrap())
     };
-    let (summary, lines) = told(&[]);
-    assert!(
-        summary.contains("1 frames, 0 failed, 4 images without a partner; layout: MCAP recording"),
-        "{summary}"
-    );
-    assert!(
-        summary.contains("paired within 10 ms; no rig in the recording: it has no CameraInfo"),
-        "{summary}"
-    );
+    let words = [
+        "1 frames, 0 failed, 4 images without a partner; layout: MCAP recording",
+        "paired within 10 ms; no rig in the recording: it has no CameraInfo",
+    ];
+    let lines = told("", &words);
     assert_eq!(
         (lines[0]["name"].as_str(), lines[0]["health"]["skew_us"].as_u64()),
         (Some("1.000000000"), Some(500))
     );
-    let (summary, lines) = told(&["--pair-window-ms", "12"]);
-    assert!(summary.contains("2 frames, 0 failed, 2 images without a partner"), "{summary}");
+    let words = ["2 frames, 0 failed, 2 images without a partner"];
+    let lines = told("--pair-window-ms 12", &words);
     assert_eq!(lines[1]["health"]["skew_us"].as_u64(), Some(12_000));
     assert!(
         lines[1]["health"]["flags"].as_array().unwrap().contains(&json!("skew")),
         "{}",
         lines[1]["health"]
     );
-    let (summary, _) = told(&["--pair-window-ms", "0.4"]);
-    assert!(
-        summary
-            .contains("none of 3 left and 3 right images are within 0.4 ms; give --pair-window-ms"),
-        "{summary}"
-    );
+    let words = ["none of 3 left and 3 right images are within 0.4 ms; give --pair-window-ms"];
+    told("--pair-window-ms 0.4", &words);
 }
 
 #[test]
@@ -250,27 +242,19 @@ fn raw_images_are_rectified_by_their_own_calibration() {
         );
         fs::write(at.join(name), text).unwrap();
     }
-    let expected =
-        records(&succeed(at, &["sequence", "rec", "--rig", "left.yaml", "--rig", "right.yaml"]));
-    let output = linestereo(at, &["sequence", &bag]);
-    assert!(stderr(&output).contains("raw, rectified by their CameraInfo"), "{}", stderr(&output));
-    assert!(records(core::str::from_utf8(&output.stdout).unwrap()) == expected);
+    let expected = recorded(at, "sequence rec --rig left.yaml --rig right.yaml");
+    let output = linestereo(at, &format!("sequence {bag}"));
+    says(&stderr(&output), &["raw, rectified by their CameraInfo"]);
+    assert!(records(&stdout(&output)) == expected);
 }
 
 /// The drawn pairs as two files of a folder, as `ros2 bag record` splits them.
 fn bag_folder(at: &Path) {
-    let known =
-        ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12", "--with", "images"];
+    let known = "--max-disparity 48 --focal-px 288 --baseline-m 0.12 --with images";
     fs::create_dir(at.join("bag")).unwrap();
-    succeed(
-        at,
-        &[&["sequence", "rec", "--frames", "1..3", "--out", "all.mcap"], &known[..]].concat(),
-    );
+    succeed(at, &format!("sequence rec --frames 1..3 --out all.mcap {known}"));
     for (frames, out) in [("0..1", "bag/bag_0.mcap"), ("2..2", "bag/bag_1.mcap")] {
-        succeed(
-            at,
-            &["sequence", "all.mcap", "--frames", frames, "--out", out, "--with", "images"],
-        );
+        succeed(at, &format!("sequence all.mcap --frames {frames} --out {out} --with images"));
     }
     let metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n    - bag_0.mcap\n    - bag_1.mcap\n";
     fs::write(at.join("bag/metadata.yaml"), metadata).unwrap();
@@ -281,31 +265,21 @@ fn a_folder_of_ros_is_one_recording() {
     let folder = drawn();
     let at = folder.path();
     bag_folder(at);
-    let expected = records(&succeed(at, &["sequence", "all.mcap", "--max-disparity", "48"]));
+    let expected = recorded(at, "sequence all.mcap --max-disparity 48");
     assert_eq!(expected.len(), 3);
     for path in ["bag", "bag/", "./bag"] {
-        assert!(
-            records(&succeed(at, &["sequence", path, "--max-disparity", "48"])) == expected,
-            "{path}"
-        );
+        assert!(recorded(at, &format!("sequence {path} --max-disparity 48")) == expected, "{path}");
     }
     // Other commands take it, and nothing is written over its files.
-    succeed(at, &["report", "bag", "-o", "report.html"]);
-    all_refused(
-        at,
-        &[(&["sequence", "bag", "--out", "bag/bag_1.mcap"], "is one of the files that are read")],
-    );
+    succeed(at, "report bag -o report.html");
+    let words = ["is one of the files that are read"];
+    refused(at, "sequence bag --out bag/bag_1.mcap", &words);
     // Without what ROS says of it it is read where that is clear.
     fs::remove_file(at.join("bag/metadata.yaml")).unwrap();
-    all_refused(
-        at,
-        &[(
-            &["sequence", "bag"],
-            "it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them",
-        )],
-    );
+    let words = ["it holds bag_0.mcap, bag_1.mcap without a metadata.yaml; give one of them"];
+    refused(at, "sequence bag", &words);
     fs::remove_file(at.join("bag/bag_1.mcap")).unwrap();
-    assert!(records(&succeed(at, &["sequence", "bag", "--max-disparity", "48"])) == expected[..2]);
+    assert!(recorded(at, "sequence bag --max-disparity 48") == expected[..2]);
 }
 
 #[test]
@@ -319,18 +293,15 @@ fn other_bags_say_how_they_are_converted() {
     fs::create_dir(at.join("bag")).unwrap();
     fs::copy(at.join("x.db3"), at.join("bag/bag_0.db3")).unwrap();
     fs::write(at.join("bag/metadata.yaml"), "rosbag2_bagfile_information:\n").unwrap();
-    for command in ["sequence", "quality"] {
-        let cases: [(&[&str], &str); 5] = [
-            (
-                &[command, "x.db3"],
-                "x.db3: it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`",
-            ),
-            (&[command, "x.bag"], "x.bag: it is no MCAP file; convert"),
-            (&[command, "x.mcap.zstd"], "unpack it with `zstd -d`"),
-            (&[command, "bag"], "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`"),
-            (&[command, "x.svo"], "x.svo is n"),
-        ];
-        all_refused(at, &cases);
+    for (path, word) in [
+        ("x.db3", "x.db3: it is no MCAP file; convert a ROS 1 or SQLite bag with `mcap convert`"),
+        ("x.bag", "x.bag: it is no MCAP file; convert"),
+        ("x.mcap.zstd", "unpack it with `zstd -d`"),
+        ("bag", "it holds bag_0.db3 and no .mcap; convert it with `mcap convert`"),
+        ("x.svo", "x.svo is n"),
+    ] {
+        refused(at, &format!("sequence {path}"), &[word]);
+        refused(at, &format!("quality {path}"), &[word]);
     }
 }
 
@@ -370,40 +341,17 @@ fn detections(at: &Path, out: &str, topic: &str, stamps: &[u64]) {
 fn objects_of_a_recording_are_those_of_their_time() {
     let folder = drawn();
     let at = folder.path();
-    let known = ["--max-disparity", "48", "--focal-px", "288", "--baseline-m", "0.12"];
-    succeed(
-        at,
-        &[&["sequence", "rec", "--out", "all.mcap", "--with", "images"], &known[..]].concat(),
-    );
+    let known = "--max-disparity 48 --focal-px 288 --baseline-m 0.12";
+    succeed(at, &format!("sequence rec --out all.mcap --with images {known}"));
     let boxes = "x0,y0,x1,y1,name\n50,40,150,120,box\n850,40,950,120,out\n150,120,250,200,cup\n";
     fs::write(at.join("boxes.csv"), boxes).unwrap();
-    let of_files = records(&succeed(
-        at,
-        &[
-            "sequence",
-            "rec",
-            "--max-disparity",
-            "48",
-            "--focal-px",
-            "288",
-            "--baseline-m",
-            "0.12",
-            "--objects",
-            "boxes.csv",
-        ],
-    ));
+    let of_files = recorded(at, &format!("sequence rec --objects boxes.csv {known}"));
     // Pairs of a folder are 0.1 s apart; the second message is 2 ms late, and so is no other.
     detections(at, "found.mcap", "/yolo/detections", &[100 * MS, 202 * MS, 300 * MS]);
-    let output = linestereo(
-        at,
-        &["sequence", "all.mcap", "--max-disparity", "48", "--objects", "found.mcap"],
-    );
-    assert!(
-        stderr(&output).contains("2 objects skipped, 0 frames whose objects cannot be read\n"),
-        "{}",
-        stderr(&output)
-    );
-    let found = records(core::str::from_utf8(&output.stdout).unwrap());
+    let output = linestereo(at, "sequence all.mcap --max-disparity 48 --objects found.mcap");
+    let words = ["2 objects skipped, 0 frames whose objects cannot be read\n"];
+    says(&stderr(&output), &words);
+    let found = records(&stdout(&output));
     for i in 0..2 {
         assert_eq!(found[i]["objects"], of_files[i]["objects"], "{i}");
         assert!(
@@ -415,17 +363,9 @@ fn objects_of_a_recording_are_those_of_their_time() {
     }
     assert_eq!(found[2]["objects"], json!([]));
     // Messages out, with the places of the objects.
-    let only_objects = [
-        "sequence",
-        "all.mcap",
-        "--max-disparity",
-        "48",
-        "--objects",
-        "found.mcap",
-        "--only-objects",
-    ];
-    let alone = records(&succeed(at, &only_objects));
-    succeed(at, &[&only_objects[..], &["--out", "out.mcap"]].concat());
+    let only_objects = "sequence all.mcap --max-disparity 48 --objects found.mcap --only-objects";
+    let alone = recorded(at, only_objects);
+    succeed(at, &format!("{only_objects} --out out.mcap"));
     let placed = placed(&at.join("out.mcap"));
     assert_eq!(placed.len(), 3);
     for (i, line) in alone.iter().enumerate() {
@@ -463,32 +403,25 @@ fn objects_of_a_recording_are_those_of_their_time() {
             }
         }
     }
-    let cases: [(&[&str], &str); 3] = [
+    let cases: [(&str, &str); 3] = [
         (
-            &["sequence", "all.mcap", "--objects", "boxes.csv"],
+            "sequence all.mcap --objects boxes.csv",
             "give their topic, as in --objects /detections, or a recording of them",
         ),
         (
-            &["sequence", "all.mcap", "--objects", "/yolo"],
+            "sequence all.mcap --objects /yolo",
             "it has no topic of vision_msgs/msg/Detection2DArray",
         ),
         (
-            &["sequence", "all.mcap", "--objects", "all.mcap"],
+            "sequence all.mcap --objects all.mcap",
             "it has no topic of vision_msgs/msg/Detection2DArray",
         ),
     ];
     all_refused(at, &cases);
     // No message within the window of a pair: counted, and not those of another time.
     detections(at, "late.mcap", "/a", &[111 * MS, 400 * MS]);
-    let output = linestereo(
-        at,
-        &["sequence", "all.mcap", "--objects", "late.mcap", "--max-disparity", "48"],
-    );
-    assert!(
-        stderr(&output).contains("3 frames without a file or a message of objects"),
-        "{}",
-        stderr(&output)
-    );
+    let output = linestereo(at, "sequence all.mcap --objects late.mcap --max-disparity 48");
+    says(&stderr(&output), &["3 frames without a file or a message of objects"]);
 }
 
 type Placed = (String, f64, [f64; 3], [f64; 3], String);
@@ -545,8 +478,8 @@ fn the_cloud_of_exchanged_images_has_no_points() {
         fs::copy(at.join("rec/1").join(from), at.join("exchanged").join(to)).unwrap();
     }
     let clouds = |name: &str| {
-        let rig = ["--focal-px", "288", "--baseline-m", "0.12"];
-        let output = linestereo(at, &[&["sequence", name, "--out", "out.mcap"][..], &rig].concat());
+        let line = format!("sequence {name} --out out.mcap --focal-px 288 --baseline-m 0.12");
+        let output = linestereo(at, &line);
         let clouds = messages(&at.join("out.mcap"), "/linestereo/points");
         let sizes: Vec<_> = clouds.iter().map(|cloud| cloud_size(cloud)).collect();
         (output.status.code(), sizes)
@@ -567,82 +500,46 @@ fn a_topic_of_the_recording_itself_gives_its_objects() {
     let Some(bag) = bag(at, &job) else { return };
     fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n50,40,150,120,box\n150,120,250,200,cup\n")
         .unwrap();
-    let known = ["--max-disparity", "48"];
-    let of_files =
-        ["sequence", "rec", "--focal-px", "288", "--baseline-m", "0.12", "--objects", "boxes.csv"];
-    let expected = records(&succeed(at, &[&of_files[..], &known].concat()));
+    let rig = "--focal-px 288 --baseline-m 0.12";
+    let of_files = format!("sequence rec --max-disparity 48 {rig} --objects boxes.csv");
+    let expected = recorded(at, &of_files);
     for path in [bag.as_str(), "bag"] {
-        let found = records(&succeed(
-            at,
-            &[&["sequence", path, "--objects", "/boxes"], &known[..]].concat(),
-        ));
-        assert!(found == expected, "{path}");
+        let line = format!("sequence {path} --objects /boxes --max-disparity 48");
+        assert!(recorded(at, &line) == expected, "{path}");
     }
-    all_refused(at, &[(&["sequence", "bag", "--objects", "/cats"], "is in /cats, but in /boxes")]);
+    refused(at, "sequence bag --objects /cats", &["is in /cats, but in /boxes"]);
 }
 
 #[test]
 fn what_is_written_is_read_again() {
     let folder = drawn();
     let at = folder.path();
-    let known = [
-        "--max-disparity",
-        "48",
-        "--focal-px",
-        "288",
-        "--baseline-m",
-        "0.12",
-        "--disparity-offset-px",
-        "1.5",
-    ];
-    let expected = records(&succeed(at, &[&["sequence", "rec"], &known[..]].concat()));
-    succeed(
-        at,
-        &[&["sequence", "rec", "--out", "a.mcap", "--with", "images"], &known[..]].concat(),
-    );
-    assert!(records(&succeed(at, &["sequence", "a.mcap", "--max-disparity", "48"])) == expected);
+    let known = "--max-disparity 48 --focal-px 288 --baseline-m 0.12 --disparity-offset-px 1.5";
+    let expected = recorded(at, &format!("sequence rec {known}"));
+    succeed(at, &format!("sequence rec --out a.mcap --with images {known}"));
+    assert!(recorded(at, "sequence a.mcap --max-disparity 48") == expected);
     // Some frames alone, into a recording again, of a name in other letters.
-    succeed(
-        at,
-        &[
-            "sequence",
-            "a.mcap",
-            "--frames",
-            "0..1",
-            "--max-disparity",
-            "48",
-            "--out",
-            "b.MCAP",
-            "--with",
-            "images",
-        ],
-    );
-    assert!(
-        records(&succeed(at, &["sequence", "b.MCAP", "--max-disparity", "48"])) == expected[..2]
-    );
+    succeed(at, "sequence a.mcap --frames 0..1 --max-disparity 48 --out b.MCAP --with images");
+    assert!(recorded(at, "sequence b.MCAP --max-disparity 48") == expected[..2]);
     // Other commands find its pairs too.
-    succeed(at, &["report", "a.mcap", "-o", "report.html"]);
+    succeed(at, "report a.mcap -o report.html");
 }
 
 #[test]
 fn messages_hold_the_numbers_of_the_lines() {
     let folder = drawn();
     let at = folder.path();
-    let args =
-        ["sequence", "rec/1", "--max-disparity", "48", "--objects", "rec/1/objects.png", "--out"];
-    succeed(at, &[&args[..], &["lines.jsonl"]].concat());
-    succeed(at, &[&args[..], &["out.mcap", "--with", "images,disparity"]].concat());
-    let known = ["--max-disparity", "48", "--sectors", "--quiet", "--json", "sectors.json"];
-    succeed(at, &[&["run", "rec/1/left.png", "rec/1/right.png"], &known[..]].concat());
-    let text = fs::read_to_string(at.join("sectors.json")).unwrap();
-    let sectors = serde_json::from_str::<Value>(&text).unwrap()["sectors"].take();
+    let args = "sequence rec/1 --max-disparity 48 --objects rec/1/objects.png";
+    let line = json(at, args);
+    succeed(at, &format!("{args} --out out.mcap --with images,disparity"));
+    let known = "--max-disparity 48 --sectors --json -";
+    let sectors =
+        json(at, &format!("run rec/1/left.png rec/1/right.png {known}"))["sectors"].take();
     let Some(text) = python(at, &["read", "out.mcap"]) else { return };
-    let all: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let all = json_lines(&text);
     let on = |topic: &str| {
         all.iter().find(|line| line["topic"] == format!("/linestereo/{topic}")).unwrap()
     };
-    let line: Value =
-        serde_json::from_str(&fs::read_to_string(at.join("lines.jsonl")).unwrap()).unwrap();
     let near = |a: &Value, b: f64, limit: f64| {
         assert!((a.as_f64().unwrap() - b).abs() <= limit, "{a} is not {b}")
     };
@@ -766,21 +663,21 @@ fn python_lacks_mcap() -> bool {
 #[test]
 fn options_of_recordings_are_refused_where_there_is_none() {
     let folder = drawn();
-    succeed(folder.path(), &["sequence", "rec", "--out", "a.mcap", "--with", "images"]);
-    let cases: [(&[&str], &str); 7] = [
-        (&["sequence", "rec", "--pair-window-ms", "3"], "for an .mcap file"),
-        (&["sequence", "rec", "--out", "a.jsonl", "--with", "images"], "give --out FILE.mcap"),
-        (&["sequence", "a.mcap", "--side-by-side"], "a topic for each camera"),
+    succeed(folder.path(), "sequence rec --out a.mcap --with images");
+    let cases: [(&str, &str); 7] = [
+        ("sequence rec --pair-window-ms 3", "for an .mcap file"),
+        ("sequence rec --out a.jsonl --with images", "give --out FILE.mcap"),
+        ("sequence a.mcap --side-by-side", "a topic for each camera"),
         (
-            &["sequence", "a.mcap", "--objects", "rec/1/objects.png"],
+            "sequence a.mcap --objects rec/1/objects.png",
             "are messages of vision_msgs/msg/Detection2DArray",
         ),
-        (&["sequence", "a.mcap", "--out", "a.mcap"], "are the same; write to another file"),
+        ("sequence a.mcap --out a.mcap", "are the same; write to another file"),
         (
-            &["sequence", "a.mcap", "--left-topic", "/a", "--right-topic", "/b"],
+            "sequence a.mcap --left-topic /a --right-topic /b",
             "no images are in /a, but in /linestereo/left",
         ),
-        (&["sequence", "none.mcap"], "check the path"),
+        ("sequence none.mcap", "check the path"),
     ];
     all_refused(folder.path(), &cases);
 }

@@ -1,6 +1,6 @@
 //! `linestereo rectify` and `run --rig` as a user types them.
 
-use crate::support::{all_refused, json_of_any, linestereo, refused, succeed, with_rig};
+use crate::support::{all_refused, json_of_any, linestereo, refused, says, succeed, with_rig};
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -28,10 +28,7 @@ translation_m = [-0.07, 0.0, 0.0]
 fn folder() -> TempDir {
     let folder = with_rig(RIG);
     for kind in ["boxes", "cards"] {
-        succeed(
-            folder.path(),
-            &["scene", "--kind", kind, "--size", "320x240", &format!("raw/{kind}")],
-        );
+        succeed(folder.path(), &format!("scene --kind {kind} --size 320x240 raw/{kind}"));
     }
     folder
 }
@@ -44,29 +41,17 @@ fn size(path: &Path) -> (u32, u32) {
 fn a_pair_becomes_two_images_and_a_picture() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let pair = [
-        "rectify",
-        "raw/boxes/left.png",
-        "raw/boxes/right.png",
-        "--rig",
-        "rig.toml",
-        "--size",
-        "160x120",
-    ];
-    let out = ["--out-left", "l.png", "--out-right", "r.png", "--picture", "rows.png"];
-    let text = succeed(folder.path(), &[&pair[..], &out].concat());
+    let pair = "rectify raw/boxes/left.png raw/boxes/right.png --rig rig.toml --size 160x120";
+    let out = "--out-left l.png --out-right r.png --picture rows.png";
+    let text = succeed(folder.path(), &format!("{pair} {out}"));
     assert!(text.starts_with("320x240 rectified to 160x120, focal length "), "{text}");
-    assert!(
-        text.contains("valid 100.0 % and 100.0 %; raw rows held at once ")
-            && text.contains("wrote rows.png"),
-        "{text}"
-    );
+    let words = ["valid 100.0 % and 100.0 %; raw rows held at once ", "wrote rows.png"];
+    says(&text, &words);
     assert_eq!([size(&at("l.png")), size(&at("r.png"))], [(160, 120); 2]);
     assert_eq!(size(&at("rows.png")), (2 * 160 + 4, 2 * 120 + 4));
 
     // All of the view: corners without a source are black, and less of the rows is valid.
-    let text =
-        succeed(folder.path(), &[&pair[..], &["--out-left", "all.png", "--alpha", "1"]].concat());
+    let text = succeed(folder.path(), &format!("{pair} --out-left all.png --alpha 1"));
     assert!(!text.contains("valid 100"), "{text}");
     let all = image::open(at("all.png")).unwrap().into_luma8();
     assert_eq!(all.get_pixel(0, 0).0, [0]);
@@ -76,7 +61,7 @@ fn a_pair_becomes_two_images_and_a_picture() {
 #[test]
 fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
     let folder = folder();
-    let text = succeed(folder.path(), &["rectify", "raw", "--rig", "rig.toml", "--out", "done"]);
+    let text = succeed(folder.path(), "rectify raw --rig rig.toml --out done");
     assert!(text.ends_with("2 pairs: done\n"), "{text}");
     for kind in ["boxes", "cards"] {
         for name in ["left.png", "right.png", "rows.png"] {
@@ -84,23 +69,15 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
         }
     }
     // Drawn without a lens: by this rig their rows do not match.
-    let json =
-        |args: &[&str]| json_of_any(folder.path(), &[&["run"], args, &["--json", "-"]].concat());
-    let raw = json(&["raw/boxes/left.png", "raw/boxes/right.png", "--rig", "rig.toml"]);
-    let rectified = json(&["done/boxes/left.png", "done/boxes/right.png"]);
+    let json = |args: &str| json_of_any(folder.path(), &format!("run {args} --json -"));
+    let raw = json("raw/boxes/left.png raw/boxes/right.png --rig rig.toml");
+    let rectified = json("done/boxes/left.png done/boxes/right.png");
     assert!(raw["counts"]["matched"].as_u64() > Some(10), "{}", raw["counts"]);
     assert_eq!((&raw["counts"], &raw["points"]), (&rectified["counts"], &rectified["points"]));
     // Half of the size, by a rig as the pair is drawn: without lenses, not rolled.
     let even = RIG.replace("-0.1", "0.0").replace("0.0349", "0.0");
     fs::write(folder.path().join("even.toml"), even).unwrap();
-    let half = json(&[
-        "raw/boxes/left.png",
-        "raw/boxes/right.png",
-        "--rig",
-        "even.toml",
-        "--raw-width",
-        "160",
-    ]);
+    let half = json("raw/boxes/left.png raw/boxes/right.png --rig even.toml --raw-width 160");
     assert_eq!(half["size"], serde_json::json!([160, 120]));
     assert!(half["segments"][0]["depth_m"][0].is_f64());
     assert!(
@@ -125,81 +102,59 @@ fn images_say_the_size_that_a_file_of_opencv_does_not() {
         matrix("T", 3, 1, "-0.07, 0., 0."),
     ];
     fs::write(folder.path().join("rig.yml"), text.concat()).unwrap();
-    let pair = ["raw/boxes/left.png", "raw/boxes/right.png"];
-    let points = |rig: &str, more: &[&str]| {
-        json_of_any(
-            folder.path(),
-            &[&["run"], &pair[..], &["--rig", rig, "--json", "-"], more].concat(),
-        )["points"]
-            .clone()
+    let pair = "raw/boxes/left.png raw/boxes/right.png";
+    let points = |options: &str| {
+        json_of_any(folder.path(), &format!("run {pair} --json - {options}"))["points"].take()
     };
-    assert_eq!(points("rig.yml", &[]), points("rig.toml", &[]));
-    assert_eq!(
-        points("rig.yml", &["--size", "160x120"]),
-        points("rig.toml", &["--size", "160x120"])
-    );
-    let rectify = [&["rectify"], &pair[..], &["--rig", "rig.yml", "--picture", "p.png"]].concat();
+    for size in ["", "--size 160x120"] {
+        let [yml, toml] = ["yml", "toml"].map(|kind| points(&format!("--rig rig.{kind} {size}")));
+        assert_eq!(yml, toml, "{size}");
+    }
+    let rectify = format!("rectify {pair} --rig rig.yml --picture p.png");
     assert!(succeed(folder.path(), &rectify).starts_with("320x240 rectified to 320x240"));
-    succeed(folder.path(), &["rectify", "raw", "--rig", "rig.yml", "--out", "done"]);
+    succeed(folder.path(), "rectify raw --rig rig.yml --out done");
     // Drawn without a lens: not fit to be used with one.
-    let output = linestereo(folder.path(), &["sequence", "raw", "--rig", "rig.yml", "--no-points"]);
+    let output = linestereo(folder.path(), "sequence raw --rig rig.yml --no-points");
     let lines = String::from_utf8_lossy(&output.stdout);
     assert!(lines.contains("\"segments\"") && !lines.contains("\"error\""), "{lines}");
     // Images of another size, and a command without images.
-    succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "160x120", "small"]);
-    let small = ["run", "small/left.png", "small/right.png", "--rig", "rig.yml"];
-    let error = refused(folder.path(), &small);
-    assert!(error.contains("of about 320x240") && error.contains("another image size"), "{error}");
-    let error = refused(folder.path(), &["flash-image", "rig.yml", "rig.bin"]);
-    assert!(
-        error.contains("linestereo convert-rig FILES --size 320x240 --out rig.toml"),
-        "{error}"
-    );
-    succeed(folder.path(), &["convert-rig", "rig.yml", "--size", "320x240", "--out", "said.toml"]);
-    succeed(folder.path(), &["flash-image", "said.toml", "rig.bin"]);
+    succeed(folder.path(), "scene --kind boxes --size 160x120 small");
+    let small = "run small/left.png small/right.png --rig rig.yml";
+    refused(folder.path(), small, &["of about 320x240", "another image size"]);
+    let words = ["linestereo convert-rig FILES --size 320x240 --out rig.toml"];
+    refused(folder.path(), "flash-image rig.yml rig.bin", &words);
+    succeed(folder.path(), "convert-rig rig.yml --size 320x240 --out said.toml");
+    succeed(folder.path(), "flash-image said.toml rig.bin");
 }
 
 #[test]
 fn what_cannot_be_rectified_is_one_clear_line() {
     let folder = folder();
-    let left = "raw/boxes/left.png";
-    succeed(folder.path(), &["scene", "--kind", "boxes", "--size", "160x120", "small"]);
+    for side in ["left.png", "right.png"] {
+        fs::copy(folder.path().join("raw/boxes").join(side), folder.path().join(side)).unwrap();
+    }
+    succeed(folder.path(), "scene --kind boxes --size 160x120 small");
     fs::create_dir(folder.path().join("empty")).unwrap();
     fs::write(folder.path().join("none.toml"), "version = 1").unwrap();
-    let rig = ["--rig", "rig.toml"];
-    let cases: [(&[&str], &[&str], &str); 10] = [
+    let rectify = "rectify --rig rig.toml --picture p.png";
+    let run = "run left.png right.png";
+    let cases: [(&str, &str); 12] = [
+        (&format!("{rectify} left.png left.png --raw-width 320"), "give 16 to less than the 320"),
+        ("rectify left.png left.png", "--rig"),
+        ("rectify --rig rig.toml left.png", "RIGHT"),
         (
-            &["rectify", left, left, "--picture", "p.png", "--raw-width", "320"],
-            &rig,
-            "give 16 to less than the 320",
+            "rectify --rig rig.toml left.png left.png",
+            "give --out-left and --out-right, or --picture",
         ),
-        (&["rectify", left, left], &[], "--rig"),
-        (&["rectify", left], &rig, "RIGHT"),
-        (&["rectify", left, left], &rig, "give --out-left and --out-right, or --picture"),
-        (&["rectify", left, left, "--picture", "p.png"], &["--rig", "none.toml"], "none.toml"),
-        (&["rectify", left, left, "--picture", "p.png", "--alpha", "2"], &rig, "correct --alpha"),
-        (
-            &["rectify", left, "small/left.png", "--picture", "p.png"],
-            &rig,
-            "give two images of one size",
-        ),
-        (
-            &["rectify", "small/left.png", "small/right.png", "--picture", "p.png"],
-            &rig,
-            "raw images of 320x240",
-        ),
-        (&["rectify", "empty", "--out", "p"], &rig, "no pair was found in any known layout"),
-        (&["run", left, left, "--size", "160x120"], &[], "--rig"),
-    ];
-    for (args, rig, says) in cases {
-        let error = refused(folder.path(), &[args, rig].concat());
-        assert!(error.contains(says), "{args:?} does not say {says}: {error}");
-        assert!(!folder.path().join("p.png").exists() && !folder.path().join("p").exists());
-    }
-    let run = ["run", left, "raw/boxes/right.png", "--rig", "rig.toml"];
-    let cases: [(&[&str], &str); 2] = [
-        (&[&run[..], &["--width", "160"]].concat(), "cannot be used with"),
-        (&[&run[..], &["--max-disparity", "320"]].concat(), "correct --max-disparity"),
+        ("rectify left.png left.png --picture p.png --rig none.toml", "none.toml"),
+        (&format!("{rectify} left.png left.png --alpha 2"), "correct --alpha"),
+        (&format!("{rectify} left.png small/left.png"), "give two images of one size"),
+        (&format!("{rectify} small/left.png small/right.png"), "raw images of 320x240"),
+        ("rectify --rig rig.toml empty --out p", "no pair was found in any known layout"),
+        (&format!("{run} --size 160x120"), "--rig"),
+        (&format!("{run} --rig rig.toml --width 160"), "cannot be used with"),
+        (&format!("{run} --rig rig.toml --max-disparity 320"), "correct --max-disparity"),
     ];
     all_refused(folder.path(), &cases);
+    assert!(!folder.path().join("p.png").exists() && !folder.path().join("p").exists());
 }

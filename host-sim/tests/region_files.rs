@@ -1,6 +1,7 @@
 //! Files of detectors: every form gives the same regions, and what is wrong with one object costs
 //! nothing else.
 
+use crate::support::says;
 use linestereo::{Area, Dims, image::Span, objects::Run};
 use linestereo_frames::regions::{
     Frame, MAX_OBJECTS, Object, Objects, ObjectsError, Pixels, Skipped, load,
@@ -66,6 +67,7 @@ fn boxes_are_the_same_in_every_form() {
         ),
         ("yolo.txt", "0 0.225 0.5 0.25 0.5\n\n1 0.75 0.25 0.5 0.5 0.9\n"),
         ("table.csv", "name, x0,y0,x1,y1\ncup, 4,5,14,15\nbook,20,0,40,10\n"),
+        ("plain.csv", "4,5,14,15,0,cup\n20,0,40,10,1,book\n"),
         (
             "own.json",
             r#"{"objects": [{"name": "cup", "box": [4, 5, 14, 15]}, {"name": "book", "box": [20, 0, 40, 10]}]}"#,
@@ -82,6 +84,15 @@ fn boxes_are_the_same_in_every_form() {
             if name == "results.json" { [None, None] } else { [Some("cup"), Some("book")] };
         assert_eq!(names, expected, "{name}");
     }
+}
+
+#[test]
+fn a_plain_table_may_lack_labels() {
+    let [plain, named] = ["", "x0,y0,x1,y1,label,name\n"]
+        .map(|head| Folder::new().load("a.csv", format!("{head}4,5,14,15,7,cup\n20,0,40,10\n")));
+    let (plain, named) = (plain.unwrap(), named.unwrap());
+    assert_eq!(plain.list, named.list);
+    assert_eq!((plain.list[0].label, plain.list[0].name.as_deref()), (7, Some("cup")));
 }
 
 #[test]
@@ -126,6 +137,10 @@ fn masks_are_the_same_in_every_form() {
     }
 }
 
+fn labels(objects: &Objects) -> Vec<u16> {
+    objects.list.iter().map(|object| object.label).collect()
+}
+
 fn coco_mask(counts: &str) -> String {
     format!(
         r#"[{{"segmentation": {{"size": [20, 40], "counts": {counts}}}, "bbox": [0, 0, 1, 1]}}]"#
@@ -168,7 +183,7 @@ fn what_is_wrong_with_one_object_skips_it() {
     let folder = Folder::new();
     let table = "x0,y0,x1,y1,label\n1,1,5,5,8\n40,0,50,9,\n-9,0,0,9,\n3,3,3,9,\n5,3,2,9,\n1,2,x,4,\n1,2\nNaN,1,2,3,\n1,1,9,9,70000\n2,2,4,4,\n";
     let objects = folder.load("a.csv", table).unwrap();
-    assert_eq!(objects.list.iter().map(|object| object.label).collect::<Vec<_>>(), [8, 9]);
+    assert_eq!(labels(&objects), [8, 9]);
     assert_eq!(
         objects.skipped,
         Skipped { outside: 2, empty: 2, unreadable: 4, ..Skipped::default() }
@@ -192,7 +207,7 @@ fn what_is_wrong_with_one_object_skips_it() {
     let other_size = coco_mask("[800]").replace("[20, 40]", "[40, 20]");
     let json = format!("[{}, {}]", list.join(", "), other_size.trim_matches(['[', ']']));
     let objects = folder.load("a.json", &json).unwrap();
-    assert_eq!(objects.list.iter().map(|object| object.label).collect::<Vec<_>>(), [5], "{json}");
+    assert_eq!(labels(&objects), [5], "{json}");
     assert_eq!(
         objects.skipped,
         Skipped { broken_mask: 5, empty: 1, mask_size: 1, ..Skipped::default() }
@@ -249,11 +264,7 @@ fn what_is_wrong_with_the_file_is_said() {
         ("a.xml", "<a/>", "no known kind"),
         ("a.png", "no image", "not a readable image"),
     ] {
-        let text = error(name, contents);
-        assert!(
-            text.contains(part) && text.contains(name) && text.contains("; "),
-            "{contents}: {text}"
-        );
+        says(&error(name, contents), &[part, name, "; "]);
     }
     let mask = image_of(41, 20, |_, _| 1);
     let error = load(&folder.file("mask.png", mask), None, frame(GIVEN)).unwrap_err();

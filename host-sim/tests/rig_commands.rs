@@ -1,19 +1,21 @@
 //! `linestereo convert-rig` and `plan-rig` as a user types them.
 
-use crate::support::{all_refused, json, succeed, with_rig};
+use crate::support::{all_refused, json, succeed, tells, with_rig};
 use std::fs;
 
-const RIG: &str = "\
+pub(crate) const RIG: &str = "\
 version = 1
 [left]
 size = [640, 480]
 focal_px = [500.0, 501.0]
 centre_px = [320.0, 240.0]
+skew_px = 0.0
 lens = { model = \"brown-conrady\", k = [-0.3, 0.1, 0.0], p = [0.001, 0.002] }
 [right]
 size = [640, 480]
 focal_px = [510.0, 511.0]
 centre_px = [322.0, 242.0]
+skew_px = 0.0
 lens = { model = \"brown-conrady\", k = [-0.2, 0.05, 0.0], p = [0.0, 0.0] }
 [pose]
 rotation_rad = [0.01, -0.02, 0.03]
@@ -24,27 +26,17 @@ translation_m = [-0.1, 0.001, 0.002]
 fn a_rig_goes_through_every_format_and_comes_back() {
     let folder = with_rig(RIG);
     let at = folder.path();
-    let said = succeed(at, &["convert-rig", "rig.toml"]);
-    assert!(
-        said.contains("rig.toml: 640x480, baseline 0.1000 m")
-            && said.contains("focal 500.00 501.00 px"),
-        "{said}"
-    );
-    let mut last = vec!["rig.toml".to_owned()];
-    for (format, names) in [
-        ("opencv-yaml", &["a.yml"][..]),
-        ("ros", &["left.yaml", "right.yaml"]),
-        ("opencv-xml", &["a.xml"]),
-        ("euroc", &["cam0.yaml", "cam1.yaml"]),
-        ("kalibr", &["camchain.yaml"]),
-        ("rig-toml", &["again.toml"]),
+    let words = ["rig.toml: 640x480, baseline 0.1000 m", "focal 500.00 501.00 px"];
+    tells(at, "convert-rig rig.toml", &words);
+    for line in [
+        "convert-rig rig.toml --to opencv-yaml --out a.yml",
+        "convert-rig a.yml --to ros --out left.yaml --out right.yaml",
+        "convert-rig left.yaml right.yaml --to opencv-xml --out a.xml",
+        "convert-rig a.xml --to euroc --out cam0.yaml --out cam1.yaml",
+        "convert-rig cam0.yaml cam1.yaml --to kalibr --out camchain.yaml",
+        "convert-rig camchain.yaml --to rig-toml --out again.toml",
     ] {
-        let mut args = vec!["convert-rig"];
-        args.extend(last.iter().map(String::as_str));
-        args.extend(["--to", format]);
-        args.extend(names.iter().flat_map(|name| ["--out", *name]));
-        succeed(at, &args);
-        last = names.iter().map(|&name| name.to_owned()).collect();
+        succeed(at, line);
     }
     // All but the last bits of the pose.
     let lines = |text: &str| {
@@ -55,7 +47,7 @@ fn a_rig_goes_through_every_format_and_comes_back() {
     };
     assert_eq!(lines(RIG), lines(&fs::read_to_string(at.join("again.toml")).unwrap()));
     let summary = |name| {
-        succeed(at, &["convert-rig", name])
+        succeed(at, &format!("convert-rig {name}"))
             .lines()
             .find(|line| line.contains("pose"))
             .map(str::to_owned)
@@ -69,17 +61,14 @@ fn wrong_conversions_leave_no_file_and_say_why() {
     let at = folder.path();
     fs::write(at.join("bad.yml"), "%YAML:1.0\nM1: [1, 2\n").unwrap();
     fs::write(at.join("k3.toml"), RIG.replace("0.1, 0.0]", "0.1, 0.5]")).unwrap();
-    let cases: [(&[&str], &str); 7] = [
-        (&["convert-rig", "rig.toml", "--to", "ros", "--out", "one.yaml"], "give --out twice"),
-        (&["convert-rig", "rig.toml", "--out", "a", "--out", "b"], "give --out once"),
-        (&["convert-rig", "rig.toml", "--size", "320x240"], "made for images of 640x480"),
-        (&["convert-rig", "none.yml"], "none.yml: cannot be read"),
-        (&["convert-rig", "rig.toml", "--translation-unit", "inch"], "give m, mm"),
-        (&["convert-rig", "bad.yml"], "bad.yml, line "),
-        (
-            &["convert-rig", "k3.toml", "--to", "kalibr", "--out", "k.yaml"],
-            "no place for the lens coefficient k3",
-        ),
+    let cases = [
+        ("convert-rig rig.toml --to ros --out one.yaml", "give --out twice"),
+        ("convert-rig rig.toml --out a --out b", "give --out once"),
+        ("convert-rig rig.toml --size 320x240", "made for images of 640x480"),
+        ("convert-rig none.yml", "none.yml: cannot be read"),
+        ("convert-rig rig.toml --translation-unit inch", "give m, mm"),
+        ("convert-rig bad.yml", "bad.yml, line "),
+        ("convert-rig k3.toml --to kalibr --out k.yaml", "no place for the lens coefficient k3"),
     ];
     all_refused(at, &cases);
     assert_eq!(fs::read_dir(at).unwrap().count(), 3);
@@ -89,60 +78,30 @@ fn wrong_conversions_leave_no_file_and_say_why() {
 fn a_plan_is_printed_and_listed() {
     let folder = with_rig(RIG);
     let at = folder.path();
-    let oak = [
-        "plan-rig",
-        "--focal-px",
-        "451",
-        "--size",
-        "640x480",
-        "--baseline-m",
-        "0.075",
-        "--max-disparity",
-        "96",
-    ];
-    let said = succeed(at, &oak);
-    assert!(
-        said.contains("near limit 0.352 m") && said.contains("below 5 % up to 6.76 m"),
-        "{said}"
-    );
-    let json = json(at, &[&oak[..], &["--json", "-"]].concat());
+    let oak = "plan-rig --focal-px 451 --size 640x480 --baseline-m 0.075 --max-disparity 96";
+    tells(at, oak, &["near limit 0.352 m", "below 5 % up to 6.76 m"]);
+    let json = json(at, &format!("{oak} --json -"));
     assert!((json["near_limit_m"].as_f64().unwrap() - 0.352_343_75).abs() < 1e-9);
     assert!(json["suggestion"].is_null() && json["table"].as_array().unwrap().len() > 5);
     // 1.93 mm / 3 um, 848 px: 643 px, 66.8 degrees.
-    let lens = [
-        "plan-rig",
-        "--focal-mm",
-        "1.93",
-        "--pixel-um",
-        "3",
-        "--size",
-        "848x480",
-        "--range",
-        "0.5..4",
-    ];
-    let said = succeed(at, &lens);
-    assert!(
-        said.contains("focal length 643.3 px") && said.contains("a baseline of 31.1 mm at least"),
-        "{said}"
-    );
-    let given = succeed(at, &[&lens[..], &["--baseline-m", "0.02"]].concat());
-    assert!(given.contains("with the one given, 7.8 % at 4 m: not reached"), "{given}");
+    let lens = "plan-rig --focal-mm 1.93 --pixel-um 3 --size 848x480 --range 0.5..4";
+    tells(at, lens, &["focal length 643.3 px", "a baseline of 31.1 mm at least"]);
+    let words = ["with the one given, 7.8 % at 4 m: not reached"];
+    tells(at, &format!("{lens} --baseline-m 0.02"), &words);
 }
 
 #[test]
 fn wrong_plans_say_what_to_give() {
     let folder = with_rig(RIG);
-    let cases: [(&[&str], &str); 7] = [
-        (&["plan-rig", "--baseline-m", "0.1"], "--focal-px"),
-        (&["plan-rig", "--focal-px", "300"], "--baseline-m"),
-        (&["plan-rig", "--focal-mm", "3", "--baseline-m", "0.1"], "--pixel-um"),
-        (&["plan-rig", "--focal-px", "300", "--range", "4..1"], "two rising distances"),
-        (&["plan-rig", "--hfov-deg", "180", "--baseline-m", "0.1"], "1 to 150"),
-        (
-            &["plan-rig", "--focal-px", "300", "--baseline-m", "0.1", "--max-disparity", "320"],
-            "range of 320",
-        ),
-        (&["plan-rig", "--focal-px", "300", "--range", "1..2", "--error", "0"], "error of 0 %"),
+    let cases = [
+        ("plan-rig --baseline-m 0.1", "--focal-px"),
+        ("plan-rig --focal-px 300", "--baseline-m"),
+        ("plan-rig --focal-mm 3 --baseline-m 0.1", "--pixel-um"),
+        ("plan-rig --focal-px 300 --range 4..1", "two rising distances"),
+        ("plan-rig --focal-px 451 --baseline-m 75", "75 m: did you mean mm?"),
+        ("plan-rig --hfov-deg 180 --baseline-m 0.1", "1 to 150"),
+        ("plan-rig --focal-px 300 --baseline-m 0.1 --max-disparity 320", "range of 320"),
+        ("plan-rig --focal-px 300 --range 1..2 --error 0", "error of 0 %"),
     ];
     all_refused(folder.path(), &cases);
 }

@@ -1,9 +1,9 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
 use crate::support::{
-    all_refused, json, json_of_any, linestereo, refused, stderr, succeed, with_scene,
+    all_refused, failed, json, json_of_any, keys, linestereo, refused, says, stderr, stdout,
+    succeed, tells, with_scene,
 };
-use serde_json::Value;
 use std::fs;
 use tempfile::TempDir;
 
@@ -15,45 +15,32 @@ fn cards() -> TempDir {
     folder
 }
 
-const PAIR: [&str; 5] = ["run", "cards/left.png", "cards/right.png", "--scene", "cards/scene.json"];
-
-fn keys(value: &Value) -> Vec<&str> {
-    let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
-    keys.sort_unstable();
-    keys
-}
+const PAIR: &str = "run cards/left.png cards/right.png --scene cards/scene.json";
 
 #[test]
 fn the_scene_file_beside_a_pair_is_used_and_named() {
     let folder = cards();
     let at = folder.path();
-    let pair = ["run", "cards/left.png", "cards/right.png"];
-    let expected = json(at, &[&PAIR[..], &["--json", "-"]].concat());
-    assert_eq!(json(at, &[&pair[..], &["--json", "-"]].concat()), expected);
-    let said = succeed(at, &pair);
+    let pair = "run cards/left.png cards/right.png";
+    let expected = json(at, &format!("{PAIR} --json -"));
+    assert_eq!(json(at, &format!("{pair} --json -")), expected);
+    let said = succeed(at, pair);
     assert!(said.starts_with("cards/scene.json lies beside the pair: disparities 0 to"), "{said}");
     // A rig that is given comes before it, with the default range.
-    let given = succeed(at, &[&pair[..], &["--focal-px", "150", "--baseline-m", "0.06"]].concat());
+    let given = succeed(at, &format!("{pair} --focal-px 150 --baseline-m 0.06"));
     assert!(!given.contains("scene.json") && given.contains("disparities below 64"), "{given}");
     // Images of another size: without depths, and why.
     for name in ["left.png", "right.png"] {
         let path = at.join("cards").join(name);
         image::open(&path).unwrap().thumbnail_exact(64, 48).save(&path).unwrap();
     }
-    let reduced = [&pair[..], &["--max-disparity", "16"]].concat();
-    let said = succeed(at, &reduced);
-    assert!(
-        said.contains("is not used: cards/scene.json: the calibration is for images of 160x120,"),
-        "{said}"
-    );
+    let reduced = format!("{pair} --max-disparity 16");
+    let words = ["is not used: cards/scene.json: the calibration is for images of 160x120,"];
+    let said = tells(at, &reduced, &words);
     assert!(!said.contains("depths from"), "{said}");
-    let named = refused(at, &[&reduced[..], &["--scene", "cards/scene.json"]].concat());
-    assert!(
-        named.contains("images of 160x120, but these are 64x48") && named.contains("--width"),
-        "{named}"
-    );
-    let error = stderr(&linestereo(at, &["sequence", "cards", "--max-disparity", "16"]));
-    assert!(error.contains("images of 160x120, but these are 64x48"), "{error}");
+    let words = ["images of 160x120, but these are 64x48", "--width"];
+    refused(at, &format!("{reduced} --scene cards/scene.json"), &words);
+    says(&stderr(&linestereo(at, "sequence cards --max-disparity 16")), &words[..1]);
     // One of another program.
     fs::write(at.join("cards/scene.json"), "{\"nodes\": []}").unwrap();
     let said = succeed(at, &reduced);
@@ -70,68 +57,40 @@ fn what_is_infinitely_far_has_minus_the_offset_as_its_disparity() {
     let folder = cards();
     let at = folder.path();
     // Exchanged images: every disparity is negative.
-    let flags = |options: &[&str]| {
-        fs::create_dir_all(at.join("pair")).unwrap();
-        for (from, to) in [("left.png", "right.png"), ("right.png", "left.png")] {
-            fs::copy(at.join("cards").join(from), at.join("pair").join(to)).unwrap();
-        }
-        let pair = [
-            "run",
-            "pair/left.png",
-            "pair/right.png",
-            "--min-disparity=-30",
-            "--max-disparity",
-            "16",
-            "--json",
-            "-",
-        ];
-        json_of_any(at, &[&pair[..], options].concat())["health"]["flags"].to_string()
+    fs::remove_file(at.join("cards/scene.json")).unwrap(); // it would be used
+    let flags = |options: &str| {
+        let range = "--min-disparity=-30 --max-disparity 16";
+        let run = format!("run cards/right.png cards/left.png {range} --json - {options}");
+        json_of_any(at, &run)["health"]["flags"].to_string()
     };
-    let rig = ["--focal-px", "150", "--baseline-m", "0.06"];
-    assert!(
-        flags(&[]).contains("beyond_infinity") && flags(&rig).contains("beyond_infinity"),
-        "{}",
-        flags(&rig)
-    );
-    let squinting = flags(&[&rig[..], &["--disparity-offset-px", "32"]].concat());
+    let rig = "--focal-px 150 --baseline-m 0.06";
+    says(&flags(""), &["beyond_infinity"]);
+    says(&flags(rig), &["beyond_infinity"]);
+    let squinting = flags(&format!("{rig} --disparity-offset-px 32"));
     assert!(!squinting.contains("beyond_infinity"), "{squinting}");
     fs::write(at.join("squint.json"), "{\"disparity_zero_px\": -32}").unwrap();
-    let squinting = flags(&["--scene", "squint.json"]);
+    let squinting = flags("--scene squint.json");
     assert!(!squinting.contains("beyond_infinity"), "{squinting}");
 }
 
 #[test]
 fn json_has_the_promised_keys_and_shapes() {
     let folder = cards();
-    let json = json(folder.path(), &[&PAIR[..], &["--json", "-"]].concat());
-    assert_eq!(keys(&json), ["bars", "counts", "health", "points", "segments", "size"]);
+    let json = json(folder.path(), &format!("{PAIR} --json -"));
+    assert_eq!(keys(&json), "bars counts health points segments size");
     assert_eq!(json["size"], serde_json::json!([160, 120]));
     let segments = json["segments"].as_array().unwrap();
     assert!(!segments.is_empty());
     for (id, segment) in segments.iter().enumerate() {
-        let expected = [
-            "confidence",
-            "depth_m",
-            "disparity_px",
-            "id",
-            "left",
-            "owner",
-            "sigma_px",
-            "techniques",
-        ];
+        let expected = "confidence depth_m disparity_px id left owner sigma_px techniques";
         assert_eq!(keys(segment), expected);
         assert_eq!(segment["id"], id);
-        assert_eq!(keys(&segment["techniques"]), ["census", "feature", "window"]);
+        assert_eq!(keys(&segment["techniques"]), "census feature window");
         assert!(["left", "right", "both"].contains(&segment["owner"].as_str().unwrap()));
         for end in [0, 1] {
-            assert!(
-                segment["left"][end][0].is_f64() && segment["left"][end][1].is_f64(),
-                "{segment}"
-            );
-            assert!(
-                segment["disparity_px"][end].is_f64() && segment["depth_m"][end].is_f64(),
-                "{segment}"
-            );
+            let [x, y] = [0, 1].map(|axis| &segment["left"][end][axis]);
+            let numbers = [x, y, &segment["disparity_px"][end], &segment["depth_m"][end]];
+            assert!(numbers.iter().all(|number| number.is_f64()), "{segment}");
         }
         assert!((0.0..=1.0).contains(&segment["confidence"].as_f64().unwrap()));
     }
@@ -150,26 +109,15 @@ fn json_has_the_promised_keys_and_shapes() {
     assert_eq!(count("matched") as usize, segments.len());
     assert!(count("segments_right") > 0);
     let health = &json["health"];
-    let named = [
-        "flags",
-        "least_disparity_px",
-        "left",
-        "range",
-        "right",
-        "row_drift_px",
-        "row_offset_px",
-        "rows",
-        "skew_us",
-        "still",
-        "tear",
-    ];
+    let named = "flags least_disparity_px left range right row_drift_px row_offset_px rows \
+                 skew_us still tear";
     assert_eq!(keys(health), named);
     assert_eq!(health["flags"], serde_json::json!([]));
     assert!(
         health["skew_us"].is_null() && health["row_drift_px"].is_null(),
         "a single file has neither: {health}"
     );
-    assert_eq!(keys(&health["left"]), ["black", "detail", "level", "view", "white"]);
+    assert_eq!(keys(&health["left"]), "black detail level view white");
     // The rows are level: known as well as the samples say themselves, who are few.
     let rows = |name: &str| health["rows"][name].as_f64().unwrap();
     let is_level = || rows("spread_px") < 0.1 && rows("offset_px").abs() <= 2.0 * rows("spread_px");
@@ -177,22 +125,12 @@ fn json_has_the_promised_keys_and_shapes() {
 }
 
 #[test]
-fn without_a_rig_there_are_no_metres() {
-    let folder = cards();
-    fs::remove_file(folder.path().join("cards/scene.json")).unwrap();
-    let json = json(folder.path(), &["run", "cards/left.png", "cards/right.png", "--json", "-"]);
-    assert!(
-        json["segments"].as_array().unwrap().iter().all(|segment| segment["depth_m"].is_null())
-    );
-}
-
-#[test]
 fn files_are_written_and_named() {
     let folder = cards();
-    let files = ["--json", "a.json", "--csv", "a.csv", "--overlay", "a.png"];
-    let text = succeed(folder.path(), &[&PAIR[..], &files].concat());
+    let files = "--json a.json --csv a.csv --overlay a.png";
+    let words = ["wrote a.json", "wrote a.csv", "wrote a.png"];
+    tells(folder.path(), &format!("{PAIR} {files}"), &words);
     for file in ["a.json", "a.csv", "a.png"] {
-        assert!(text.contains(&format!("wrote {file}")), "{text}");
         assert!(fs::metadata(folder.path().join(file)).unwrap().len() > 100, "{file}");
     }
     assert!(image::open(folder.path().join("a.png")).unwrap().width() >= 160);
@@ -213,31 +151,26 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
     fs::write(folder.path().join("text.png"), "no image").unwrap();
     fs::copy(folder.path().join("cards/left.png"), folder.path().join("left.png")).unwrap();
     let before = fs::read_dir(folder.path()).unwrap().count();
-    let left = "left.png";
-    let cases: [(&[&str], &str); 13] = [
-        (&["run", left, left, "--on", "BOARD"], "unexpected argument '--on'"),
-        (&["run", left, "missing.png"], "missing.png"),
-        (&["run", left, "other.png"], "size"),
-        (&["run", left, "text.png"], "text.png"),
-        (&["run", "tiny.png", "tiny.png"], "tiny.png"),
-        (&["run", "flat.png", "flat.png"], "flat.png"),
-        (&["run", "white.png", "white.png"], "white.png"),
-        (&["run", left, left, "--max-disparity", "160"], "--max-disparity"),
-        (&["run", left, left, "--max-disparity", "3"], "--max-disparity"),
-        (&["run", left, left, "--min-disparity", "5"], "--min-disparity"),
-        (&["run", left, left, "--min-confidence", "2"], "--min-confidence"),
-        (&["run", left, left, "--margin-m", "0.1", "0.1"], "--focal-px"),
-        (&["run", left, left, "--focal-px", "0", "--baseline-m", "0.1"], "focal"),
-    ];
-    for (args, says) in cases {
-        let args = [args, &["--json", "out.json", "--overlay", "out.png"]].concat();
-        all_refused(folder.path(), &[(&args, says)]);
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{args:?} left a file");
+    for (run, word) in [
+        ("run left.png left.png --on BOARD", "unexpected argument '--on'"),
+        ("run left.png missing.png", "missing.png"),
+        ("run left.png other.png", "size"),
+        ("run left.png text.png", "text.png"),
+        ("run tiny.png tiny.png", "tiny.png"),
+        ("run flat.png flat.png", "flat.png"),
+        ("run white.png white.png", "white.png"),
+        ("run left.png left.png --max-disparity 160", "--max-disparity"),
+        ("run left.png left.png --max-disparity 3", "--max-disparity"),
+        ("run left.png left.png --min-disparity 5", "--min-disparity"),
+        ("run left.png left.png --min-confidence 2", "--min-confidence"),
+        ("run left.png left.png --margin-m 0.1 0.1", "--focal-px"),
+        ("run left.png left.png --focal-px 0 --baseline-m 0.1", "focal"),
+    ] {
+        refused(folder.path(), &format!("{run} --json out.json --overlay out.png"), &[word]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), before, "{run} left a file");
     }
-    refused(
-        folder.path(),
-        &[&PAIR[..], &["--json", "a.json", "--csv", "no/such/folder/a.csv"]].concat(),
-    );
+    let unwritten = format!("{PAIR} --json a.json --csv no/such/folder/a.csv");
+    refused(folder.path(), &unwritten, &["no/such/folder"]);
     assert!(!folder.path().join("a.json").exists(), "one file could not be written, so none is");
 }
 
@@ -274,11 +207,9 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
     let folder = with_bad_pairs();
     let at = folder.path();
     for name in BAD {
-        let [left, right] = ["left.png", "right.png"].map(|side| format!("{name}/{side}"));
-        let output = linestereo(at, &["run", &left, &right, "--json", "out.json"]);
-        let (told, said) = (String::from_utf8_lossy(&output.stdout).into_owned(), stderr(&output));
-        assert_eq!(output.status.code(), Some(2), "{name}: {told} {said}");
-        assert!(said.starts_with("linestereo: ") && said.lines().count() == 1, "{name}: {said}");
+        let pair = format!("{name}/left.png {name}/right.png");
+        let output = linestereo(at, &format!("run {pair} --json out.json"));
+        let (told, said) = (String::from_utf8_lossy(&output.stdout), failed(&output));
         // Results are written, and the line names the first flag that is told.
         assert!(at.join("out.json").is_file() && told.contains("wrote out.json"), "{name}: {told}");
         let first = told.lines().find_map(|line| line.strip_prefix("health: "));
@@ -286,27 +217,18 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
         assert!(is_told || said.contains("nothing is matched"), "{name}: {told} {said}");
         assert!(!first.is_some_and(|flag| flag.starts_with("segments_dropped")), "{name}: {told}");
         fs::remove_file(at.join("out.json")).unwrap();
-        let report = linestereo(at, &["report", &left, &right, "-o", "page.html"]);
-        assert_eq!(report.status.code(), Some(2), "{name}: {}", stderr(&report));
-        assert!(
-            at.join("page.html").is_file() && stderr(&report).contains("no pair can be used"),
-            "{name}"
-        );
-        let sequence = linestereo(at, &["sequence", name, "--out", "lines.jsonl"]);
-        assert_eq!(sequence.status.code(), Some(2), "{name}: {}", stderr(&sequence));
-        assert!(
-            at.join("lines.jsonl").is_file() && stderr(&sequence).contains("no frame can be used"),
-            "{name}"
-        );
+        for (line, file, word) in [
+            (format!("report {pair} -o page.html"), "page.html", "no pair can be used"),
+            (format!("sequence {name} --out lines.jsonl"), "lines.jsonl", "no frame can be used"),
+        ] {
+            let output = linestereo(at, &line);
+            assert_eq!(output.status.code(), Some(2), "{line}: {output:?}");
+            assert!(at.join(file).is_file() && stderr(&output).contains(word), "{line}");
+        }
     }
     // Some of many are counted, and are no failure.
-    let output = linestereo(at, &["sequence", ".", "--out", "lines.jsonl"]);
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(
-        output.status.success()
-            && told.contains("5 frames are not fit to be used, or nothing is matched in them"),
-        "{told}"
-    );
+    let words = ["5 frames are not fit to be used, or nothing is matched in them"];
+    tells(at, "sequence . --out lines.jsonl", &words);
 }
 
 /// Files of points are written all the same, and hold none.
@@ -314,12 +236,10 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
 fn files_of_points_of_exchanged_images_are_empty() {
     let folder = with_bad_pairs();
     let at = folder.path();
-    let rig = ["--focal-px", "288", "--baseline-m", "0.12"];
+    let options = "--focal-px 288 --baseline-m 0.12 --ply cloud.ply --pcd cloud.pcd";
     // Vertices of the PLY file, points of the PCD file, and lines after the head of the latter.
     let clouds = |name: &str| {
-        let [left, right] = ["left.png", "right.png"].map(|side| format!("{name}/{side}"));
-        let files = ["--ply", "cloud.ply", "--pcd", "cloud.pcd"];
-        let output = linestereo(at, &[&["run", &left, &right][..], &rig, &files].concat());
+        let output = linestereo(at, &format!("run {name}/left.png {name}/right.png {options}"));
         let text = |file: &str| fs::read_to_string(at.join(file)).unwrap();
         let number = |text: &str, key: &str| -> usize {
             let line = text.lines().find_map(|line| line.strip_prefix(key));
@@ -342,40 +262,29 @@ fn a_narrow_pair_is_searched_as_far_as_it_can_be_and_that_is_said() {
     let folder = with_scene("boxes", "64x48", "out");
     let at = folder.path();
     fs::remove_file(at.join("out/scene.json")).unwrap(); // it says how far to search
-    let run = ["run", "out/left.png", "out/right.png"];
-    let output = linestereo(at, &run);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(String::from_utf8_lossy(&output.stdout).contains("disparities below 63: "));
-    assert!(stderr(&output).contains("disparities below 63 are searched, as images of 64x48"));
+    let run = "run out/left.png out/right.png";
+    let output = linestereo(at, run);
+    says(&stdout(&output), &["disparities below 63: "]);
+    says(&stderr(&output), &["disparities below 63 are searched, as images of 64x48"]);
     // A range that is asked for is not changed.
-    all_refused(
-        at,
-        &[(&[&run[..], &["--max-disparity", "64"]].concat(), "64 does not fit an image of 64x48")],
-    );
-    assert!(stderr(&linestereo(at, &[&run[..], &["--max-disparity", "32"]].concat())).is_empty());
+    let words = ["64 does not fit an image of 64x48"];
+    refused(at, &format!("{run} --max-disparity 64"), &words);
+    assert!(stderr(&linestereo(at, &format!("{run} --max-disparity 32"))).is_empty());
 }
 
 #[test]
 fn sectors_are_listed_drawn_and_told() {
     let folder = cards();
-    let extra = ["--sectors", "--fan", "fan.png", "--mavlink", "told.bin"];
-    let text = succeed(folder.path(), &[&PAIR[..], &extra].concat());
-    assert!(
-        text.contains("sectors of 5 degrees, up to 10 m\n") && text.contains("wrote told.bin\n"),
-        "{text}"
-    );
-    let json = json(folder.path(), &[&PAIR[..], &["--sectors", "--json", "-"]].concat());
+    let extra = "--sectors --fan fan.png --mavlink told.bin";
+    let words = ["sectors of 5 degrees, up to 10 m\n", "wrote told.bin\n"];
+    tells(folder.path(), &format!("{PAIR} {extra}"), &words);
+    let json = json(folder.path(), &format!("{PAIR} --sectors --json -"));
     let sectors = json["sectors"].as_array().unwrap();
     assert_eq!(sectors.len(), 72);
     // Both forms of an option with two values.
-    let spelled = ["--sectors", "--sector-heights=-0.5", "2", "--json", "-"];
-    assert_eq!(
-        self::json(folder.path(), &[&PAIR[..], &spelled].concat())["sectors"]
-            .as_array()
-            .unwrap()
-            .len(),
-        72
-    );
+    let spelled = "--sectors --sector-heights=-0.5 2 --json -";
+    let again = self::json(folder.path(), &format!("{PAIR} {spelled}"));
+    assert_eq!(again["sectors"].as_array().unwrap().len(), 72);
     let state = |index: usize| sectors[index]["state"].as_str().unwrap();
     assert!((10..63).all(|index| state(index) == "outside"));
     assert!((0..72).any(|index| state(index) == "obstacle"), "{json}");
@@ -400,18 +309,17 @@ fn sectors_are_listed_drawn_and_told() {
 #[test]
 fn sectors_without_sense_are_refused() {
     let folder = cards();
-    let with = |more: &[&'static str]| [&PAIR[..], more].concat();
     for name in ["left.png", "right.png"] {
         fs::copy(folder.path().join("cards").join(name), folder.path().join(name)).unwrap();
     }
-    let cases: [(&[&str], &str); 4] = [
-        (&["run", "left.png", "right.png", "--sectors"], "--focal-px and --baseline-m"),
+    let cases: [(&str, &str); 4] = [
+        ("run left.png right.png --sectors", "--focal-px and --baseline-m"),
         (
-            &with(&["--sectors", "--sector-range", "1000"]),
+            &format!("{PAIR} --sectors --sector-range 1000"),
             "linestereo: range (m) is 1000 but must be 0.1 to 600; change --sector-range\n",
         ),
-        (&with(&["--sectors", "--sector-heights", "2", "1"]), "change --sector-heights\n"),
-        (&with(&["--policy", "silent"]), "--mavlink"),
+        (&format!("{PAIR} --sectors --sector-heights 2 1"), "change --sector-heights\n"),
+        (&format!("{PAIR} --policy silent"), "--mavlink"),
     ];
     all_refused(folder.path(), &cases);
 }

@@ -2,7 +2,10 @@
 //! and all that may be wrong with them.
 
 use crate::rectify::RIG;
-use crate::support::{all_refused, linestereo, refused, stderr, succeed, with_drawn_pairs};
+use crate::support::{
+    all_refused, failed, json_lines, linestereo, program, refused, says, signal, stderr, stdout,
+    succeed, tells, with_drawn_pairs,
+};
 use core::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
@@ -77,42 +80,34 @@ fn records(text: &str) -> Vec<String> {
         .collect()
 }
 
-fn of(folder: &Path, args: &[&str]) -> Vec<String> {
-    records(&succeed(folder, &[&["sequence"], args].concat()))
+fn of(folder: &Path, args: &str) -> Vec<String> {
+    records(&succeed(folder, &format!("sequence {args}")))
 }
 
 /// An ffmpeg of this machine; `false` where there is none.
 #[track_caller]
 fn ffmpeg(folder: &Path, args: &str) -> bool {
-    let args: Vec<&str> = args.split(' ').collect();
-    match Command::new("ffmpeg")
-        .args(["-nostdin", "-v", "error", "-y"])
-        .args(args)
-        .current_dir(folder)
-        .output()
-    {
-        Ok(output) => {
-            assert!(output.status.success(), "{}", stderr(&output));
-            true
-        }
-        Err(_) => {
-            eprintln!("SKIPPED: no ffmpeg; apt install ffmpeg");
-            false
-        }
-    }
+    let mut program = Command::new("ffmpeg");
+    program.args(["-nostdin", "-v", "error", "-y"]).args(args.split(' ')).current_dir(folder);
+    let Ok(output) = program.output() else {
+        eprintln!("SKIPPED: no ffmpeg; apt install ffmpeg");
+        return false;
+    };
+    stdout(&output);
+    true
 }
 
 #[test]
 fn y4m_gives_what_its_images_give() {
     let folder = drawn();
     let at = folder.path();
-    let expected = of(at, &["rec"]);
+    let expected = of(at, "rec");
     assert_eq!(expected.len(), 3);
     with_y4m(at);
-    assert!(of(at, &["both.y4m"]) == expected);
-    assert!(of(at, &["both.y4m", "--side-by-side"]) == expected);
-    assert!(of(at, &["left.y4m", "right.y4m"]) == expected);
-    assert!(of(at, &["both.y4m", "--frames", "1..1"]) == of(at, &["rec", "--frames", "2..2"]));
+    for args in ["both.y4m", "both.y4m --side-by-side", "left.y4m right.y4m"] {
+        assert!(of(at, args) == expected, "{args}");
+    }
+    assert!(of(at, "both.y4m --frames 1..1") == of(at, "rec --frames 2..2"));
     let both: Vec<Vec<u8>> = pairs(at).iter().map(joined).collect();
     for (fields, other) in [
         ("H240 W640", 640 * 120),
@@ -121,7 +116,7 @@ fn y4m_gives_what_its_images_give() {
         ("W640 H240 C444alpha", 3 * 640 * 240),
     ] {
         fs::write(at.join("x.Y4M"), y4m(fields, &both, other)).unwrap();
-        assert!(of(at, &["x.Y4M"]) == expected, "{fields}");
+        assert!(of(at, "x.Y4M") == expected, "{fields}");
     }
     // 10 bits whose grey of 8 is the same.
     let ten = |frame: &Vec<u8>| {
@@ -130,7 +125,7 @@ fn y4m_gives_what_its_images_give() {
     };
     let ten: Vec<Vec<u8>> = both.iter().map(ten).collect();
     fs::write(at.join("ten.y4m"), y4m("W640 H240 Cmono10", &ten, 0)).unwrap();
-    assert!(of(at, &["ten.y4m"]) == expected);
+    assert!(of(at, "ten.y4m") == expected);
 }
 
 #[test]
@@ -139,58 +134,38 @@ fn a_video_is_input_like_any_other() {
     let at = folder.path();
     with_y4m(at);
     fs::write(at.join("rig.toml"), RIG).unwrap();
-    let rig = ["--rig", "rig.toml", "--size", "320x240"];
+    let rig = "--rig rig.toml --size 320x240";
     // Drawn without a lens: by this rig their rows do not match, and the lines say so.
-    let unfit = |args: &[&str]| {
-        let output = linestereo(at, &[&["sequence"], args, &rig[..]].concat());
+    let unfit = |args: &str| {
+        let output = linestereo(at, &format!("sequence {args} {rig}"));
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         records(&String::from_utf8(output.stdout).unwrap())
     };
-    let of_files = unfit(&["rec"]);
-    assert!(of_files.len() == 3 && unfit(&["both.y4m"]) == of_files);
-    assert!(of_files != of(at, &["rec"]));
-    let known = ["--focal-px", "288", "--baseline-m", "0.12"];
-    let said = succeed(
-        at,
-        &[
-            &["sequence", "left.y4m", "right.y4m", "--out", "a.mcap", "--with", "images"],
-            &known[..],
-        ]
-        .concat(),
-    );
-    assert!(
-        said.contains("3 frames, 0 failed, 0 images without a partner; layout: video"),
-        "{said}"
-    );
-    let again = succeed(at, &["sequence", "a.mcap", "--no-points"]);
-    assert!(again.contains("\"name\":\"0.033333333\""), "{again}");
-    for input in [&["both.y4m"][..], &["left.y4m", "right.y4m"]] {
-        let said = succeed(at, &[&["report"], input, &["-o", "x.html"]].concat());
-        assert!(said.contains("3 of 3 pairs, 0 failed"), "{said}");
-        assert!(succeed(at, &[&["quality"], input].concat()).contains("verdict"));
+    let of_files = unfit("rec");
+    assert!(of_files.len() == 3 && unfit("both.y4m") == of_files);
+    assert!(of_files != of(at, "rec"));
+    let known = "--focal-px 288 --baseline-m 0.12";
+    let line = format!("sequence left.y4m right.y4m --out a.mcap --with images {known}");
+    tells(at, &line, &["3 frames, 0 failed, 0 images without a partner; layout: video"]);
+    tells(at, "sequence a.mcap --no-points", &["\"name\":\"0.033333333\""]);
+    for input in ["both.y4m", "left.y4m right.y4m"] {
+        tells(at, &format!("report {input} -o x.html"), &["3 of 3 pairs, 0 failed"]);
+        tells(at, &format!("quality {input}"), &["verdict"]);
     }
-    all_refused(
-        at,
-        &[
-            (&["sequence", "both.y4m", "--objects", "rec/1/left.png"], "and a video has neither"),
-            (&["sequence", "both.y4m", "--out", "both.y4m"], "the same; write to another"),
-            (&["sequence", "left.y4m", "rec"], "rec is no video; of two paths both are videos"),
-            (&["sequence", "rec/1/left.png", "rec/1/right.png"], "left.png is no video"),
-            (
-                &["sequence", "left.y4m", "right.y4m", "--side-by-side"],
-                "--side-by-side is for one video",
-            ),
-            (&["sequence", "both.y4m", "--frames", "3..9"], "none of the 3 pairs in both.y4m"),
-            (
-                &["sequence", "both.y4m", "--left-topic", "a", "--right-topic", "b"],
-                "are for an .mcap file",
-            ),
-            (&["sequence", "none.y4m"], "none.y4m: it cannot be read"),
-            (&["sequence"], "required"),
-            (&["sequence", "both.y4m", "--camera", "/dev/null"], "cannot be used with"),
-            (&["sequence", "both.y4m", "--camera-size", "9x9"], "are for --camera"),
-        ],
-    );
+    let cases = [
+        ("sequence both.y4m --objects rec/1/left.png", "and a video has neither"),
+        ("sequence both.y4m --out both.y4m", "the same; write to another"),
+        ("sequence left.y4m rec", "rec is no video; of two paths both are videos"),
+        ("sequence rec/1/left.png rec/1/right.png", "left.png is no video"),
+        ("sequence left.y4m right.y4m --side-by-side", "--side-by-side is for one video"),
+        ("sequence both.y4m --frames 3..9", "none of the 3 pairs in both.y4m"),
+        ("sequence both.y4m --left-topic a --right-topic b", "are for an .mcap file"),
+        ("sequence none.y4m", "none.y4m: it cannot be read"),
+        ("sequence", "required"),
+        ("sequence both.y4m --camera /dev/null", "cannot be used with"),
+        ("sequence both.y4m --camera-size 9x9", "are for --camera"),
+    ];
+    all_refused(at, &cases);
 }
 
 #[test]
@@ -200,13 +175,13 @@ fn the_shorter_of_two_videos_ends_them() {
     with_y4m(at);
     let right = fs::read(at.join("right.y4m")).unwrap();
     fs::write(at.join("right.y4m"), &right[..right.len() - 50_000]).unwrap();
-    let said = succeed(at, &["sequence", "left.y4m", "right.y4m", "--out", "x.jsonl"]);
-    assert!(said.contains("2 frames, 0 failed, 1 images without a partner"), "{said}");
-    assert!(said.contains("right.y4m: cut off inside frame 2, which is left out"), "{said}");
-    assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == of(at, &["rec"])[..2]);
-    assert!(
-        succeed(at, &["quality", "left.y4m", "right.y4m"]).contains("1 frames of the longer video")
-    );
+    let words = [
+        "2 frames, 0 failed, 1 images without a partner",
+        "right.y4m: cut off inside frame 2, which is left out",
+    ];
+    tells(at, "sequence left.y4m right.y4m --out x.jsonl", &words);
+    assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == of(at, "rec")[..2]);
+    tells(at, "quality left.y4m right.y4m", &["1 frames of the longer video"]);
 }
 
 #[test]
@@ -214,24 +189,21 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
     let folder = drawn();
     let at = folder.path();
     with_y4m(at);
-    let expected = of(at, &["rec"]);
+    let expected = of(at, "rec");
     for name in ["both.mkv", "both.avi", "-both.mkv", "a:b.mkv", "both.mov"] {
         let codec = if name.ends_with("mov") { "png" } else { "ffv1" };
         if !ffmpeg(at, &format!("-i both.y4m -c:v {codec} file:{name}")) {
             return;
         }
-        let path = format!("./{name}");
-        assert!(
-            of(at, &["--", if name.starts_with('-') { name } else { &path }]) == expected,
-            "{name}"
-        );
+        let path = if name.starts_with('-') { name } else { &format!("./{name}") };
+        assert!(of(at, &format!("-- {path}")) == expected, "{name}");
     }
     for side in ["left", "right"] {
         ffmpeg(at, &format!("-i {side}.y4m -c:v ffv1 {side}.mkv"));
     }
-    assert!(of(at, &["left.mkv", "right.mkv"]) == expected);
-    assert!(of(at, &["left.mkv", "right.y4m"]) == expected);
-    assert!(of(at, &["both.mkv", "--frames", "1..2"]) == of(at, &["rec", "--frames", "2..3"]));
+    assert!(of(at, "left.mkv right.mkv") == expected);
+    assert!(of(at, "left.mkv right.y4m") == expected);
+    assert!(of(at, "both.mkv --frames 1..2") == of(at, "rec --frames 2..3"));
     // Frames that are stored in another order than they are shown: each once, in its place.
     ffmpeg(at, "-stream_loop 3 -i both.y4m -c:v mpeg4 -bf 2 -qscale:v 2 lossy.mp4");
     fs::create_dir(at.join("decoded")).unwrap();
@@ -239,26 +211,23 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
         at,
         "-i lossy.mp4 -sws_flags bicubic+accurate_rnd+bitexact -pix_fmt gray decoded/%d.png",
     );
-    let decoded = of(at, &["decoded", "--side-by-side"]);
-    assert!(decoded.len() == 12 && of(at, &["lossy.mp4"]) == decoded);
+    let decoded = of(at, "decoded --side-by-side");
+    assert!(decoded.len() == 12 && of(at, "lossy.mp4") == decoded);
     // JPEG files one behind the other, which have no times.
     let jpegs: Vec<Vec<u8>> = pairs(at).iter().map(|pair| jpeg(&joined(pair), 640, 90)).collect();
     fs::write(at.join("both.mjpeg"), jpegs.concat()).unwrap();
     fs::create_dir(at.join("jpegs")).unwrap();
     ffmpeg(at, "-i both.mjpeg -sws_flags bicubic+accurate_rnd+bitexact -pix_fmt gray jpegs/%d.png");
-    let decoded = of(at, &["jpegs", "--side-by-side"]);
-    assert!(decoded.len() == 3 && of(at, &["both.mjpeg"]) == decoded);
+    let decoded = of(at, "jpegs --side-by-side");
+    assert!(decoded.len() == 3 && of(at, "both.mjpeg") == decoded);
     // Frames at times of their own: each once.
     ffmpeg(
         at,
         "-stream_loop 3 -i both.y4m -vf setpts=N*(N+1)*1000 -fps_mode vfr -c:v ffv1 long.mkv",
     );
     let names = |video: &str| {
-        let lines = succeed(at, &["sequence", video, "--no-points"]);
-        let name = |line: &str| {
-            serde_json::from_str::<serde_json::Value>(line).unwrap()["name"].to_string()
-        };
-        lines.lines().map(name).collect::<Vec<_>>()
+        let lines = json_lines(&succeed(at, &format!("sequence {video} --no-points")));
+        lines.iter().map(|line| line["name"].to_string()).collect::<Vec<_>>()
     };
     assert_eq!(names("both.mkv"), ["\"0.000\"", "\"0.033\"", "\"0.067\""]);
     assert_eq!(names("both.mjpeg"), ["\"0\"", "\"1\"", "\"2\""]);
@@ -271,22 +240,17 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
     fs::write(at.join("list.mkv"), "ffconcat version 1.0\nfile both.mkv\n").unwrap();
     fs::write(at.join("cut.mkv"), &fs::read(at.join("both.mkv")).unwrap()[..400]).unwrap();
     for name in ["sound.mkv", "text.mkv", "list.mkv", "cut.mkv"] {
-        assert!(
-            refused(at, &["sequence", name]).contains(&format!("{name}: ffmpeg cannot read it (")),
-            "{name}"
-        );
+        let words = format!("{name}: ffmpeg cannot read it (");
+        refused(at, &format!("sequence {name}"), &[&words]);
     }
-    assert!(refused(at, &["sequence", "http://127.0.0.1:9/x.mp4"]).contains("it cannot be read"));
+    refused(at, "sequence http://127.0.0.1:9/x.mp4", &["it cannot be read"]);
     let whole = fs::read(at.join("both.mkv")).unwrap();
     fs::write(at.join("part.mkv"), &whole[..whole.len() * 9 / 10]).unwrap();
-    let said = succeed(at, &["sequence", "part.mkv", "--out", "x.jsonl"]);
-    assert!(
-        said.contains("2 frames, 0 failed") && said.contains("part.mkv: ffmpeg says: "),
-        "{said}"
-    );
+    let words = ["2 frames, 0 failed", "part.mkv: ffmpeg says: "];
+    tells(at, "sequence part.mkv --out x.jsonl", &words);
     assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == expected[..2]);
     ffmpeg(at, "-i both.y4m -vf crop=639:240:0:0:exact=1 -c:v ffv1 odd.mkv");
-    assert!(refused(at, &["sequence", "odd.mkv"]).contains("odd.mkv: its width 639 is odd"));
+    refused(at, "sequence odd.mkv", &["odd.mkv: its width 639 is odd"]);
 }
 
 #[test]
@@ -312,26 +276,18 @@ fn hostile_heads_are_refused() {
         (y4m("W64 H48 Cmono", &[], 0), "it holds no whole frame"),
         (y4m("W64 H96 Cmono", &frame, 0), "it holds no whole frame"),
         (
-            y4m("W64 H48 Cmono", &frame, 9),
-            "it holds no whole frame|frame 1 does not begin with FRAME",
-        ),
-        (
             [y4m("W64 H48 Cmono", &frame, 0), vec![b'x'; 5000]].concat(),
             "frame 1 does not begin with FRAME",
         ),
         (y4m("W63 H48 Cmono", &[vec![7; 63 * 48]], 0), "its width 63 is odd"),
     ];
-    for (bytes, says) in cases {
+    for (bytes, word) in cases {
         fs::write(folder.path().join("x.y4m"), bytes).unwrap();
-        let output = linestereo(folder.path(), &["sequence", "x.y4m"]);
-        let line = stderr(&output);
-        if says.contains('|') {
-            assert!(output.status.code().is_some_and(|code| code == 2), "{line}");
-            continue;
-        }
-        assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{says}: {line}");
-        assert!(line.contains(says) && line.contains(';'), "it does not say {says}: {line}");
+        refused(folder.path(), "sequence x.y4m", &[word, ";"]);
     }
+    // A whole frame and a piece of another one: there is nothing to match in it.
+    fs::write(folder.path().join("x.y4m"), y4m("W64 H48 Cmono", &frame, 9)).unwrap();
+    assert_eq!(linestereo(folder.path(), "sequence x.y4m").status.code(), Some(2));
 }
 
 /// Cut off, or with pieces cut out, doubled or changed; most of them where heads are.
@@ -396,19 +352,17 @@ const LISTS: &str = "case \"$*\" in *framecrc*) for i in 0 1 2 3 4 5; do echo \"
 
 /// Calls the program with the fake before other programs.
 #[cfg(unix)]
-fn faked(folder: &Path, args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_linestereo"));
+fn faked(folder: &Path, line: &str) -> Command {
+    let mut command = program(folder, line);
     let path = format!("{}/bin:/usr/bin:/bin", folder.display());
-    command.args(args).current_dir(folder).env("PATH", path).stdin(Stdio::null());
+    command.env("PATH", path).stdin(Stdio::null());
     command
 }
 
 #[cfg(unix)]
 fn fake_refused(folder: &Path, script: &str, says: &str) {
     with_fake(folder, script);
-    let output = faked(folder, &["sequence", "x.mp4"]).output().unwrap();
-    let line = stderr(&output);
-    assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{script}: {line}");
+    let line = failed(&faked(folder, "sequence x.mp4").output().unwrap());
     assert!(line.contains(says), "{script} does not say {says}: {line}");
 }
 
@@ -455,13 +409,9 @@ fn an_ffmpeg_that_fails_is_named() {
         fake_refused(at, &format!("{LISTS}{script}"), says);
     }
     fs::remove_file(at.join("bin/ffmpeg")).unwrap();
-    let output = faked(at, &["sequence", "x.mp4"]).env("PATH", at.join("bin")).output().unwrap();
-    assert!(
-        stderr(&output).contains("x.mp4: ffmpeg, which is needed for it, cannot be started"),
-        "{}",
-        stderr(&output)
-    );
-    assert!(stderr(&output).contains("apt install ffmpeg"), "{}", stderr(&output));
+    let output = faked(at, "sequence x.mp4").env("PATH", at.join("bin")).output().unwrap();
+    let words = ["x.mp4: ffmpeg, which is needed for it, cannot be started", "apt install ffmpeg"];
+    says(&stderr(&output), &words);
 }
 
 /// Has it run no more?
@@ -470,13 +420,8 @@ fn is_gone(pid: &Path) -> bool {
     let pid = fs::read_to_string(pid).unwrap();
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(5) {
-        if !Command::new("kill")
-            .args(["-0", pid.trim()])
-            .stderr(Stdio::null())
-            .status()
-            .unwrap()
-            .success()
-        {
+        let probe = Command::new("kill").args(["-0", pid.trim()]).output().unwrap();
+        if !probe.status.success() {
             return true;
         }
         std::thread::sleep(Duration::from_millis(20));
@@ -520,15 +465,10 @@ fn a_camera_gives_pairs_until_their_number_is_reached() {
     let folder = drawn();
     let at = folder.path();
     with_camera(at, "while :; do cat frame0 frame1 frame2; done");
-    let args =
-        ["sequence", "--camera", "/dev/null", "--camera-size", "640x240", "--camera-fps", "30"];
-    let output =
-        faked(at, &[&args[..], &["--camera-format", "mjpeg", "--frames", "1..3"]].concat())
-            .output()
-            .unwrap();
-    assert!(output.status.success(), "{}", stderr(&output));
-    let expected = of(at, &["rec"]);
-    let found = records(&String::from_utf8_lossy(&output.stdout));
+    let line = "sequence --camera /dev/null --camera-size 640x240 --camera-fps 30 \
+                --camera-format mjpeg --frames 1..3";
+    let found = records(&stdout(&faked(at, line).output().unwrap()));
+    let expected = of(at, "rec");
     assert_eq!(found.len(), 3);
     // What was matched before has no part in the health of the first pair.
     assert!(found[0].contains("\"points\"") && expected[1].contains("\"points\""));
@@ -538,38 +478,19 @@ fn a_camera_gives_pairs_until_their_number_is_reached() {
     assert!(is_gone(&at.join("pid")));
     // Pulled out.
     with_camera(at, "cat frame0 frame1; echo No such device >&2; exit 1");
-    let output =
-        faked(at, &["sequence", "--camera", "/dev/null", "--out", "x.jsonl"]).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(
-        output.status.success() && said.contains("2 frames, 0 failed"),
-        "{said} {}",
-        stderr(&output)
-    );
-    assert!(
-        said.contains("it ended behind 2 frames; /dev/null: ffmpeg says: No such device"),
-        "{said}"
-    );
+    let output = faked(at, "sequence --camera /dev/null --out x.jsonl").output().unwrap();
+    let words =
+        ["2 frames, 0 failed", "it ended behind 2 frames; /dev/null: ffmpeg says: No such device"];
+    says(&stdout(&output), &words);
     assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == expected[..2]);
-    all_refused(
-        at,
-        &[
-            (
-                &["sequence", "--camera", "/dev/video987"],
-                "/dev/video987: there is no camera (No such file",
-            ),
-            (&["sequence", "--camera", "both.y4m"], "both.y4m: it is no camera; give its device"),
-            (
-                &["sequence", "--camera", "/dev/null", "--camera-size", "9"],
-                "give width and height of both views",
-            ),
-            (&["sequence", "--camera", "/dev/null", "--camera-format", "a b"], "give a name"),
-            (
-                &["sequence", "--camera", "/dev/null", "--objects", "a.csv"],
-                "and a camera has neither",
-            ),
-        ],
-    );
+    let cases = [
+        ("sequence --camera /dev/video987", "/dev/video987: there is no camera (No such file"),
+        ("sequence --camera both.y4m", "both.y4m: it is no camera; give its device"),
+        ("sequence --camera /dev/null --camera-size 9", "give width and height of both views"),
+        ("sequence --camera /dev/null --camera-format a/b", "give a name"),
+        ("sequence --camera /dev/null --objects a.csv", "and a camera has neither"),
+    ];
+    all_refused(at, &cases);
 }
 
 #[test]
@@ -578,40 +499,33 @@ fn an_interrupted_camera_or_video_keeps_what_is_done() {
     let folder = drawn();
     let at = folder.path();
     // The end of the first line shows that pairs were matched.
-    let interrupted = |args: &[&str], frames: &str| -> Output {
+    let interrupted = |line: &str, frames: &str| -> Output {
         with_camera(at, frames);
         fs::write(at.join("pid"), "").unwrap();
-        let child = faked(at, args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let child = faked(at, line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let start = Instant::now();
         while !at.join("third").exists() && start.elapsed() < Duration::from_secs(20) {
             std::thread::sleep(Duration::from_millis(20));
         }
         fs::remove_file(at.join("third")).unwrap();
-        assert!(
-            Command::new("kill")
-                .args(["-INT", &child.id().to_string()])
-                .status()
-                .unwrap()
-                .success()
-        );
+        signal(&child, "-INT");
         let output = child.wait_with_output().unwrap();
         assert!(is_gone(&at.join("pid")));
         output
     };
     // Then it waits for a frame that does not come.
     let three = "cat frame0 frame1 frame2; sleep 2; touch third; exec sleep 1000";
-    let output = interrupted(&["sequence", "--camera", "/dev/null", "--out", "x.jsonl"], three);
-    assert!(output.status.success(), "{}", stderr(&output));
-    assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == of(at, &["rec"]));
-    let bounded = ["sequence", "--camera", "/dev/null", "--frames", "0..9", "--out", "y.jsonl"];
-    let output = interrupted(&bounded, three);
-    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    assert!(
-        stderr(&output).contains("interrupted after 3 of 10 frames; their lines are in y.jsonl"),
-        "{}",
-        stderr(&output)
-    );
-    let output = interrupted(&["sequence", "x.mp4", "--out", "z.jsonl"], three);
-    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
-    assert!(stderr(&output).contains("interrupted after 3 of 6 frames"), "{}", stderr(&output));
+    stdout(&interrupted("sequence --camera /dev/null --out x.jsonl", three));
+    assert!(records(&fs::read_to_string(at.join("x.jsonl")).unwrap()) == of(at, "rec"));
+    for (line, word) in [
+        (
+            "sequence --camera /dev/null --frames 0..9 --out y.jsonl",
+            "interrupted after 3 of 10 frames; their lines are in y.jsonl",
+        ),
+        ("sequence x.mp4 --out z.jsonl", "interrupted after 3 of 6 frames"),
+    ] {
+        let output = interrupted(line, three);
+        assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+        says(&stderr(&output), &[word]);
+    }
 }

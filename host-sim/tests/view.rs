@@ -1,10 +1,11 @@
 //! `linestereo view` as a browser meets it: who is let in, events against the lines of `sequence`
 //! and `monitor`, boxes, a board's link, the end.
 
-use crate::monitor::{damaged_recording, frame, packet, sectors};
+use crate::monitor::{damaged_recording, frame, next_command, packet, sectors};
 use crate::rectify::RIG;
 use crate::support::{
-    all_refused, linestereo, stderr, succeed, with_drawn_pairs, with_pole, with_rig,
+    all_refused, json, json_lines, linestereo, listening, program, says, signal, stderr, stdout,
+    succeed, with_drawn_pairs, with_file, with_pole, with_rig,
 };
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
@@ -33,15 +34,9 @@ struct View {
 }
 
 impl View {
-    fn start(folder: &Path, args: &[&str]) -> Self {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_linestereo"));
-        program
-            .current_dir(folder)
-            .arg("view")
-            .args(args)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped());
-        let mut child = program.spawn().unwrap();
+    fn start(folder: &Path, args: &str) -> Self {
+        let mut program = program(folder, &format!("view {args}"));
+        let mut child = program.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut stdout = BufReader::new(child.stdout.take().unwrap());
         let mut address = String::new();
         stdout.read_line(&mut address).unwrap();
@@ -103,13 +98,7 @@ impl View {
 
     /// Ctrl-C; exit code, the rest of stdout, and stderr.
     fn interrupt(mut self) -> (Option<i32>, String, String) {
-        assert!(
-            Command::new("kill")
-                .args(["-INT", &self.child.id().to_string()])
-                .status()
-                .unwrap()
-                .success()
-        );
+        signal(&self.child, "-INT");
         self.end()
     }
 
@@ -169,7 +158,7 @@ impl Events {
 #[test]
 fn the_page_is_for_this_computer_and_its_token_alone() {
     let folder = with_drawn_pairs();
-    let view = View::start(folder.path(), &["rec"]);
+    let view = View::start(folder.path(), "rec");
     let (token, port) = (&view.token, view.port);
     assert_eq!(token.len(), 32);
     let page = format!("/?token={token}");
@@ -255,9 +244,9 @@ fn the_page_is_for_this_computer_and_its_token_alone() {
 fn events_of_pairs_are_the_lines_of_a_sequence() {
     let folder = with_drawn_pairs();
     let at = folder.path();
-    let expected = succeed(at, &["sequence", "rec"]);
+    let expected = succeed(at, "sequence rec");
     // The first pair is there for who comes before the second one.
-    let view = View::start(at, &["rec", "--rate", "0.5"]);
+    let view = View::start(at, "rec --rate 0.5");
     let mut events = view.events();
     let picture = events.json("picture");
     assert_eq!(picture["size"], json!([320, 240]));
@@ -269,8 +258,7 @@ fn events_of_pairs_are_the_lines_of_a_sequence() {
     }
     // A box is answered after the last pair, too: by the depth that `sequence` gives.
     fs::write(at.join("box.csv"), "50,50,150,150\n").unwrap();
-    let answered = succeed(at, &["sequence", "rec", "--objects", "box.csv"]);
-    let mut answered: Value = serde_json::from_str(answered.lines().nth(2).unwrap()).unwrap();
+    let mut answered = json_lines(&succeed(at, "sequence rec --objects box.csv")).remove(2);
     assert_eq!(view.post("[[50,50,150,150],[400,300,500,400]]"), 200);
     assert_eq!(events.json("boxes"), json!([[50, 50, 150, 150], [400, 300, 500, 400]]));
     let mut found = events.json("objects");
@@ -306,15 +294,10 @@ fn events_of_pairs_are_the_lines_of_a_sequence() {
 
 #[test]
 fn events_of_a_board_are_the_lines_of_monitor() {
-    let folder = TempDir::new().unwrap();
-    let (bytes, _) = damaged_recording();
-    fs::write(folder.path().join("run.bin"), bytes).unwrap();
-    let monitored = linestereo(folder.path(), &["monitor", "run.bin", "--json"]);
+    let folder = with_file("run.bin", damaged_recording().0);
+    let monitored = linestereo(folder.path(), "monitor run.bin --json");
     let expected = String::from_utf8(monitored.stdout).unwrap();
-    let mut view = View::start(
-        folder.path(),
-        &["run.bin", "--rate", "0.5", "--focal-px", "300", "--baseline-m", "0.1"],
-    );
+    let mut view = View::start(folder.path(), "run.bin --rate 0.5 --focal-px 300 --baseline-m 0.1");
     let mut events = view.events();
     for line in expected.lines() {
         assert_eq!(events.of("frame"), line);
@@ -336,13 +319,6 @@ fn events_of_a_board_are_the_lines_of_monitor() {
     assert_eq!(summary, String::from_utf8(monitored.stderr).unwrap().split_once('\n').unwrap().1);
 }
 
-/// A port that a board listens at, and its address.
-fn listening() -> (TcpListener, String) {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = listener.local_addr().unwrap().to_string();
-    (listener, address)
-}
-
 /// The program's connection to the board.
 fn accepted(listener: &TcpListener) -> TcpStream {
     let board = listener.accept().unwrap().0;
@@ -352,26 +328,17 @@ fn accepted(listener: &TcpListener) -> TcpStream {
 
 /// The next command, which is accepted.
 fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAND>) -> Request {
-    let mut byte = [0];
-    loop {
-        board.read_exact(&mut byte).unwrap();
-        if let Some(Ok(BoardCommand { id, request })) = decoder.push(byte[0]) {
-            board
-                .write_all(&packet(&Message::Answer(Answer {
-                    command: id,
-                    outcome: Outcome::Accepted,
-                })))
-                .unwrap();
-            return request;
-        }
-    }
+    let BoardCommand { id, request } = next_command(board, decoder).expect("no command in 20 s");
+    let answer = Answer { command: id, outcome: Outcome::Accepted };
+    board.write_all(&packet(&Message::Answer(answer))).unwrap();
+    request
 }
 
 #[test]
 fn boxes_of_the_page_are_asked_of_the_board() {
     let folder = TempDir::new().unwrap();
     let (listener, address) = listening();
-    let mut view = View::start(folder.path(), &["--tcp", &address, "--send", "start"]);
+    let mut view = View::start(folder.path(), &format!("--tcp {address} --send start"));
     let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     assert_eq!(command(&mut board, &mut decoder), Request::Describe);
     assert_eq!(command(&mut board, &mut decoder), Request::Start);
@@ -428,9 +395,8 @@ fn a_pair_that_the_board_missed_is_told_and_ends_nothing() {
     )));
     let bytes = [missed, frame(2, 3).concat()].concat();
     fs::write(folder.path().join("run.bin"), bytes).unwrap();
-    for options in [&["--focal-px", "300", "--baseline-m", "0.1"][..], &["--rig", "rig.toml"]] {
-        let mut view =
-            View::start(folder.path(), &[&["run.bin", "--rate", "20"], options].concat());
+    for options in ["--focal-px 300 --baseline-m 0.1", "--rig rig.toml"] {
+        let mut view = View::start(folder.path(), &format!("run.bin --rate 20 {options}"));
         let mut events = view.events();
         assert_eq!(events.json("frame")["size"], json!([0, 0]));
         assert_eq!(events.json("frame")["sequence"], 2, "{options:?}");
@@ -456,7 +422,7 @@ fn photo(board: &mut TcpStream, grey: u8, first: u32) {
 fn photographs_of_a_board_lie_under_its_segments() {
     let folder = TempDir::new().unwrap();
     let (listener, address) = listening();
-    let view = View::start(folder.path(), &["--tcp", &address, "--photograph", "1"]);
+    let view = View::start(folder.path(), &format!("--tcp {address} --photograph 1"));
     let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     let mut events = view.events();
     assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
@@ -477,7 +443,7 @@ fn a_photograph_of_another_size_than_the_rig_is_left_out() {
     let folder = with_rig(RIG);
     let (listener, address) = listening();
     let view =
-        View::start(folder.path(), &["--tcp", &address, "--photograph", "1", "--rig", "rig.toml"]);
+        View::start(folder.path(), &format!("--tcp {address} --photograph 1 --rig rig.toml"));
     let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     let mut events = view.events();
     // The second one is asked for by a program that goes on.
@@ -503,29 +469,24 @@ fn what_cannot_be_shown_is_refused() {
     let at = folder.path();
     fs::write(at.join("image.png"), [7; 3000]).unwrap();
     fs::create_dir(at.join("empty")).unwrap();
-    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = taken.local_addr().unwrap().port().to_string();
+    let (_taken, address) = listening();
+    let port = address.rsplit(':').next().unwrap();
     fs::write(at.join("run.bin"), frame(1, 0).concat()).unwrap();
-    all_refused(
-        at,
-        &[
-            (&["view"], "--tcp"),
-            (&["view", "missing"], "missing"),
-            (&["view", "empty"], "empty"),
-            (&["view", "run.bin", "--port", &port], "give another --port, or 0"),
-            (&["view", "run.bin", "--rate", "0"], "give pairs a second"),
-            (&["view", "run.bin", "--send", "start"], "--send"),
-            (&["view", "--tcp", "127.0.0.1:1", "--repeat"], "--repeat"),
-            (&["view", "--tcp", "127.0.0.1:1"], "is something listening there?"),
-        ],
-    );
+    let cases: [(&str, &str); 8] = [
+        ("view", "--tcp"),
+        ("view missing", "missing"),
+        ("view empty", "empty"),
+        (&format!("view run.bin --port {port}"), "give another --port, or 0"),
+        ("view run.bin --rate 0", "give pairs a second"),
+        ("view run.bin --send start", "--send"),
+        ("view --tcp 127.0.0.1:1 --repeat", "--repeat"),
+        ("view --tcp 127.0.0.1:1", "is something listening there?"),
+    ];
+    all_refused(at, &cases);
     // The page stands by then: what is wrong is said all the same.
-    let output = linestereo(at, &["view", "image.png"]);
-    assert!(output.status.code() == Some(2), "{output:?}");
-    assert!(
-        stderr(&output).contains("image.png holds nothing that a board sent, in 3000 bytes"),
-        "{output:?}"
-    );
+    let output = linestereo(at, "view image.png");
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    says(&stderr(&output), &["image.png holds nothing that a board sent, in 3000 bytes"]);
 }
 
 /// Visits a page in a browser without a window; what it shows after each step, and what it fetched.
@@ -553,8 +514,7 @@ fn visit(page: &str, steps: &Value) -> Option<(Vec<Value>, Vec<String>)> {
     let task = json!({"browser": browser.path(), "page": page, "flags": [], "steps": steps});
     node.stdin.take().unwrap().write_all(task.to_string().as_bytes()).unwrap();
     let output = node.wait_with_output().unwrap();
-    assert!(output.status.success(), "{}", stderr(&output));
-    let mut done: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut done: Value = serde_json::from_str(&stdout(&output)).unwrap();
     let found = done["found"].take().as_array().unwrap().clone();
     Some((found, serde_json::from_value(done["logged"].take()).unwrap()))
 }
@@ -568,12 +528,11 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
     let _ = ["left.png", "right.png"]
         .map(|name| fs::copy(at.join("rec/1/left.png"), at.join("same/1").join(name)).unwrap());
     fs::write(at.join("box.csv"), "50,50,150,150\n").unwrap();
-    let answered = succeed(at, &["sequence", "rec", "--objects", "box.csv"]);
-    let answered: Value = serde_json::from_str(answered.lines().nth(2).unwrap()).unwrap();
+    let answered = json_lines(&succeed(at, "sequence rec --objects box.csv")).remove(2);
     let [d, sigma, z, z_sigma, nearest, p] =
         ["disparity_px", "sigma_px", "depth_m", "sigma_m", "nearest_m", "confidence"]
             .map(|name| answered["objects"][0][name].as_f64().unwrap());
-    let (view, same) = (View::start(at, &["rec", "--rate", "100"]), View::start(at, &["same"]));
+    let (view, same) = (View::start(at, "rec --rate 100"), View::start(at, "same"));
     let address = |view: &View| format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
     let is_answered = "/ m ± /.test(document.getElementById('objects').innerText)";
     let steps = json!([
@@ -614,7 +573,7 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
 #[test]
 fn a_visitor_sees_bars() {
     let folder = with_pole();
-    let line: Value = serde_json::from_str(&succeed(folder.path(), &["sequence", "rec"])).unwrap();
+    let line = json(folder.path(), "sequence rec");
     let bars = line["bars"].as_array().unwrap();
     let ends = bars[0]["left"].as_array().unwrap();
     let middle =
@@ -634,7 +593,7 @@ fn a_visitor_sees_bars() {
         {"until": "linestereo.line().name === '1'"}, click("segments"), click("points"),
         {"until": coloured}, click("bars"), {"until": format!("!{coloured}")}
     ]);
-    let view = View::start(folder.path(), &["rec"]);
+    let view = View::start(folder.path(), "rec");
     let address = format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
     let Some((found, logged)) = visit(&address, &steps) else { return };
     let summary = found[3]["summary"].as_str().unwrap();
@@ -656,10 +615,8 @@ fn thirty_frames_a_second_arrive_whole() {
     let folder = TempDir::new().unwrap();
     let (listener, address) = listening();
     let frames = 120;
-    let view = View::start(
-        folder.path(),
-        &["--tcp", &address, "--focal-px", "300", "--baseline-m", "0.1"],
-    );
+    let options = format!("--tcp {address} --focal-px 300 --baseline-m 0.1");
+    let view = View::start(folder.path(), &options);
     let mut board = listener.accept().unwrap().0;
     let mut events = view.events();
     let sending = thread::spawn(move || {

@@ -3,14 +3,23 @@
 use linestereo::Dims;
 use linestereo_frames::GrayImage;
 use linestereo_tests::drawn::{Random, painted};
+use serde_json::Value;
 use std::fs;
+use std::net::TcpListener;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
 use tempfile::TempDir;
 
+/// The program with the arguments of a command line, which spaces divide.
+pub(crate) fn program(folder: &Path, line: &str) -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_linestereo"));
+    program.current_dir(folder).args(line.split_whitespace());
+    program
+}
+
 /// Calls the program in a folder.
-pub(crate) fn linestereo(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_linestereo")).current_dir(folder).args(args).output().unwrap()
+pub(crate) fn linestereo(folder: &Path, line: &str) -> Output {
+    program(folder, line).output().unwrap()
 }
 
 /// Its output; it has to succeed.
@@ -25,50 +34,89 @@ pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Calls it, has it succeed, and gives what it printed.
+/// A text contains all of these.
 #[track_caller]
-pub(crate) fn succeed(folder: &Path, args: &[&str]) -> String {
-    stdout(&linestereo(folder, args))
+pub(crate) fn says(text: &str, words: &[&str]) {
+    words.iter().for_each(|word| assert!(text.contains(word), "it does not say {word}:\n{text}"));
 }
 
-/// Calls it and has it fail as it promises: exit code 2, nothing on stdout, one line on stderr,
-/// which is given.
+/// Calls it, has it succeed, and gives what it printed.
 #[track_caller]
-pub(crate) fn refused(folder: &Path, args: &[&str]) -> String {
-    let output = linestereo(folder, args);
-    let line = stderr(&output);
-    assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{args:?}: {line}");
-    assert!(line.starts_with("linestereo: ") && output.stdout.is_empty(), "{args:?}: {line}");
+pub(crate) fn succeed(folder: &Path, line: &str) -> String {
+    stdout(&linestereo(folder, line))
+}
+
+/// The same, of which all of these are part.
+#[track_caller]
+pub(crate) fn tells(folder: &Path, line: &str, words: &[&str]) -> String {
+    let text = succeed(folder, line);
+    says(&text, words);
+    text
+}
+
+/// It failed as it promises: exit code 2 and one line on stderr, which is given.
+#[track_caller]
+pub(crate) fn failed(output: &Output) -> String {
+    let line = stderr(output);
+    assert_eq!((output.status.code(), line.lines().count()), (Some(2), 1), "{line}");
+    assert!(line.starts_with("linestereo: "), "{line}");
     line
 }
 
-/// Calls it once for each list of arguments, and has each fail as it promises, in words that
-/// contain the second of the pair.
+/// Calls it and has it fail as it promises, with nothing on stdout, in words that contain all of
+/// these.
 #[track_caller]
-pub(crate) fn all_refused(folder: &Path, cases: &[(&[&str], &str)]) {
-    cases.iter().for_each(|(args, says)| refused_with(folder, args, &[*says]));
+pub(crate) fn refused(folder: &Path, line: &str, words: &[&str]) {
+    let output = linestereo(folder, line);
+    assert!(output.stdout.is_empty(), "{line}: {output:?}");
+    says(&format!("{line}: {}", failed(&output)), words);
 }
 
-/// Calls it and has it fail as it promises, in words that contain all of these.
+/// Calls it once for each command line, and has each fail as it promises, in words that contain the
+/// second of the pair.
 #[track_caller]
-pub(crate) fn refused_with(folder: &Path, args: &[&str], words: &[&str]) {
-    let line = refused(folder, args);
-    words
-        .iter()
-        .for_each(|word| assert!(line.contains(word), "{args:?} does not say {word}: {line}"));
+pub(crate) fn all_refused(folder: &Path, cases: &[(&str, &str)]) {
+    cases.iter().for_each(|(line, word)| refused(folder, line, &[word]));
 }
 
 /// Calls it, has it succeed, and gives the JSON it printed.
 #[track_caller]
-pub(crate) fn json(folder: &Path, args: &[&str]) -> serde_json::Value {
-    serde_json::from_str(&succeed(folder, args)).unwrap()
+pub(crate) fn json(folder: &Path, line: &str) -> Value {
+    serde_json::from_str(&succeed(folder, line)).unwrap()
 }
 
 /// The same of a pair that need not be fit to be used.
 #[track_caller]
-pub(crate) fn json_of_any(folder: &Path, args: &[&str]) -> serde_json::Value {
-    let output = linestereo(folder, args);
+pub(crate) fn json_of_any(folder: &Path, line: &str) -> Value {
+    let output = linestereo(folder, line);
     serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", stderr(&output)))
+}
+
+/// The values of lines of JSON.
+#[track_caller]
+pub(crate) fn json_lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// The names of a JSON object's fields, by the alphabet.
+pub(crate) fn keys(value: &Value) -> String {
+    let mut keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys.join(" ")
+}
+
+/// Sends a signal to a program, such as `-INT`.
+#[cfg(unix)]
+pub(crate) fn signal(child: &Child, signal: &str) {
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// A port that a board listens at, and its address.
+pub(crate) fn listening() -> (TcpListener, String) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    (listener, address)
 }
 
 /// Saves an image as PNG.
@@ -79,28 +127,30 @@ pub(crate) fn save(image: &GrayImage, path: &Path) {
 /// A folder with a rendered scene in the folder `name`.
 pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
-    succeed(folder.path(), &["scene", "--kind", kind, "--size", size, name]);
+    succeed(folder.path(), &format!("scene --kind {kind} --size {size} {name}"));
     folder
 }
 
 /// A folder with three drawn pairs, `rec/1` to `rec/3`.
 pub(crate) fn with_drawn_pairs() -> TempDir {
     let folder = with_scene("demo", "320x240", "rec/1");
-    for seed in ["2", "3"] {
-        let name = format!("rec/{seed}");
-        succeed(
-            folder.path(),
-            &["scene", "--kind", "demo", "--size", "320x240", "--seed", seed, &name],
-        );
+    for seed in [2, 3] {
+        let scene = format!("scene --kind demo --size 320x240 --seed {seed} rec/{seed}");
+        succeed(folder.path(), &scene);
     }
+    folder
+}
+
+/// A folder with this file.
+pub(crate) fn with_file(name: &str, contents: impl AsRef<[u8]>) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join(name), contents).unwrap();
     folder
 }
 
 /// A folder with a `rig.toml`.
 pub(crate) fn with_rig(rig: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
-    fs::write(folder.path().join("rig.toml"), rig).unwrap();
-    folder
+    with_file("rig.toml", rig)
 }
 
 /// Size of [`pole`].
