@@ -4,11 +4,13 @@
 //! inwards by atan(3/4). Its axes in left coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0,
 //! 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
 
+use crate::support::says;
 use linestereo::Dims;
 use linestereo_calibration::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export,
     load_rig,
 };
+use linestereo_calibration::rig_file::RigFile;
 use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use linestereo_tests::captured;
 use std::path::PathBuf;
@@ -33,6 +35,13 @@ pub(crate) fn read(texts: &[&str], options: &Options) -> Result<Imported, Interc
 
 pub(crate) fn good(texts: &[&str]) -> Imported {
     read(texts, &Options::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A rig as it is read from its files in this format.
+pub(crate) fn written(rig: &RigFile, to: Format) -> Imported {
+    let texts = export(rig, to).unwrap().texts;
+    assert_eq!(texts.len(), to.files());
+    good(&texts.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
 /// Line and problem.
@@ -242,9 +251,7 @@ fn what_is_written_is_read_back_as_the_same_numbers() {
         Format::Ros,
         Format::Euroc,
     ] {
-        let written = export(&rig, to).unwrap();
-        assert_eq!(written.texts.len(), to.files());
-        let found = good(&written.texts.iter().map(String::as_str).collect::<Vec<_>>());
+        let found = written(&rig, to);
         assert_eq!(found.format, to);
         assert_is_the_example(&found);
         assert_eq!(
@@ -262,30 +269,29 @@ fn fisheyes_and_skew_are_carried_or_refused() {
     let lens = rig.calibration.camera(CameraSide::Right).lens();
     assert_eq!(lens, Lens::Fisheye { k: [-0.2, 0.05, 0.003, 0.004] });
     for to in [Format::OpencvYaml, Format::OpencvXml, Format::Kalibr, Format::Ros, Format::Euroc] {
-        let written = export(&rig, to).unwrap();
-        let found = good(&written.texts.iter().map(String::as_str).collect::<Vec<_>>());
-        assert_eq!(
-            found.rig.calibration.camera(CameraSide::Right),
-            rig.calibration.camera(CameraSide::Right),
-            "{to}"
-        );
+        let found = written(&rig, to).rig.calibration;
+        let right = |of: &Calibration| *of.camera(CameraSide::Right);
+        assert_eq!(right(&found), right(&rig.calibration), "{to}");
     }
     // One of each, a k3 and a skew: formats that cannot say so refuse to.
     let mixed = good(&[&KALIBR.replacen("radtan", "equidistant", 1)]).rig;
     let refused = |rig, to| matches!(export(rig, to), Err(Problem::NotRepresentable { .. }));
-    assert!(
-        refused(&mixed, Format::OpencvYaml)
-            && !refused(&mixed, Format::Ros)
-            && !refused(&mixed, Format::Kalibr)
-    );
     let k3 = good(&[&opencv().replace("2.e-03, 0. ]", "2.e-03, 0.01 ]")]).rig;
-    assert!(
-        refused(&k3, Format::Kalibr) && refused(&k3, Format::Euroc) && !refused(&k3, Format::Ros)
-    );
     let skew = good(&[&opencv().replace("500., 0., 320.", "500., 0.5, 320.")]).rig;
-    assert!(refused(&skew, Format::Kalibr) && refused(&skew, Format::Euroc));
-    let again = good(&[&export(&skew, Format::OpencvXml).unwrap().texts[0]]);
-    assert_eq!(again.rig.calibration.camera(CameraSide::Left).skew(), 0.5);
+    for (rig, to, is_refused) in [
+        (&mixed, Format::OpencvYaml, true),
+        (&mixed, Format::Ros, false),
+        (&mixed, Format::Kalibr, false),
+        (&k3, Format::Kalibr, true),
+        (&k3, Format::Euroc, true),
+        (&k3, Format::Ros, false),
+        (&skew, Format::Kalibr, true),
+        (&skew, Format::Euroc, true),
+    ] {
+        assert_eq!(refused(rig, to), is_refused, "{to}");
+    }
+    let again = written(&skew, Format::OpencvXml).rig.calibration;
+    assert_eq!(again.camera(CameraSide::Left).skew(), 0.5);
 }
 
 #[test]
@@ -306,11 +312,8 @@ fn opencv_names_are_habits() {
         ["K0", "D0", "K1", "D1"],
         ["cam1_matrix", "cam1_dist", "cam2_matrix", "cam2_dist"],
     ] {
-        assert_is_the_example(&good(&[&format!(
-            "{IMAGE_SIZE}{}{}",
-            opencv_cameras(names),
-            opencv_pose(false)
-        )]));
+        let cameras = opencv_cameras(names);
+        assert_is_the_example(&good(&[&format!("{IMAGE_SIZE}{cameras}{}", opencv_pose(false))]));
     }
     // One file for each camera and one for the pose; intrinsics and extrinsics apart; maps within
     // maps.
@@ -319,15 +322,10 @@ fn opencv_names_are_habits() {
     let second = cameras.rfind("camera_matrix").unwrap();
     let (left, right) = cameras.split_at(second);
     let pose = opencv_pose(false);
-    assert_is_the_example(&good(&[
-        &format!("{IMAGE_SIZE}{left}"),
-        &format!("{IMAGE_SIZE}{right}"),
-        &pose,
-    ]));
-    assert_is_the_example(&good(&[
-        &format!("%YAML:1.0\n{IMAGE_SIZE}{}", opencv_cameras(USUAL)),
-        &pose,
-    ]));
+    let [first, second] = [left, right].map(|camera| format!("{IMAGE_SIZE}{camera}"));
+    assert_is_the_example(&good(&[&first, &second, &pose]));
+    let intrinsics = format!("%YAML:1.0\n{IMAGE_SIZE}{}", opencv_cameras(USUAL));
+    assert_is_the_example(&good(&[&intrinsics, &pose]));
     let inner = |text: &str| text.lines().map(|line| format!("  {line}\n")).collect::<String>();
     let nested = format!("{IMAGE_SIZE}left:\n{}right:\n{}{pose}", inner(left), inner(right));
     assert_is_the_example(&good(&[&nested]));
@@ -346,19 +344,11 @@ fn opencv_lengths_have_the_unit_that_is_given_or_likely() {
     let with = |text: &str, unit| {
         read(&[text], &Options { translation_unit: Some(unit), ..Options::default() }).unwrap()
     };
-    let guessed = good(&[&text(true)]);
-    assert_is_the_example(&guessed);
-    assert!(
-        guessed.notes.iter().any(|note| note.contains("assumed to be in mm")),
-        "{:?}",
-        guessed.notes
-    );
-    let guessed = good(&[&text(false)]);
-    assert!(
-        guessed.notes.iter().any(|note| note.contains("assumed to be in m:")),
-        "{:?}",
-        guessed.notes
-    );
+    for (millimetres, note) in [(true, "assumed to be in mm"), (false, "assumed to be in m:")] {
+        let guessed = good(&[&text(millimetres)]);
+        assert_is_the_example(&guessed);
+        says(&guessed.notes.concat(), &[note]);
+    }
     assert_is_the_example(&with(&text(true), TranslationUnit::Millimetres));
     assert_is_the_example(&with(&text(false), TranslationUnit::Metres));
     // 0.1 squares of 1000 mm.
@@ -382,17 +372,12 @@ fn opencv_lengths_have_the_unit_that_is_given_or_likely() {
     // 2 m: possible, but worth a word. 100 m is none of a stereo head, nor is 0.1 mm.
     let strange =
         with(&text(false).replace("-0.08, 0., 0.06", "-1.6, 0., 1.2"), TranslationUnit::Metres);
-    assert!(
-        strange.notes.iter().any(|note| note.contains("2.0000 m; if that is wrong")),
-        "{:?}",
-        strange.notes
-    );
+    says(&strange.notes.concat(), &["2.0000 m; if that is wrong"]);
     for (millimetres, unit) in
         [(true, TranslationUnit::Metres), (false, TranslationUnit::Millimetres)]
     {
         let options = Options { translation_unit: Some(unit), ..Options::default() };
-        let error = read(&[&text(millimetres)], &options).unwrap_err().to_string();
-        assert!(error.contains("metres"), "{error}");
+        says(&read(&[&text(millimetres)], &options).unwrap_err().to_string(), &["metres"]);
     }
 }
 
@@ -480,85 +465,47 @@ fn further_coefficients_are_zero_or_named() {
 #[test]
 fn errors_name_the_line() {
     let yaml = opencv();
-    let line =
-        |text: &str, word: &str| 1 + text.lines().position(|line| line.contains(word)).unwrap();
-    let m1 = line(&yaml, "M1:");
-    assert!(
-        matches!(bad(&[&yaml.replace("501., 240.", ".nan, 240.")]), (Some(l), Problem::NotFinite(_)) if l == m1 + 5)
-    );
-    assert!(matches!(
-        bad(&[&yaml.replace("501., 240.", "1e999, 240.")]),
-        (Some(_), Problem::NotFinite(_))
-    ));
-    assert!(matches!(
-        bad(&[&yaml.replace("501., 240.", "inf, 240.")]),
-        (Some(_), Problem::NotFinite(_))
-    ));
-    let word = bad(&[&yaml.replace("501., 240.", "50l., 240.")]);
-    assert!(matches!(word, (Some(l), Problem::NotANumber { .. }) if l == m1 + 5), "{word:?}");
-    assert!(matches!(
-        bad(&[&yaml.replacen("rows: 3", "rows: 4", 1)]),
-        (Some(_), Problem::Shape { .. })
-    ));
-    assert!(matches!(
-        bad(&[&yaml.replacen("rows: 3", "rows: 65535", 1)]),
-        (Some(_), Problem::Shape { .. })
-    ));
-    assert!(matches!(
-        bad(&[&yaml.replacen("rows: 3", "rows: 1e300", 1)]),
-        (Some(_), Problem::NotANumber { .. })
-    ));
-    assert!(matches!(
-        bad(&[&yaml.replace("0., 0.6", "0., 0.7")]),
-        (Some(_), Problem::NoRotation(_))
-    ));
-    // A mirror image has perpendicular unit rows too.
-    assert!(matches!(
-        bad(&[&yaml.replace("0., 1., 0., -0.6", "0., -1., 0., -0.6")]),
-        (Some(_), Problem::NoRotation(_))
-    ));
-    assert!(matches!(
-        bad(&[&yaml.replace("0., 0., 1. ]", "0., 0., 2. ]")]),
-        (Some(_), Problem::NoCameraMatrix(_))
-    ));
-    let swapped = yaml.replace("-0.08, 0., 0.06", "0.08, 0., -0.06");
-    assert!(matches!(bad(&[&swapped]), (Some(_), Problem::Swapped)));
-    let focal = bad(&[&yaml.replace("500., 0.", "-500., 0.")]);
-    assert!(
-        matches!(focal, (Some(l), Problem::Camera(CameraSide::Left, _)) if l == m1),
-        "{focal:?}"
-    );
-    assert!(matches!(bad(&[&(yaml.clone() + "T: 3\n")]), (Some(_), Problem::Duplicate(_))));
-    assert!(matches!(
-        bad(&[opencv_xml().replace("0. 501.", "0. x").as_str()]),
-        (Some(8), Problem::NotANumber { .. })
-    ));
-    assert!(matches!(bad(&[&KALIBR.replace("radtan", "fov")]), (Some(5), Problem::Model(_))));
-    assert!(matches!(bad(&[&KALIBR.replace("pinhole", "omni")]), (Some(3), Problem::Model(_))));
-    assert!(matches!(
-        bad(&[&KALIBR.replace("0.0, 1.0]\n  cam", "0.0, 2.0]\n  cam")]),
-        (Some(_), Problem::Shape { .. })
-    ));
+    let focal = |text: &str| yaml.replace("501., 240.", text);
+    for (text, line, problem) in [
+        (focal(".nan, 240."), 10, "NotFinite"),
+        (focal("1e999, 240."), 10, "NotFinite"),
+        (focal("inf, 240."), 10, "NotFinite"),
+        (focal("50l., 240."), 10, "NotANumber"),
+        (yaml.replacen("rows: 3", "rows: 4", 1), 5, "Shape"),
+        (yaml.replacen("rows: 3", "rows: 65535", 1), 5, "Shape"),
+        (yaml.replacen("rows: 3", "rows: 1e300", 1), 6, "NotANumber"),
+        (yaml.replace("0., 0.6", "0., 0.7"), 26, "NoRotation"),
+        // A mirror image has perpendicular unit rows too.
+        (yaml.replace("0., 1., 0., -0.6", "0., -1., 0., -0.6"), 26, "NoRotation"),
+        (yaml.replace("0., 0., 1. ]", "0., 0., 2. ]"), 5, "NoCameraMatrix"),
+        (yaml.replace("-0.08, 0., 0.06", "0.08, 0., -0.06"), 31, "Swapped"),
+        (yaml.replace("500., 0.", "-500., 0."), 5, "Camera(Left"),
+        (yaml.clone() + "T: 3\n", 36, "Duplicate"),
+        (opencv_xml().replace("0. 501.", "0. x"), 8, "NotANumber"),
+        (KALIBR.replace("radtan", "fov"), 5, "Model"),
+        (KALIBR.replace("pinhole", "omni"), 3, "Model"),
+    ] {
+        let (found, error) = bad(&[&text]);
+        assert_eq!(found, Some(line), "{error}");
+        assert!(format!("{error:?}").starts_with(problem), "{error:?} is not {problem}");
+    }
+    let scaled = KALIBR.replace("0.0, 1.0]\n  cam", "0.0, 2.0]\n  cam");
+    assert!(matches!(bad(&[&scaled]), (Some(_), Problem::Shape { .. })));
     assert!(matches!(bad(&[ROS[1], ROS[0]]), (Some(_), Problem::Projection(_))));
     assert!(matches!(bad(&[ROS[0], ROS[0]]), (Some(_), Problem::Projection(_))));
     assert!(matches!(bad(&[ROS[0]]).1, Problem::FileCount { .. }));
     assert!(matches!(bad(&[EUROC[0]]).1, Problem::FileCount { .. }));
     assert!(matches!(bad(&[EUROC[1], EUROC[0]]), (Some(_), Problem::Swapped)));
     assert!(matches!(bad(&[&opencv_cameras(USUAL), "a: 1"]).1, Problem::NoSize { .. }));
-    assert!(matches!(
-        bad(&[&format!("{IMAGE_SIZE}{}", opencv_cameras(USUAL))]).1,
-        Problem::Missing(_)
-    ));
+    let unposed = format!("{IMAGE_SIZE}{}", opencv_cameras(USUAL));
+    assert!(matches!(bad(&[&unposed]).1, Problem::Missing(_)));
     for nothing in
         ["", "hello", "[1, 2]", "%YAML:1.0", "<a/>", "<?xml version=\"1.0\"?><opencv_storage/>"]
     {
-        assert!(
-            matches!(
-                bad(&[nothing]).1,
-                Problem::UnknownFormat | Problem::Missing(_) | Problem::Syntax(_)
-            ),
-            "{nothing}"
-        );
+        let (_, problem) = bad(&[nothing]);
+        let named =
+            matches!(problem, Problem::UnknownFormat | Problem::Missing(_) | Problem::Syntax(_));
+        assert!(named, "{nothing}: {problem}");
     }
 }
 
@@ -583,10 +530,8 @@ fn harmful_files_are_refused() {
         format!("<opencv_storage>{}{}</opencv_storage>", "<a>".repeat(50), "</a>".repeat(50));
     assert!(matches!(bad(&[&deep]), (Some(1), Problem::TooDeep)));
     let attributes: String = (0..10_000).map(|i| format!(" a{i}=\"\"")).collect();
-    assert!(matches!(
-        bad(&[&format!("<opencv_storage\n{attributes}/>")]),
-        (Some(1), Problem::Syntax(_))
-    ));
+    let many = format!("<opencv_storage\n{attributes}/>");
+    assert!(matches!(bad(&[&many]), (Some(1), Problem::Syntax(_))));
     let hidden = format!("<opencv_storage b=\">\"\n{attributes}/>");
     assert!(matches!(bad(&[&hidden]), (Some(1), Problem::Syntax(_))));
     // Took minutes: the parser copies what is in scope.
@@ -612,10 +557,6 @@ fn aliases_that_repeat_a_list_are_understood() {
     assert_is_the_example(&good(&[&text]));
 }
 
-fn frames() -> Option<PathBuf> {
-    captured::folder("euroc_micro").and_then(|folder| Some(folder.parent()?.to_path_buf()))
-}
-
 fn assert_close(found: [[f64; 3]; 3], expected: [[f64; 3]; 3], bound: f64) {
     for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
         assert!((found - expected).abs() <= bound, "{found} is not {expected}");
@@ -626,8 +567,7 @@ fn assert_close(found: [[f64; 3]; 3], expected: [[f64; 3]; 3], bound: f64) {
 /// (`Examples/Stereo/EuRoC.yaml`).
 #[test]
 fn the_euroc_rig_is_the_one_that_others_read_from_it() {
-    let Some(root) = frames() else { return };
-    let folder = root.join("euroc_micro");
+    let Some(folder) = captured::folder("euroc_micro") else { return };
     let paths = ["cam0_sensor.yaml", "cam1_sensor.yaml"].map(|name| folder.join(name));
     let found = load_rig(&paths, &Options::default()).unwrap();
     let calibration = found.rig.calibration;
@@ -652,9 +592,8 @@ fn the_euroc_rig_is_the_one_that_others_read_from_it() {
 
 #[test]
 fn an_opencv_file_with_its_own_rectification() {
-    let Some(root) = frames() else { return };
-    let path = root.join("robot_pairs/sparsestereo_example/calib.xml");
-    let found = load_rig(&[path], &Options::default()).unwrap();
+    let Some(folder) = captured::folder("robot_pairs/sparsestereo_example") else { return };
+    let found = load_rig(&[folder.join("calib.xml")], &Options::default()).unwrap();
     assert_eq!(found.format, Format::OpencvXml);
     let calibration = found.rig.calibration;
     // Q[3][2] = 1 / baseline.
@@ -690,8 +629,7 @@ fn an_opencv_file_with_its_own_rectification() {
 
 #[test]
 fn real_files_that_are_no_rig_say_what_is_missing() {
-    let Some(root) = frames() else { return };
-    let folder = root.join("calibration_boards/opencv_chessboard");
+    let Some(folder) = captured::folder("calibration_boards/opencv_chessboard") else { return };
     let options = Options { size: Some(SIZE), ..Options::default() };
     let read = |names: &[&str]| {
         let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
@@ -701,20 +639,14 @@ fn real_files_that_are_no_rig_say_what_is_missing() {
     assert!(read(&["left_intrinsics.yml"]).contains("only one camera"));
     assert!(read(&["stereo_calib.xml"]).contains("no two camera matrices"));
     // With a pose beside it, it is one.
-    let pose = folder_with_pose();
-    let paths = [folder.join("intrinsics.yml"), pose.path().join("extrinsics.yml")];
+    let text = opencv_matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.")
+        + &opencv_matrix("T", 3, 1, "-3.33, 0., 0.");
+    let (_pose, poses) = files(&[&text]);
+    let paths = [folder.join("intrinsics.yml"), poses[0].clone()];
     let found = load_rig(&paths, &options).unwrap().rig.calibration;
     assert_eq!(found.camera(CameraSide::Left).focal(), [534.803_268_450_513_1; 2]);
     assert_eq!(
         found.camera(CameraSide::Right).centre(),
         [334.557_445_279_120_15, 242.053_245_733_766]
     );
-}
-
-fn folder_with_pose() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let text = opencv_matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.")
-        + &opencv_matrix("T", 3, 1, "-3.33, 0., 0.");
-    std::fs::write(folder.path().join("extrinsics.yml"), text).unwrap();
-    folder
 }
