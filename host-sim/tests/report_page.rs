@@ -1,7 +1,7 @@
 //! The report page in a browser: what it shows is what the run gave. Without a browser these tests
 //! say so and pass.
 
-use crate::support::pole;
+use crate::support::{pole, says, with_file};
 use linestereo::{Area, Dims, Params, Rig, results::Rejection};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
@@ -12,7 +12,7 @@ use linestereo_sim::report::{Page, PageFrame, PageSetup};
 use linestereo_sim::results::listing;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::drawn::rendered;
-use std::path::Path;
+use std::collections::BTreeMap;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
@@ -189,26 +189,24 @@ addEventListener("load", () => {
 });
 "##;
 
-fn visited(browser: &Browser, html: &str, visitor: &str, flags: &[&str]) -> Vec<(String, String)> {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("page.html");
-    std::fs::write(
-        &file,
-        html.replace("</body>", &format!("<script>{TOOLS}{visitor}</script></body>")),
-    )
-    .unwrap();
-    let document = browser.document(&file, flags).unwrap();
+/// What a visitor noted, by name.
+fn visited(
+    browser: &Browser,
+    html: &str,
+    visitor: &str,
+    flags: &[&str],
+) -> BTreeMap<String, String> {
+    let script = format!("<script>{TOOLS}{visitor}</script></body>");
+    let folder = with_file("page.html", html.replace("</body>", &script));
+    let document = browser.document(&folder.path().join("page.html"), flags).unwrap();
     let notes = document
         .split_once("<pre id=\"notes\">")
         .map(|(_, rest)| rest.split("</pre>").next().unwrap());
     let notes =
         notes.unwrap_or_else(|| panic!("the visitor did not come to an end: {}", head(&document)));
     let plain = notes.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
-    plain
-        .lines()
-        .filter_map(|line| line.split_once(": "))
-        .map(|(a, b)| (a.to_owned(), b.to_owned()))
-        .collect()
+    let lines = plain.lines().filter_map(|line| line.split_once(": "));
+    lines.map(|(name, value)| (name.to_owned(), value.to_owned())).collect()
 }
 
 fn head(text: &str) -> String {
@@ -235,11 +233,8 @@ fn a_visitor_sees_what_the_run_gave() {
     // Also as narrow as a phone is.
     for flags in [&[][..], &["--window-size=500,1200"]] {
         let notes = visited(&browser, &html, VISITOR, flags);
-        let said = |name: &str| {
-            let found = notes.iter().find(|(given, _)| given == name);
-            found.unwrap_or_else(|| panic!("nothing about {name} in {notes:?}")).1.as_str()
-        };
-        assert!(notes.iter().all(|(name, _)| name != "error"), "{notes:?}");
+        let said = |name: &str| notes[name].as_str();
+        assert!(!notes.contains_key("error"), "{notes:?}");
         let counts = |result: &FrameResult| {
             let counts = &result.counts;
             format!(
@@ -331,8 +326,8 @@ fn a_visitor_sees_bars() {
     let run = run_of(pole(5, 24, 2));
     let bars = &run.result.bars;
     let notes = visited(&browser, &page(core::slice::from_ref(&run)), VISITOR_OF_BARS, &[]);
-    let said = |name: &str| &*notes.iter().find(|(given, _)| given == name).unwrap().1;
-    assert!(!bars.is_empty() && notes.iter().all(|(name, _)| name != "error"), "{notes:?}");
+    let said = |name: &str| notes[name].as_str();
+    assert!(!bars.is_empty() && !notes.contains_key("error"), "{notes:?}");
     assert!(said("summary").ends_with(&format!(" points, {} bars", bars.len())), "{notes:?}");
     assert_eq!(said("bars"), format!("{0} {0}", bars.len()));
     // In both images, unless a segment or another bar crosses it there.
@@ -372,11 +367,8 @@ fn a_page_without_a_rig_says_what_is_missing() {
         tests: &TestTexts::default(),
     })
     .unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("page.html");
-    std::fs::write(&file, page.html().unwrap()).unwrap();
-    let document = browser.document(Path::new(&file), &[]).unwrap();
-    assert!(document.contains("Metres need a rig"));
-    assert!(document.contains("Point at a segment"));
-    assert!(document.contains("<h1 id=\"title\">pair</h1>"));
+    let folder = with_file("page.html", page.html().unwrap());
+    let document = browser.document(&folder.path().join("page.html"), &[]).unwrap();
+    let words = ["Metres need a rig", "Point at a segment", "<h1 id=\"title\">pair</h1>"];
+    says(&document, &words);
 }
