@@ -133,6 +133,17 @@ impl From<SlotError> for RigFault {
     }
 }
 
+impl fmt::Display for SlotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Image(error) => error.fmt(f),
+            Self::Flash(kind) => write!(f, "the flash cannot be read: {kind}"),
+        }
+    }
+}
+
+impl core::error::Error for SlotError {}
+
 /// Contents of both slots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loaded<T> {
