@@ -1,8 +1,9 @@
 //! Images drawn in the test: one hex digit per pixel, `0` black to `f` white.
 
 use linestereo::Dims;
-use linestereo_frames::GrayImage;
+use linestereo_frames::{GrayImage, Scene, Truth};
 use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
+use std::path::PathBuf;
 
 /// Grey levels per hex digit.
 const STEP: u8 = 17;
@@ -38,11 +39,76 @@ pub fn painted(width: u16, height: u16, mut grey: impl FnMut(u16, u16) -> u8) ->
 /// this standard deviation.
 #[must_use]
 pub fn rendered(kind: Kind, dims: Dims, noise: f64, seed: u64) -> Rendering {
-    scene::render(
-        &scene::build(kind, dims, seed),
-        dims,
-        &Sensor { noise, seed, ..Sensor::default() },
-    )
+    rendered_by(kind, dims, seed, &Sensor { noise, seed, ..Sensor::default() })
+}
+
+/// The same by this sensor: the seed is that of places and textures.
+#[must_use]
+pub fn rendered_by(kind: Kind, dims: Dims, seed: u64, sensor: &Sensor) -> Rendering {
+    scene::render(&scene::build(kind, dims, seed), dims, sensor)
+}
+
+/// A rendered pair as one with truth, without a rig, whose range is 64 px.
+#[must_use]
+pub fn with_truth(pair: Rendering) -> Scene {
+    Scene {
+        name: "drawn".to_owned(),
+        folder: PathBuf::new(),
+        truth: Some(Truth::new(pair.left.dims, pair.disparity, pair.visible)),
+        left: pair.left,
+        right: pair.right,
+        max_disparity: 64,
+        rig: None,
+        rig_numbers: None,
+    }
+}
+
+/// Random grey levels at the corners of cells of 3 px, smooth between them.
+#[derive(Debug)]
+pub struct Texture(Vec<f64>);
+
+impl Texture {
+    /// Cells along each side before the texture repeats.
+    const SIDE: usize = 256;
+
+    /// Of the generator with this seed.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        let mut random = Random(seed);
+        Self((0..Self::SIDE * Self::SIDE).map(|_| f64::from(random.grey())).collect())
+    }
+
+    /// The grey level at a position, px.
+    #[must_use]
+    pub fn at(&self, x: f64, y: f64) -> f64 {
+        let (u, v) = (x / 3.0 + 40.0, y / 3.0 + 40.0);
+        let (i, j) = (u.floor(), v.floor());
+        // The cubic whose slope is zero at the corners.
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (fu, fv) = (smooth(u - i), smooth(v - j));
+        let corner =
+            |i: f64, j: f64| self.0[j as usize % Self::SIDE * Self::SIDE + i as usize % Self::SIDE];
+        let row = |j: f64| corner(i, j) * (1.0 - fu) + corner(i + 1.0, j) * fu;
+        row(j) * (1.0 - fv) + row(j + 1.0) * fv
+    }
+}
+
+/// Both images of a surface, exactly: its disparity in column 0 of each row, and by how much it
+/// grows from column to column.
+pub fn surface(
+    dims: Dims,
+    seed: u64,
+    in_column_0: impl Fn(f64) -> f64,
+    across: f64,
+) -> [GrayImage; 2] {
+    let texture = Texture::new(seed);
+    [false, true].map(|is_right| {
+        painted(dims.width, dims.height, |x, y| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            let column = if is_right { (x + in_column_0(y)) / (1.0 - across) } else { x };
+            texture.at(column, y).round() as u8
+        })
+    })
 }
 
 /// The image as hex digits, to the nearest.

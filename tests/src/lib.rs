@@ -7,6 +7,28 @@ pub mod fuzz;
 pub mod reference;
 
 use linestereo::{Gray, Matched, Matcher, MemorySlice, Options, Params, RunError};
+use linestereo_frames::GrayImage;
+use linestereo_sim::engine::{Engine, FrameResult};
+
+/// The core after a pair that stands alone, and what it has found there.
+///
+/// # Panics
+/// Where the parameters or the images are refused.
+#[must_use]
+pub fn matched(params: &Params, pair: [&GrayImage; 2]) -> (Engine, FrameResult) {
+    let mut engine = Engine::new(params, pair[0].dims).unwrap();
+    let result = run(&mut engine, pair);
+    (engine, result)
+}
+
+/// What the core finds in a pair that stands alone.
+///
+/// # Panics
+/// Where the images are refused.
+pub fn run(engine: &mut Engine, [left, right]: [&GrayImage; 2]) -> FrameResult {
+    engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
+}
+
 /// Matches a pair that stands alone, and answers whatever its health is.
 ///
 /// # Errors

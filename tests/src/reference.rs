@@ -11,6 +11,21 @@ pub fn at(image: &GrayImage, x: i32, y: i32) -> i32 {
     i32::from(image.pixels[index as usize])
 }
 
+/// Grey level at a position between pixels: bilinear.
+#[must_use]
+pub fn bilinear(image: &GrayImage, [x, y]: [f64; 2]) -> f64 {
+    let (column, row) = (x.floor() as i32, y.floor() as i32);
+    let grey = |dx: i32, dy: i32| at(image, column + dx, row + dy);
+    between([[grey(0, 0), grey(1, 0)], [grey(0, 1), grey(1, 1)]], x - x.floor(), y - y.floor())
+}
+
+/// Between four grey levels, two in each row, by the fractions across and down.
+#[must_use]
+pub fn between(rows: [[i32; 2]; 2], across: f64, down: f64) -> f64 {
+    let [above, below] = rows.map(|[a, b]| f64::from(a) * (1.0 - across) + f64::from(b) * across);
+    above * (1.0 - down) + below * down
+}
+
 /// 3x3 Sobel: eight times the grey step per pixel to the right, and downwards.
 #[must_use]
 pub fn sobel(image: &GrayImage, x: i32, y: i32) -> (i32, i32) {

@@ -5,6 +5,7 @@ use linestereo::{Dims, Params, Region, image::Span, objects::Run};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_tests::drawn::{Random, painted};
+use linestereo_tests::matched;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const WALL: i32 = 8;
@@ -50,10 +51,8 @@ fn pair_of(
     })
 }
 
-fn run([left, right]: &[GrayImage; 2]) -> (Engine, FrameResult) {
-    let mut engine = Engine::new(&Params::default(), DIMS).unwrap();
-    let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-    (engine, result)
+fn run(pair: &[GrayImage; 2]) -> (Engine, FrameResult) {
+    matched(&Params::default(), pair.each_ref())
 }
 
 #[test]
@@ -151,14 +150,10 @@ fn a_wide_mask_that_nothing_else_answers_has_the_depth_of_its_bars() {
 }
 
 #[test]
-fn a_fence_has_no_bars() {
+fn a_fence_and_a_print_have_no_bars() {
     let fence: Vec<Pole> = (0..14).map(|k| (60 + 16 * k, 5, 24)).collect();
-    let (_, result) = run(&pair(&fence, 5));
-    assert!(result.bars.is_empty(), "{:?}", result.bars);
-}
-
-#[test]
-fn a_print_is_no_bar_in_front() {
-    let (_, result) = run(&pair(&[(150, 6, WALL)], 6));
-    assert!(result.bars.is_empty(), "{:?}", result.bars);
+    for (poles, seed) in [(&fence[..], 5), (&[(150, 6, WALL)], 6)] {
+        let (_, result) = run(&pair(poles, seed));
+        assert!(result.bars.is_empty(), "{poles:?}: {:?}", result.bars);
+    }
 }

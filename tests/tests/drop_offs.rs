@@ -1,14 +1,14 @@
 //! Drop-offs by direction: the rules on single points, drawn floors that end, and a drive towards
 //! an edge.
 
-use crate::slopes::Texture;
 use linestereo::obstacles::{DropOff, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
 use linestereo::{Dims, Params, Rig, ground::GroundPlane, health::HealthFlags};
 use linestereo_frames::GrayImage;
-use linestereo_sim::engine::Engine;
-use linestereo_tests::captured;
+use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_tests::drawn::surface;
+use linestereo_tests::{captured, run};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const FOCAL: f64 = 300.0;
@@ -119,32 +119,31 @@ fn a_drop_off_is_kept_and_its_sector_not_free() {
 
 /// A floor that ends at `edge_m` and goes on 0.3 m lower.
 pub(crate) fn pair(edge_m: Option<f64>, seed: u64) -> [GrayImage; 2] {
-    let texture = Texture::new(seed);
     let edge_row = edge_m.map_or(HORIZON, |edge_m| HORIZON + FOCAL * BASELINE / edge_m / DOWN);
     let disparity = |y: f64| match y.max(HORIZON + 8.0) {
         y if y >= edge_row => DOWN * (y - HORIZON),
         y => DOWN * (y - HORIZON) * HEIGHT / (HEIGHT + 0.3),
     };
-    [0.0, 1.0].map(|moves: f64| {
-        linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |x, y| {
-            let (x, y) = (f64::from(x), f64::from(y));
-            texture.at(x + moves * disparity(y), y).round() as u8
-        })
-    })
+    surface(DIMS, seed, disparity, 0.0)
+}
+
+/// Directions of a result.
+fn seen(plan: &ObstaclePlan, result: &FrameResult) -> Obstacles {
+    let mut obstacles = Obstacles::new();
+    let points = result.obstacle_points.iter().copied();
+    obstacles.update(plan, &result.matches, points, result.health.of_pair(), 0);
+    obstacles
 }
 
 /// Middles of sectors whose edge is told within 10 % of `edge_m`, and of those where one is told
 /// elsewhere, of [`pair`].
 fn drawn(edge_m: Option<f64>, seed: u64) -> [u32; 2] {
-    let (params, [left, right]) = (params(), pair(edge_m, seed));
-    let mut engine = Engine::new(&params, DIMS).unwrap();
+    let mut engine = Engine::new(&params(), DIMS).unwrap();
     // Of two floors the larger one would be taken: an IMU or the pair before says which it is.
     engine.matcher.expect_ground(Some(floor()));
-    let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    let result = run(&mut engine, pair(edge_m, seed).each_ref());
     let plan = plan(Some(0.05)).on_ground(result.ground);
-    let mut obstacles = Obstacles::new();
-    let points = result.obstacle_points.iter().copied();
-    obstacles.update(&plan, &result.matches, points, HealthFlags::GOOD, 0);
+    let obstacles = seen(&plan, &result);
     let mut told = [0, 0];
     for offset in -3_i32..=3 {
         let Some(found) = obstacles.drop_off(&plan, offset.rem_euclid(72) as u8, 0) else {
@@ -163,7 +162,6 @@ fn drawn(edge_m: Option<f64>, seed: u64) -> [u32; 2] {
 fn drawn_floors_end_where_they_do() {
     for (edge_m, seed) in [(0.7, 3), (0.9, 4), (1.2, 5), (1.5, 6)] {
         let [right, wrong] = drawn(Some(edge_m), seed);
-        println!("edge at {edge_m} m: told right in {right}, wrong in {wrong} of 7 sectors");
         assert!(right >= 6 && wrong == 0, "{edge_m} m: {right} right, {wrong} wrong");
     }
     for seed in 7..10 {
@@ -185,15 +183,11 @@ fn a_drive_is_told_of_the_edge_before_it() {
             .unwrap();
         let scene = linestereo_frames::load_scene(&frame, None).unwrap();
         let mut engine = captured::engine(&scene);
-        let result = engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+        let result = run(&mut engine, [&scene.left, &scene.right]);
         let params = Params { rig: scene.rig, ..Params::default() };
         let plan = ObstacleParams::DEFAULT.plan(&params, scene.left.dims).unwrap();
         let plan = plan.on_ground(result.ground);
-        let mut obstacles = Obstacles::new();
-        let points = result.obstacle_points.iter().copied();
-        obstacles.update(&plan, &result.matches, points, result.health.of_pair(), 0);
-        let told = obstacles.drop_off(&plan, 0, 0);
-        println!("{ahead_m} m before the edge: {told:?}");
+        let told = seen(&plan, &result).drop_off(&plan, 0, 0);
         if (0.35..=0.6).contains(&ahead_m) {
             let told_m = told.map(|found| f64::from(found.distance_cm) / 100.0);
             let is_right = told_m.is_some_and(|told_m| (told_m - ahead_m).abs() < 0.1 * ahead_m);

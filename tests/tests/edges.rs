@@ -53,7 +53,6 @@ impl Tally {
             self.quantile(0.9),
             self.quantile(1.0)
         );
-        println!("{line}");
         assert!(found >= least_found, "{line}; at least {least_found} should be found");
         let beyond = self.errors.iter().filter(|&&error| error > largest).count();
         assert!(
@@ -103,8 +102,7 @@ fn tallies(owner: Owner) -> [[Tally; 2]; 2] {
     for case in cases.filter(is_chosen) {
         let sensor = Sensor { noise: 1.0, seed: case.seed, ..Sensor::default() };
         let rendering = scene::render(&case.scene(DIMS), DIMS, &sensor);
-        let result =
-            engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+        let result = linestereo_tests::run(&mut engine, [&rendering.left, &rendering.right]);
         let slanted = usize::from(case.plane.slope != [0.0; 2]);
         let flat = usize::from(case.direction[0].abs() > case.direction[1].abs());
         let of_case: Vec<f64> =

@@ -3,12 +3,12 @@
 //! A floor from its horizon down, with a wall above, drawn exactly; cells are of 16 x 16 px, each
 //! with its most probable point.
 
-use crate::slopes::Texture;
 use linestereo::ground::{CameraPose, GroundPlane};
 use linestereo::{Dims, Params};
 use linestereo_frames::{GrayImage, SceneInfo};
-use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_tests::captured;
+use linestereo_sim::engine::FrameResult;
+use linestereo_tests::drawn::{painted, surface};
+use linestereo_tests::{captured, matched};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// Row below which the floor is, px.
@@ -31,22 +31,13 @@ impl Floor {
         self.down * (y.max(FOOT) - 80.0) + self.across * (x - 160.0)
     }
 
-    pub(crate) fn draw(&self, texture: &Texture) -> [GrayImage; 2] {
-        let paint = |column: &dyn Fn(f64, f64) -> f64| {
-            linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |x, y| {
-                let (x, y) = (f64::from(x), f64::from(y));
-                texture.at(column(x, y), y).round() as u8
-            })
-        };
-        let seen_from_right = |x: f64, y: f64| (x + self.disparity(0.0, y)) / (1.0 - self.across);
-        [paint(&|x, _| x), paint(&seen_from_right)]
+    pub(crate) fn draw(&self, seed: u64) -> [GrayImage; 2] {
+        surface(DIMS, seed, |y| self.disparity(0.0, y), self.across)
     }
 
     fn run(&self, ground: bool, seed: u64) -> FrameResult {
-        let [left, right] = self.draw(&Texture::new(seed));
         let params = Params { max_disparity: 144, ground, ..Params::default() };
-        let mut engine = Engine::new(&params, DIMS).unwrap();
-        engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
+        matched(&params, self.draw(seed).each_ref()).1
     }
 
     /// Percentage of the floor's cells whose match the right image holds that are answered, and of
@@ -112,7 +103,6 @@ fn floors_are_found_and_seen_at_every_slope() {
         );
         all &= off < 1.0 && seen >= 75.0 && wrong <= 2.0;
     }
-    println!("{table}");
     assert!(all, "{table}");
 }
 
@@ -154,18 +144,18 @@ fn floors_of_rooms_are_rolled_as_their_scene_files_say() {
 }
 
 #[test]
-fn a_wall_and_a_pair_without_texture_have_no_ground() {
-    let wall = Floor { down: 0.0, across: 0.0 };
-    let result = Floor { down: 0.02, ..wall }.run(true, 9);
-    assert_eq!(result.ground, None);
-    let flat = linestereo_tests::drawn::painted(DIMS.width, DIMS.height, |_, _| 90);
-    let mut engine = Engine::new(&Params::default(), DIMS).unwrap();
-    assert_eq!(engine.run(flat.view().unwrap(), flat.view().unwrap()).unwrap().ground, None);
+fn a_wall_has_no_ground_and_keeps_its_bits() {
+    let wall = Floor { down: 0.02, across: 0.0 };
+    for seed in [9, 11] {
+        let [with, without] = [true, false].map(|ground| wall.run(ground, seed));
+        assert_eq!(with.ground, None);
+        assert_eq!((with.points, with.matches), (without.points, without.matches));
+    }
 }
 
 #[test]
-fn a_pair_without_ground_keeps_its_bits() {
-    let wall = Floor { down: 0.02, across: 0.0 };
-    let [with, without] = [true, false].map(|ground| wall.run(ground, 11));
-    assert_eq!((with.points, with.matches), (without.points, without.matches));
+fn a_pair_without_texture_has_no_ground_and_no_match() {
+    let flat = painted(DIMS.width, DIMS.height, |_, _| 90);
+    let (_, result) = matched(&Params::default(), [&flat; 2]);
+    assert_eq!((result.ground, result.matches.len(), result.points.len()), (None, 0, 0));
 }

@@ -3,14 +3,15 @@
 
 use linestereo::objects::{LabelRows, Reason, RegionError, Run};
 use linestereo::{
-    Area, Capacity, Dims, NoDepth, ObjectDepth, Options, Params, Region, image::Span,
+    Area, Capacity, Dims, Matched, NoDepth, ObjectDepth, Options, Params, Region, image::Span,
 };
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::{ObjectScore, ObjectSummary, Outline, object_cases, score_objects};
 use linestereo_sim::engine::{Engine, FittedModels};
 use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{self, Kind, Pair, Pattern, Rendering, Sensor, Surface, Texture};
-use linestereo_tests::{captured, run_alone};
+use linestereo_tests::drawn::Random;
+use linestereo_tests::{captured, matched, run, run_alone};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
@@ -18,7 +19,7 @@ const DIMS: Dims = Dims { width: 320, height: 240 };
 fn leave_one_out(scenes: &[Scene]) -> Vec<ObjectScore> {
     let score = |(scene, models): (&Scene, &FittedModels)| {
         let mut engine = captured::engine(scene).with_models(*models);
-        engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+        run(&mut engine, [&scene.left, &scene.right]);
         score_objects(&mut engine, &object_cases(scene).unwrap())
     };
     scenes.iter().zip(captured::models_left_out(scenes)).flat_map(score).collect()
@@ -86,19 +87,13 @@ fn pair() -> Pair {
 
 /// Cards, the nearest first, before a wall of disparity 6.
 fn drawn(cards: Vec<Surface>, wall: Texture) -> (Engine, Rendering) {
-    drawn_with(Params::default(), cards, wall)
-}
-
-fn drawn_with(params: Params, cards: Vec<Surface>, wall: Texture) -> (Engine, Rendering) {
     let pair = pair();
     let mut surfaces = cards;
     surfaces.push(card(&pair, [-200.0, -200.0, 520.0, 440.0], [6.0; 2], wall, 9));
     let scene = scene::Scene { pair, surfaces, objects: vec!["object"; 9] };
     let drawn = scene::render(&scene, DIMS, &Sensor { noise: 2.0, seed: 3, ..Sensor::default() });
-    let params = Params { max_disparity: 48, rig: Some(pair.rig().unwrap()), ..params };
-    let mut engine = Engine::new(&params, DIMS).unwrap();
-    engine.run(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
-    (engine, drawn)
+    let params = Params { max_disparity: 48, rig: Some(pair.rig().unwrap()), ..Params::default() };
+    (matched(&params, [&drawn.left, &drawn.right]).0, drawn)
 }
 
 fn mask_of(drawn: &Rendering, labels: &[u8]) -> Mask {
@@ -135,7 +130,6 @@ fn a_slanted_object_has_the_depth_of_its_centre_however_sloppy_its_mask() {
         [("exact", exact.clone()), ("too large", exact.grown(2)), ("eroded", exact.eroded(2))]
     {
         let found = ask(&mut engine, &mask);
-        println!("{name}: {found:?}");
         let centre = drawn.disparity[120 * usize::from(DIMS.width) + 150];
         assert_near(&found, centre.into(), 0.5);
         let found = found.unwrap();
@@ -214,9 +208,8 @@ fn built_in_scenes() {
             let drawn =
                 scene::render(&scene, DIMS, &Sensor { noise: 2.0, seed, ..Sensor::default() });
             let max_disparity = drawn.search_range().min(128);
-            let mut engine =
-                Engine::new(&Params { max_disparity, ..Params::default() }, DIMS).unwrap();
-            engine.run(drawn.left.view().unwrap(), drawn.right.view().unwrap()).unwrap();
+            let params = Params { max_disparity, ..Params::default() };
+            let (mut engine, _) = matched(&params, [&drawn.left, &drawn.right]);
             for label in 1..=scene.objects.len() as u8 {
                 let own = drawn
                     .labels
@@ -245,8 +238,7 @@ fn built_in_scenes() {
             }
         }
     }
-    println!("{answers} answers for {asked} objects, {} wrong: {wrong:#?}", wrong.len());
-    assert!(wrong.len() * 100 <= 3 * answers, "{wrong:#?}");
+    assert!(wrong.len() * 100 <= 3 * answers, "{answers} answers: {wrong:#?}");
     assert!(answers * 10 >= asked * 6, "{answers} of {asked}");
 }
 
@@ -270,11 +262,8 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
     let pair = pair();
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);
     let (mut engine, _) = drawn(vec![object], mosaic(&pair, 6.0, 8));
-    let mut seed = 1_u32;
-    let mut below = |of: u16| {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        ((seed >> 16) % u32::from(of)) as u16
-    };
+    let mut random = Random(1);
+    let mut below = |of: u64| random.below(of) as u16;
     let regions: Vec<Region<'_>> = (0..10_000)
         .map(|label| {
             let (left, top) = (below(320), below(240));
@@ -292,7 +281,6 @@ fn ten_thousand_boxes_are_answered_one_by_one() {
 
 #[test]
 fn objects_leave_the_points_of_the_run_as_they_are() {
-    use linestereo::Matched;
     type Memory = linestereo::Memory<{ Capacity { cell: 16, ..Capacity::new(DIMS) }.words() }>;
     let pair = pair();
     let object = card(&pair, [100.0, 70.0, 200.0, 170.0], [24.0; 2], mosaic(&pair, 24.0, 5), 1);

@@ -3,7 +3,6 @@
 use linestereo::{Dims, Params, results::Match};
 use linestereo_frames::Truth;
 use linestereo_lab::evaluate::OwnedMiddle;
-use linestereo_sim::engine::Engine;
 use linestereo_sim::scene::{self, Kind, Rendering, Scene, Sensor};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -20,9 +19,7 @@ fn matched(seed: u64) -> (Scene, Rendering, Truth, Vec<Match>) {
         rig: Some(room.pair.rig().unwrap()),
         ..Params::default()
     };
-    let mut engine = Engine::new(&params, DIMS).unwrap();
-    let matches =
-        engine.run(pair.left.view().unwrap(), pair.right.view().unwrap()).unwrap().matches;
+    let matches = linestereo_tests::matched(&params, [&pair.left, &pair.right]).1.matches;
     (room, pair, truth, matches)
 }
 

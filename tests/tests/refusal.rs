@@ -1,20 +1,18 @@
 //! Pairs that are not fit to be used, and what they answer: nothing. Exchanged images, and support
 //! points alone.
-//!
-//! Captured frames are not part of the project (`LINESTEREO_FRAMES`, or `../shared/frames` beside
-//! it): without them the test that needs them is left out.
 
 use crate::bars;
 use crate::ground::Floor;
-use crate::slopes::Texture;
 use linestereo::objects::Reason;
 use linestereo::params::Parts;
 use linestereo::results::PixelRejection;
 use linestereo::{Area, Capacity, Dims, Matcher, Options, Params, Region, health::HealthFlags};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::captured;
+use linestereo_sim::results::health::{refusal, summary};
+use linestereo_sim::scene::{Kind, Rendering, Sensor};
+use linestereo_tests::drawn::{rendered, rendered_by};
+use linestereo_tests::{captured, matched, run};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
@@ -38,14 +36,12 @@ fn exchanged(left: &GrayImage, right: &GrayImage) -> [[GrayImage; 2]; 3] {
 #[test]
 fn exchanged_images_are_named_with_what_matches_when_they_change_places() {
     for kind in [Kind::Boxes, Kind::Cards, Kind::Demo, Kind::Corridor] {
-        let sensor = Sensor { noise: 1.5, seed: 4, ..Sensor::default() };
-        let pair = scene::render(&scene::build(kind, DIMS, 4), DIMS, &sensor);
+        let pair = rendered(kind, DIMS, 1.5, 4);
         let params = Params { max_disparity: 64, ..Params::default() };
-        let mut engine = Engine::new(&params, DIMS).unwrap();
-        let healthy = engine.run(pair.left.view().unwrap(), pair.right.view().unwrap()).unwrap();
+        let (mut engine, healthy) = matched(&params, [&pair.left, &pair.right]);
         assert_eq!(healthy.exchanged, None, "{kind:?}");
-        for [left, right] in exchanged(&pair.left, &pair.right) {
-            let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+        for pair in exchanged(&pair.left, &pair.right) {
+            let result = run(&mut engine, pair.each_ref());
             let [matched, segments] =
                 result.exchanged.unwrap_or_else(|| panic!("{kind:?}: {:?}", result.counts));
             assert!(
@@ -54,10 +50,10 @@ fn exchanged_images_are_named_with_what_matches_when_they_change_places() {
                 result.health
             );
             assert!(result.matches.is_empty() && result.points.is_empty(), "{kind:?}");
-            let text = linestereo_sim::results::health::summary(&result);
+            let text = summary(&result);
             let said = format!("exchange them, then {matched} of {segments} segments match\n");
             assert!(text.contains(&said), "{kind:?}: {text}");
-            let refusal = linestereo_sim::results::health::refusal(&result).unwrap();
+            let refusal = refusal(&result).unwrap();
             assert!(refusal.ends_with(said.trim_end()), "{kind:?}: {refusal}");
         }
     }
@@ -70,10 +66,9 @@ fn exchanged_images_are_named_with_what_matches_when_they_change_places() {
 fn captured_pairs_that_are_exchanged_or_mirrored_have_few_matches() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in &scenes {
-        for [left, right] in &exchanged(&scene.left, &scene.right) {
-            let params = Params { max_disparity: scene.max_disparity, ..Params::default() };
-            let mut engine = Engine::new(&params, left.dims).unwrap();
-            let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+        let params = Params { max_disparity: scene.max_disparity, ..Params::default() };
+        for pair in exchanged(&scene.left, &scene.right) {
+            let (_, result) = matched(&params, pair.each_ref());
             let [matched, segments] = result.exchanged.unwrap_or_else(|| panic!("{}", scene.name));
             assert!(3 * matched > segments, "{}: {matched} of {segments}", scene.name);
             assert!(result.matches.is_empty() && result.points.is_empty(), "{}", scene.name);
@@ -93,11 +88,7 @@ fn is_empty(result: &FrameResult) -> bool {
 /// One gate for all that answers.
 #[test]
 fn a_pair_that_is_not_fit_answers_nothing() {
-    let pair = scene::render(
-        &scene::build(Kind::Boxes, DIMS, 9),
-        DIMS,
-        &Sensor { noise: 1.0, ..Sensor::default() },
-    );
+    let pair = rendered(Kind::Boxes, DIMS, 1.0, 9);
     let mut engine = Engine::new(&Params { max_disparity: 64, ..Params::default() }, DIMS).unwrap();
     let (left, right) = (pair.left.view().unwrap(), pair.right.view().unwrap());
     let region =
@@ -135,7 +126,7 @@ fn a_pair_that_is_not_fit_answers_nothing() {
 #[test]
 fn a_frozen_pair_has_neither_bars_nor_ground_nor_points_of_obstacles() {
     let poles = bars::pair(&[(150, 5, 24)], 2);
-    let floor = Floor { down: 0.4, across: 0.0 }.draw(&Texture::new(5));
+    let floor = Floor { down: 0.4, across: 0.0 }.draw(5);
     let range = Params::DEFAULT.max_disparity;
     for (name, [left, right], max_disparity) in [("poles", poles, range), ("floor", floor, 144)] {
         let mut engine = Engine::new(&Params { max_disparity, ..Params::default() }, DIMS).unwrap();
@@ -156,15 +147,15 @@ fn a_frozen_pair_has_neither_bars_nor_ground_nor_points_of_obstacles() {
 /// that.
 #[test]
 fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
-    let scene = scene::build(Kind::Boxes, DIMS, 5);
     let pair = |row_offset: f64, seed: u64| {
-        scene::render(&scene, DIMS, &Sensor { noise: 1.5, seed, row_offset, ..Sensor::default() })
+        let sensor = Sensor { noise: 1.5, seed, row_offset, ..Sensor::default() };
+        rendered_by(Kind::Boxes, DIMS, 5, &sensor)
     };
     let params = |parts| Params { max_disparity: 64, parts, ..Params::default() };
     let areas = [Area { left: 60, top: 60, right: 200, bottom: 180 }];
     let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
     let mut memory = Box::new(<linestereo::Memory<{ Capacity::new(DIMS).words() }>>::new());
-    let mut see = |matcher: &mut Matcher, pair: &scene::Rendering, areas: Option<&[Area]>| {
+    let mut see = |matcher: &mut Matcher, pair: &Rendering, areas: Option<&[Area]>| {
         let (left, right) = (pair.left.view().unwrap(), pair.right.view().unwrap());
         let options = Options { areas, ..Options::default() };
         let matched = matcher.run_with(&mut memory, left, right, options).unwrap();
@@ -194,12 +185,8 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
     assert!(!matcher.knows_rows(), "of images of another size");
     // Images of two scenes, and how long that is held against the pairs after them.
     let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
-    let other = scene::render(
-        &scene::build(Kind::Boxes, DIMS, 8),
-        DIMS,
-        &Sensor { noise: 1.5, ..Sensor::default() },
-    );
-    let wrong = scene::Rendering { right: other.right, ..pair(0.0, 8) };
+    let other = rendered(Kind::Boxes, DIMS, 1.5, 8);
+    let wrong = Rendering { right: other.right, ..pair(0.0, 8) };
     assert!(see(&mut matcher, &wrong, None).2.contains(HealthFlags::FEW_MATCHES));
     assert!(!matcher.knows_rows(), "of a pair that is not fit none is kept");
     let in_turn = [20, 21].map(|seed| pair(0.0, seed));

@@ -5,11 +5,11 @@
 //! An answer claims a probability of 0.9 at least. Chance may pass for a match once where a hundred
 //! are found on a wall that can be matched; the last disparity that is compared never does.
 
-use crate::slopes::Texture;
 use linestereo::{Dims, Params};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
-use linestereo_tests::drawn::painted;
+use linestereo_tests::drawn::surface;
+use linestereo_tests::run;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// End of the disparities searched, px.
@@ -36,13 +36,7 @@ impl Wall {
     }
 
     fn draw(self, seed: u64) -> [GrayImage; 2] {
-        let texture = Texture::new(seed);
-        [0.0, 1.0].map(|eye: f64| {
-            painted(DIMS.width, DIMS.height, |x, y| {
-                let (x, y) = (f64::from(x), f64::from(y));
-                texture.at(x + eye * self.disparity(y), y).round() as u8
-            })
-        })
+        surface(DIMS, seed, |y| self.disparity(y), 0.0)
     }
 
     /// True where the match of a pixel lies left of the right image.
@@ -50,17 +44,13 @@ impl Wall {
         f64::from(x) < self.disparity(y.into())
     }
 
-    fn is_wrong(self, disparity: f64, y: u16) -> bool {
-        (disparity - self.disparity(y.into())).abs() > RIGHT
+    fn is_wrong(self, disparity: f64, y: f64) -> bool {
+        (disparity - self.disparity(y)).abs() > RIGHT
     }
 }
 
 fn engine() -> Engine {
     Engine::new(&Params { max_disparity: RANGE, ..Params::default() }, DIMS).unwrap()
-}
-
-fn run(engine: &mut Engine, [left, right]: &[GrayImage; 2]) -> FrameResult {
-    engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
 }
 
 /// Every sixth pixel of every sixth row.
@@ -78,20 +68,20 @@ fn ends(result: &FrameResult) -> impl Iterator<Item = f64> {
 fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
     let (mut points, mut possible, mut answered, mut asked) = (0, 0, 0, 0);
     for seed in 1..=3 {
-        let within = run(&mut engine(), &Wall::upright(20.0).draw(seed));
+        let within = run(&mut engine(), Wall::upright(20.0).draw(seed).each_ref());
         assert!(within.points.len() > 10_000, "{}", within.health);
         for disparity in [33.0, 36.0, 40.0, 48.0, 60.0] {
             let what = format!("texture {seed} at {disparity} px");
             let pair = Wall::upright(disparity).draw(seed);
             // A user is answered nothing at all.
             let mut used = engine();
-            let result = run(&mut used, &pair);
+            let result = run(&mut used, pair.each_ref());
             assert!(!result.health.of_pair().is_fit(), "{what}: {}", result.health);
             assert!(result.matches.is_empty() && result.points.is_empty(), "{what}");
             assert!(pixels().all(|pixel| used.depth_at(pixel).is_err()), "{what}");
             // Nor would the matches be any without the check of the pair.
             let mut alone = engine().answering_unfit();
-            let result = run(&mut alone, &pair);
+            let result = run(&mut alone, pair.each_ref());
             assert!(ends(&result).all(|told| told < LAST), "{what}: {:?}", result.matches);
             for point in &result.points {
                 assert!(point.disparity.to_num::<f64>() < LAST, "{what}: {point:?}");
@@ -106,7 +96,6 @@ fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
             possible += within.points.len();
         }
     }
-    println!("{points} points, {possible} within the range; {answered} of {asked} pixels");
     assert!(points * 100 <= possible, "{points} points, {possible} within the range");
     assert!(answered * 100 <= asked, "{answered} of {asked} pixels");
 }
@@ -120,9 +109,9 @@ fn a_wall_whose_match_is_left_of_the_right_image_is_not_matched_elsewhere() {
     for seed in 1..=4 {
         for wall in [Wall::upright(20.0), Wall::upright(28.0), Wall::upright(30.0), floor] {
             let mut engine = engine();
-            let result = run(&mut engine, &wall.draw(seed));
+            let result = run(&mut engine, wall.draw(seed).each_ref());
             assert!(result.health.of_pair().is_fit(), "{wall:?}: {}", result.health);
-            let is_wrong = |told: f64, y: u16| usize::from(wall.is_wrong(told, y));
+            let is_wrong = |told: f64, y: u16| usize::from(wall.is_wrong(told, y.into()));
             let mut seen = 0;
             for point in &result.points {
                 if wall.is_cut_off(point.x, point.y) {
@@ -145,10 +134,8 @@ fn a_wall_whose_match_is_left_of_the_right_image_is_not_matched_elsewhere() {
             }
             segments += result.matches.len();
             for found in &result.matches {
-                let is_off = (0..2).any(|end| {
-                    let row = found.ends[end].y.to_num::<f64>();
-                    (found.disparity[end].to_num::<f64>() - wall.disparity(row)).abs() > RIGHT
-                });
+                let mut ends = found.disparity.iter().zip(found.ends);
+                let is_off = ends.any(|(told, end)| wall.is_wrong(told.to_num(), end.y.to_num()));
                 wrong_segments += usize::from(is_off);
             }
         }
@@ -157,7 +144,6 @@ fn a_wall_whose_match_is_left_of_the_right_image_is_not_matched_elsewhere() {
         "wrong: {wrong_points} points, {possible:.0} possible; {wrong_pixels} of {asked} pixels; \
          {wrong_segments} of {segments} segments"
     );
-    println!("{told}");
     assert!(wrong_points as f64 * 100.0 <= possible, "{told}");
     assert!(wrong_pixels * 100 <= asked, "{told}");
     assert!(wrong_segments * 100 <= segments, "{told}");
