@@ -1,22 +1,19 @@
 //! Damaged pairs on a board under QEMU: the PC's bits of flags, health figures, segments, points,
-//! and depths of objects or why there is none.
-//!
-//! The worst damages of the fault bench on drawn pairs, and on captured ones (`LINESTEREO_FRAMES`,
-//! or `../shared/frames` beside the project).
+//! and depths of objects or why there is none. The worst damages of the fault bench on drawn pairs,
+//! and on captured ones.
 
 use linestereo::{Area, Dims, Matcher, Params, health::HealthFlags, objects::Reason};
 use linestereo_firmware::boards::mps2_an500;
-use linestereo_frames::{Scene, Truth, load_scene};
+use linestereo_frames::{Scene, load_scene};
 use linestereo_lab::faults::{Damage, Source};
 use linestereo_sim::board;
 use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::{Twin, machine};
 use linestereo_tests::captured;
-use linestereo_tests::drawn::rendered;
+use linestereo_tests::drawn::{rendered, with_truth};
 use linestereo_wire::{RegionBox, Regions, RigUpdate};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 const RIG: RigUpdate = RigUpdate { focal_px: 300.0, baseline_m: 0.1, offset_px: 0.0 };
 const DIMS: Dims = mps2_an500::BOARD.largest;
@@ -33,21 +30,6 @@ const DAMAGES: [(Damage, Option<HealthFlags>); 8] = [
     (Damage::FixedPattern(25.0), Some(HealthFlags::NO_PARALLAX)),
     (Damage::RowsOff(3.0), Some(HealthFlags::FEW_MATCHES)), // further than the matcher looks for rows
 ];
-
-/// A scene whose truth is known, without a rig of its own.
-fn drawn(seed: u64) -> Scene {
-    let pair = rendered(Kind::Demo, DIMS, 1.5, seed);
-    Scene {
-        name: "drawn".to_owned(),
-        folder: PathBuf::new(),
-        left: pair.left,
-        right: pair.right,
-        max_disparity: 64,
-        rig: None,
-        rig_numbers: None,
-        truth: Some(Truth::new(DIMS, pair.disparity, pair.visible)),
-    }
-}
 
 /// Twelve boxes side by side, not up to the border.
 fn boxes() -> Vec<RegionBox> {
@@ -114,7 +96,7 @@ fn compare(scenes: [&Scene; 2]) -> Option<Vec<(HealthFlags, BTreeSet<String>)>> 
 
 #[test]
 fn damaged_drawn_pairs_have_the_bits_of_the_pc() {
-    let scenes = [5, 6].map(drawn);
+    let scenes = [5, 6].map(|seed| with_truth(rendered(Kind::Demo, DIMS, 1.5, seed)));
     let Some(seen) = compare(scenes.each_ref()) else { return };
     let unhealthy = format!("{:?}", Reason::UnhealthyPair);
     for ((flags, refusals), (damage, flag)) in seen.iter().zip(DAMAGES) {

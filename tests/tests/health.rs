@@ -1,15 +1,10 @@
 //! The health of pairs: known rows, injected faults, and no flag where there is no fault.
-//!
-//! Exact scenes are rendered here; captured frames are not part of the project
-//! (`LINESTEREO_FRAMES`, or `../shared/frames` beside it): without them the tests that need them
-//! say so and pass.
 
 use linestereo::health::{Findings, HealthFlags, HealthLimits, HealthMonitor, PairHealth};
 use linestereo::{Dims, Gray, Params, image::Span, results::Counts};
 use linestereo_calibration::interchange::{Options, load_rig};
-use linestereo_frames::GrayImage;
 use linestereo_frames::{
-    Perturbation, Scene, Truth, area_average, find_scenes, load_gray, load_scene,
+    GrayImage, Perturbation, Scene, Truth, area_average, find_scenes, load_gray, load_scene,
 };
 use linestereo_lab::evaluate::{object_cases, score_objects};
 use linestereo_lab::faults::{Damage, Source};
@@ -17,9 +12,10 @@ use linestereo_rig::{CameraSide, Rectification, View};
 use linestereo_sim::board::is_long;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::results::mask::Mask;
-use linestereo_sim::scene::{self, Kind, Sensor};
-use linestereo_tests::captured;
-use linestereo_tests::drawn::painted;
+use linestereo_sim::scene::{Kind, Rendering, Sensor};
+use linestereo_tests::drawn::{painted, rendered, rendered_by, with_padding, with_truth};
+use linestereo_tests::reference::{at, bilinear};
+use linestereo_tests::{captured, matched};
 use std::path::PathBuf;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
@@ -33,8 +29,11 @@ struct Rig {
 
 impl Rig {
     fn new(dims: Dims, max_disparity: u16) -> Self {
-        let params = Params { max_disparity, ..Params::default() };
-        let engine = Engine::new(&params, dims).unwrap();
+        Self::of(&Params { max_disparity, ..Params::default() }, dims)
+    }
+
+    fn of(params: &Params, dims: Dims) -> Self {
+        let engine = Engine::new(params, dims).unwrap();
         Self { engine, monitor: HealthMonitor::new(), limits: HealthLimits::DEFAULT }
     }
 
@@ -64,6 +63,11 @@ impl Rig {
 
 fn alone(left: &GrayImage, right: &GrayImage, max_disparity: u16) -> PairHealth {
     Rig::new(left.dims, max_disparity).see(left, right, None)
+}
+
+/// Boxes whose sensors have noise of this deviation.
+fn boxes(noise: f64) -> Rendering {
+    rendered(Kind::Boxes, DIMS, noise, 9)
 }
 
 fn pixels(q8: i16) -> f64 {
@@ -130,7 +134,6 @@ const OFFSETS: [f64; 6] = [0.3, 0.7, -1.5, 1.5, -0.3, -0.7];
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
     let Some(scenes) = captured::qvga() else { return };
-    let (mut largest, mut plain) = (0.0_f64, 0.0_f64);
     for scene in &scenes {
         let clean = alone(&scene.left, &scene.right, scene.max_disparity);
         assert_eq!(clean.flags, HealthFlags::GOOD, "{}", scene.name);
@@ -148,11 +151,9 @@ fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
                 let what =
                     format!("{} by {offset} ({interpolation:?}): {rows:?}, own {own}", scene.name);
                 assert!((found - own - offset).abs() <= 0.1, "{what}");
-                largest = largest.max((found - own - offset).abs());
                 if interpolation == Interpolation::Sinc {
                     // Its own rows are part of it.
                     assert!((found - offset).abs() <= 0.12, "{what}");
-                    plain = plain.max((found - offset).abs());
                     let of_rows = HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR;
                     assert!(
                         health.flags == HealthFlags::ROWS_OFF || health.flags == of_rows,
@@ -163,10 +164,6 @@ fn a_known_row_offset_is_told_within_a_tenth_of_a_pixel() {
             }
         }
     }
-    eprintln!(
-        "largest error: {largest:.3} px against the frames' own rows, {plain:.3} px against none \
-         (sinc)"
-    );
 }
 
 /// Rows of the unmoved frames by their ground truth alone, no match and no segment: over all pixels
@@ -186,7 +183,6 @@ fn the_frames_own_rows_by_their_ground_truth() {
         let by_truth = 0.25 * here / (here - there);
         let clean = alone(&scene.left, &scene.right, scene.max_disparity);
         let found = pixels(clean.rows.unwrap().offset_q8);
-        eprintln!("{:11} by truth {by_truth:+.3}, by matches {found:+.3}", scene.name);
         assert!(
             (by_truth - found).abs() <= 0.1,
             "{}: {by_truth} by truth, {found} by matches",
@@ -200,11 +196,8 @@ fn the_frames_own_rows_by_their_ground_truth() {
 fn rows_by_truth(scene: &Scene) -> Option<f64> {
     let truth = scene.truth.as_ref()?;
     let (width, height) = (i32::from(scene.left.dims.width), i32::from(scene.left.dims.height));
-    let at = |image: &GrayImage, x: i32, y: i32| f64::from(image.pixels[(y * width + x) as usize]);
-    let right = |x: f64, y: i32| {
-        let (whole, part) = (x.floor() as i32, x - x.floor());
-        at(&scene.right, whole, y) * (1.0 - part) + at(&scene.right, whole + 1, y) * part
-    };
+    let left = |x: i32, y: i32| f64::from(at(&scene.left, x, y));
+    let right = |x: f64, y: i32| bilinear(&scene.right, [x, y.into()]);
     let visible =
         (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))).filter_map(|(x, y)| {
             let u = f64::from(x) - f64::from(truth.disparity(x, y)?);
@@ -214,14 +207,13 @@ fn rows_by_truth(scene: &Scene) -> Option<f64> {
     let level = |of: &dyn Fn(&(i32, i32, f64)) -> f64| {
         visible.iter().map(of).sum::<f64>() / visible.len() as f64
     };
-    let gain = level(&|&(x, y, _)| at(&scene.left, x, y)) / level(&|&(_, y, u)| right(u, y));
+    let gain = level(&|&(x, y, _)| left(x, y)) / level(&|&(_, y, u)| right(u, y));
     let (mut product, mut square) = (0.0, 0.0);
     for &(x, y, u) in &visible {
-        let down = (at(&scene.left, x, y + 1) - at(&scene.left, x, y - 1)
-            + gain * (right(u, y + 1) - right(u, y - 1)))
-            / 4.0;
-        let across = (at(&scene.left, x + 1, y) - at(&scene.left, x - 1, y)) / 2.0;
-        let difference = at(&scene.left, x, y) - gain * right(u, y);
+        let down =
+            (left(x, y + 1) - left(x, y - 1) + gain * (right(u, y + 1) - right(u, y - 1))) / 4.0;
+        let across = (left(x + 1, y) - left(x - 1, y)) / 2.0;
+        let difference = left(x, y) - gain * right(u, y);
         if down.abs() > 2.0 * across.abs() && down.abs() > 4.0 && difference.abs() < 20.0 {
             product += difference * down;
             square += down * down;
@@ -235,7 +227,7 @@ fn rows_by_truth(scene: &Scene) -> Option<f64> {
 fn rendered_rows_are_told_to_a_few_hundredths() {
     for offset in [0.0, 0.3, -0.3, 0.5, 0.7, -0.7, 1.5, -1.5, 1.8] {
         let sensor = Sensor { noise: 1.5, seed: 5, row_offset: offset, ..Sensor::default() };
-        let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 5), DIMS, &sensor);
+        let pair = rendered_by(Kind::Boxes, DIMS, 5, &sensor);
         let health = alone(&pair.left, &pair.right, 64);
         let rows = health.rows.unwrap();
         assert!((pixels(rows.offset_q8) - offset).abs() <= 0.05, "{offset}: {rows:?}");
@@ -248,18 +240,16 @@ fn rendered_rows_are_told_to_a_few_hundredths() {
     }
 }
 
+/// A scene without objects, after a damage.
+fn damaged(scene: &Scene, damage: Damage) -> [GrayImage; 2] {
+    let objects = &Mask::new(scene.left.dims, vec![false; scene.left.pixels.len()]);
+    damage.apply(&Source { scene, other: [&scene.left, &scene.right], objects, seed: 1 })
+}
+
 /// Damages of a rendered pair that the pair itself shows, and the flag of each.
 #[test]
 fn what_is_the_same_in_both_images_or_torn_is_named() {
-    let pair = scene::render(
-        &scene::build(Kind::Demo, DIMS, 5),
-        DIMS,
-        &Sensor { noise: 1.5, seed: 5, ..Sensor::default() },
-    );
-    let scene = as_scene(&pair);
-    let objects = Mask::new(DIMS, vec![false; pair.left.pixels.len()]);
-    let source =
-        Source { scene: &scene, other: [&scene.left, &scene.right], objects: &objects, seed: 1 };
+    let scene = with_truth(rendered(Kind::Demo, DIMS, 1.5, 5));
     for (damage, flag) in [
         (Damage::None, None),
         (Damage::OneCameraTwice, Some(HealthFlags::NO_PARALLAX)),
@@ -273,24 +263,10 @@ fn what_is_the_same_in_both_images_or_torn_is_named() {
         (Damage::Noise(4.0), None),
         (Damage::Gain(0.8), None),
     ] {
-        let [left, right] = damage.apply(&source);
+        let [left, right] = damaged(&scene, damage);
         let health = alone(&left, &right, 64);
         let named = flag.is_none_or(|flag| health.flags.contains(flag));
         assert!(named && health.flags.is_fit() == flag.is_none(), "{damage}: {health:?}");
-    }
-}
-
-/// A rendered pair as a scene without truth.
-fn as_scene(pair: &scene::Rendering) -> Scene {
-    Scene {
-        name: "rendered".to_owned(),
-        folder: PathBuf::new(),
-        left: pair.left.clone(),
-        right: pair.right.clone(),
-        max_disparity: 64,
-        rig: None,
-        rig_numbers: None,
-        truth: None,
     }
 }
 
@@ -341,8 +317,8 @@ fn what_cannot_tell_its_rows_says_nothing() {
 }
 
 /// Sensor noise of its own for every picture.
-fn noisy(pair: (&GrayImage, &GrayImage), seed: u64) -> (GrayImage, GrayImage) {
-    Perturbation { noise: 1.0, seed, ..Perturbation::default() }.apply(pair.0, pair.1)
+fn noisy(pair: &Rendering, seed: u64) -> (GrayImage, GrayImage) {
+    Perturbation { noise: 1.0, seed, ..Perturbation::default() }.apply(&pair.left, &pair.right)
 }
 
 /// Clean pairs, five pairs with a fault, clean ones again: the flag comes with the first and goes
@@ -352,11 +328,11 @@ fn comes_and_goes(
     expected: HealthFlags,
     fault: impl Fn(&mut GrayImage, &mut GrayImage, usize),
 ) {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor::default());
+    let pair = boxes(0.0);
     let mut rig = Rig::new(DIMS, 64);
     let (mut first, mut last) = (None, None);
     for n in 0..14 {
-        let (mut left, mut right) = noisy((&pair.left, &pair.right), n as u64 + 1);
+        let (mut left, mut right) = noisy(&pair, n as u64 + 1);
         let is_faulty = (4..9).contains(&n);
         if is_faulty {
             fault(&mut left, &mut right, n - 4);
@@ -418,17 +394,17 @@ fn each_fault_raises_its_flag_and_clears() {
 
 #[test]
 fn a_frozen_camera_is_seen_with_its_first_repetition() {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor::default());
+    let pair = boxes(0.0);
     for (freeze, flags) in [
         ([true, false], HealthFlags::LEFT_FROZEN),
         ([false, true], HealthFlags::RIGHT_FROZEN),
         ([true, true], HealthFlags::LEFT_FROZEN | HealthFlags::RIGHT_FROZEN),
     ] {
         let mut rig = Rig::new(DIMS, 64);
-        let mut shown = noisy((&pair.left, &pair.right), 1);
+        let mut shown = noisy(&pair, 1);
         let mut seen = Vec::new();
         for n in 0..10 {
-            let fresh = noisy((&pair.left, &pair.right), n + 1);
+            let fresh = noisy(&pair, n + 1);
             let is_frozen = (3..6).contains(&n);
             if !(is_frozen && freeze[0]) {
                 shown.0 = fresh.0;
@@ -442,9 +418,9 @@ fn a_frozen_camera_is_seen_with_its_first_repetition() {
         assert_eq!(seen, [good, good, good, flags, flags, flags, flags, flags, good, good]);
         // An image of which only some samples stay as they are is another one.
         let mut other = Rig::new(DIMS, 64);
-        let mut changed = noisy((&pair.left, &pair.right), 1);
+        let mut changed = noisy(&pair, 1);
         let seen = [1, 2, 3].map(|n| {
-            let fresh = noisy((&pair.left, &pair.right), n);
+            let fresh = noisy(&pair, n);
             for (image, fresh) in [(&mut changed.0, fresh.0), (&mut changed.1, fresh.1)] {
                 let sampled = |i: usize| i % 320 % 7 == 3 && i / 320 % 8 == 4;
                 let pixels = image
@@ -469,10 +445,10 @@ fn a_frozen_camera_is_seen_with_its_first_repetition() {
 
 #[test]
 fn a_pair_of_two_moments_is_refused() {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor::default());
+    let pair = boxes(0.0);
     let mut rig = Rig::new(DIMS, 64);
     let mut see = |n: u64, right_us: u64| {
-        let (left, right) = noisy((&pair.left, &pair.right), n + 1);
+        let (left, right) = noisy(&pair, n + 1);
         rig.see(&left, &right, Some([40_000 * n, right_us]))
     };
     assert_eq!(see(1, 40_000 + 1000).flags, HealthFlags::GOOD);
@@ -493,23 +469,17 @@ fn a_pair_of_two_moments_is_refused() {
 /// saturation and no edge.
 #[test]
 fn a_small_view_is_named_and_its_border_is_not_looked_at() {
-    let pair = scene::render(
-        &scene::build(Kind::Boxes, DIMS, 9),
-        DIMS,
-        &Sensor { noise: 1.0, ..Sensor::default() },
-    );
+    let pair = boxes(1.0);
     let whole = alone(&pair.left, &pair.right, 64);
     assert_eq!(whole.cameras.map(|camera| camera.view_permille), [1000; 2]);
     for (margin, expected) in
         [(40_u16, HealthFlags::GOOD), (90, HealthFlags::LEFT_VIEW | HealthFlags::RIGHT_VIEW)]
     {
         let cut = |image: &GrayImage| {
-            let mut image = image.clone();
-            for (i, value) in image.pixels.iter_mut().enumerate() {
-                let inside = (usize::from(margin)..320 - usize::from(margin)).contains(&(i % 320));
-                *value = if inside { *value } else { 0 };
-            }
-            image
+            painted(320, 240, |x, y| {
+                let inside = (margin..320 - margin).contains(&x);
+                if inside { at(image, x.into(), y.into()) as u8 } else { 0 }
+            })
         };
         let spans = [Span { start: margin + 4, end: 316 - margin }; 240];
         let (left, right) = (cut(&pair.left), cut(&pair.right));
@@ -527,19 +497,18 @@ fn a_small_view_is_named_and_its_border_is_not_looked_at() {
 #[test]
 fn rows_that_wander_are_a_drift_before_they_are_off() {
     let dims = Dims { width: 160, height: 120 };
-    let scene = scene::build(Kind::Boxes, dims, 4);
     let mut rig = Rig::new(dims, 48);
     let mut drifts = Vec::new();
-    let mut rendered: Option<(f64, scene::Rendering)> = None;
+    let mut rendered: Option<(f64, Rendering)> = None;
     for n in 0..140_u64 {
         // -0.13 px for 90 pairs, then 0.02 px a pair, then 0.13 px.
         let offset = (0.02 * n.saturating_sub(90) as f64 - 0.13).min(0.13);
         if rendered.as_ref().is_none_or(|(at, _)| *at != offset) {
             let sensor = Sensor { row_offset: offset, ..Sensor::default() };
-            rendered = Some((offset, scene::render(&scene, dims, &sensor)));
+            rendered = Some((offset, rendered_by(Kind::Boxes, dims, 4, &sensor)));
         }
         let (_, pair) = rendered.as_ref().unwrap();
-        let (left, right) = noisy((&pair.left, &pair.right), n);
+        let (left, right) = noisy(&pair, n);
         let health = rig.see(&left, &right, None);
         let rows = pixels(health.rows.unwrap().offset_q8);
         assert!((rows - offset).abs() <= 0.1, "pair {n}: {rows} for {offset}");
@@ -555,28 +524,15 @@ fn rows_that_wander_are_a_drift_before_they_are_off() {
 
 #[test]
 fn rolled_and_far_off_rows_are_named() {
-    let pair = scene::render(
-        &scene::build(Kind::Boxes, DIMS, 9),
-        DIMS,
-        &Sensor { noise: 1.0, ..Sensor::default() },
-    );
+    let pair = boxes(1.0);
     // A degree of roll: rows move by up to 2.8 px one way left and the other way right.
     let roll = |image: &GrayImage, degrees: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        let (width, height) = (i32::from(image.dims.width), i32::from(image.dims.height));
-        let at = |x: i32, y: i32| {
-            f64::from(
-                image.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize],
-            )
-        };
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| {
+        painted(320, 240, |x, y| {
             let (cx, cy) = (f64::from(x) - 159.5, f64::from(y) - 119.5);
-            let (u, v) = (cos * cx + sin * cy + 159.5, cos * cy - sin * cx + 119.5);
-            let (u0, v0) = (u.floor(), v.floor());
-            let row = |v: i32| at(u0 as i32, v) * (1.0 - u + u0) + at(u0 as i32 + 1, v) * (u - u0);
-            (row(v0 as i32) * (1.0 - v + v0) + row(v0 as i32 + 1) * (v - v0)).round() as u8
-        });
-        GrayImage { dims: image.dims, pixels: pixels.collect() }
+            let from = [cos * cx + sin * cy + 159.5, cos * cy - sin * cx + 119.5];
+            bilinear(image, from).round() as u8
+        })
     };
     let health = alone(&pair.left, &roll(&pair.right, 0.7), 64);
     assert!(health.flags.contains(HealthFlags::ROWS_UNEVEN), "{health:?}");
@@ -592,49 +548,21 @@ fn rolled_and_far_off_rows_are_named() {
 
 #[test]
 fn points_beyond_infinity_are_hinted_at() {
-    let pair = scene::render(
-        &scene::build(Kind::Boxes, DIMS, 9),
-        DIMS,
-        &Sensor { noise: 1.0, ..Sensor::default() },
-    );
+    let pair = boxes(1.0);
     // The right camera turned outwards: all its content 24 px further right.
-    let turned = GrayImage {
-        dims: DIMS,
-        pixels: pair
-            .right
-            .pixels
-            .chunks(320)
-            .flat_map(|row| [&[row[0]; 24][..], &row[..296]].concat())
-            .collect(),
-    };
+    let turned = painted(320, 240, |x, y| at(&pair.right, i32::from(x) - 24, y.into()) as u8);
     let params = Params { min_disparity: -32, max_disparity: 64, ..Params::default() };
-    let mut rig = Rig::new(DIMS, 64);
-    rig.engine = Engine::new(&params, DIMS).unwrap();
-    let health = rig.see(&pair.left, &turned, None);
+    let see = |right| Rig::of(&params, DIMS).see(&pair.left, right, None);
+    let health = see(&turned);
     assert!(health.flags.contains(HealthFlags::BEYOND_INFINITY), "{health:?}");
-    let mut rig = Rig::new(DIMS, 64);
-    rig.engine = Engine::new(&params, DIMS).unwrap();
-    assert_eq!(rig.see(&pair.left, &pair.right, None).flags, HealthFlags::GOOD);
+    assert_eq!(see(&pair.right).flags, HealthFlags::GOOD);
 }
 
-/// Captured pairs of a robot's camera, rectified on the device. One has a padded strip of black.
+/// Captured pairs of a robot's camera, rectified on the device, at three sizes, as they are and as
+/// robots send them: JPEG of quality 95. One has a padded strip of black.
 #[test]
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
-fn captured_pairs_have_no_flag() {
-    let Some(folder) = captured::folder("oakd_lite") else { return };
-    for folder in find_scenes(&folder).unwrap() {
-        for width in [None, Some(320)] {
-            let scene = load_scene(&folder, width).unwrap();
-            let health = alone(&scene.left, &scene.right, if width.is_some() { 48 } else { 96 });
-            assert_eq!(health.flags, HealthFlags::GOOD, "{} at {width:?}: {health:?}", scene.name);
-        }
-    }
-}
-
-/// The same pairs at three sizes, as they are and as robots send them: JPEG of quality 95.
-#[test]
-#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
-fn captured_pairs_are_fit_at_every_size_and_after_jpeg() {
+fn captured_pairs_have_no_flag_and_are_fit_after_jpeg() {
     let Some(folder) = captured::folder("oakd_lite") else { return };
     for folder in find_scenes(&folder).unwrap() {
         let whole = load_scene(&folder, None).unwrap();
@@ -642,32 +570,30 @@ fn captured_pairs_are_fit_at_every_size_and_after_jpeg() {
             let [left, right] =
                 [&whole.left, &whole.right].map(|image| area_average(image, width).unwrap());
             let scene = Scene { left, right, ..whole.clone() };
-            let objects = Mask::new(scene.left.dims, vec![false; scene.left.pixels.len()]);
-            let other = [&scene.left, &scene.right];
-            let source = Source { scene: &scene, other, objects: &objects, seed: 1 };
-            for damage in [Damage::None, Damage::Jpeg(95)] {
-                let [left, right] = damage.apply(&source);
-                let health = alone(&left, &right, max_disparity);
-                let is_uneven = health.flags.contains(HealthFlags::ROWS_UNEVEN);
-                assert!(
-                    !is_uneven && health.flags.is_fit(),
-                    "{} at {width} px, {damage}: {health:?}",
-                    scene.name
-                );
-            }
+            let health = alone(&scene.left, &scene.right, max_disparity);
+            assert_eq!(health.flags, HealthFlags::GOOD, "{} at {width}: {health:?}", scene.name);
+            let [left, right] = damaged(&scene, Damage::Jpeg(95));
+            let health = alone(&left, &right, max_disparity);
+            let is_uneven = health.flags.contains(HealthFlags::ROWS_UNEVEN);
+            assert!(
+                !is_uneven && health.flags.is_fit(),
+                "{} at {width} px: {health:?}",
+                scene.name
+            );
         }
     }
 }
 
 #[test]
 fn what_was_at_the_same_pixel_is_forgotten_where_nothing_is_seen() {
-    let pair = scene::render(&scene::build(Kind::Boxes, DIMS, 9), DIMS, &Sensor::default());
+    let pair = boxes(0.0);
     let mut rig = Rig::new(DIMS, 64);
-    let (left, _) = noisy((&pair.left, &pair.right), 1);
+    let (left, _) = noisy(&pair, 1);
     assert!(rig.see(&left, &left, None).flags.contains(HealthFlags::NO_PARALLAX));
-    let grey = GrayImage { dims: DIMS, pixels: vec![100; pair.left.pixels.len()] };
+    let grey = painted(320, 240, |_, _| 100);
+    let grey = Rendering { left: grey.clone(), right: grey, ..pair };
     let flags = [2, 3, 4].map(|seed| {
-        let (left, right) = noisy((&grey, &grey), seed);
+        let (left, right) = noisy(&grey, seed);
         let health = rig.see(&left, &right, None);
         assert_eq!(health.still, None);
         health.flags.contains(HealthFlags::NO_PARALLAX)
@@ -694,26 +620,16 @@ fn raw_sequences_of_a_robot_show_rows_at_most() {
             std::fs::read_dir(folder.join(name)).unwrap().map(|e| e.unwrap().path()).collect();
         files.retain(|path| path.to_str().unwrap().ends_with("_left.png"));
         files.sort();
-        let mut rig = Rig::new(Dims { width: 128, height: 96 }, 48);
         let params = Params { min_disparity, max_disparity: 48, ..Params::default() };
-        rig.engine = Engine::new(&params, Dims { width: 128, height: 96 }).unwrap();
+        let mut rig = Rig::of(&params, Dims { width: 128, height: 96 });
         // Calibrated to 5 px beyond infinity by the frames' own list.
         rig.limits.least_disparity_q6 = -6 * 64;
-        let (mut all, mut offsets) = (HealthFlags::GOOD, Vec::new());
+        let mut all = HealthFlags::GOOD;
         for left in &files {
             let right = left.to_str().unwrap().replace("_left", "_right");
             let (left, right) = (load_gray(left).unwrap(), load_gray(right.as_ref()).unwrap());
-            let health = rig.see(&left, &right, None);
-            all |= health.flags;
-            offsets.extend(health.rows.map(|rows| pixels(rows.offset_q8)));
+            all |= rig.see(&left, &right, None).flags;
         }
-        offsets.sort_by(f64::total_cmp);
-        eprintln!(
-            "{name}: {} pairs, {all}, rows known in {}, median {:?}",
-            files.len(),
-            offsets.len(),
-            offsets.get(offsets.len() / 2)
-        );
         assert!(rows.contains(all), "{name}: {all}");
         assert!(all.contains(expected), "{name}: {all}");
     }
@@ -743,11 +659,6 @@ fn rows_of_euroc_pairs_after_rectification() {
                 rectified(&rectification, eye, &raw[usize::from(eye == CameraSide::Right)])
             });
             let health = alone(&left, &right, max_disparity);
-            eprintln!(
-                "{name} at {dims}: {:?}, {}",
-                health.rows.map(|rows| (pixels(rows.offset_q8), rows)),
-                health.flags
-            );
             let rows = health.rows.unwrap();
             assert!(pixels(rows.offset_q8).abs() <= 0.25, "{name} at {dims}: {rows:?}");
             let unrectified = alone(&raw[0], &raw[1], 96);
@@ -763,54 +674,35 @@ fn rows_of_euroc_pairs_after_rectification() {
 /// By the mean of nine bilinear samples a pixel where the image becomes smaller.
 fn rectified(rectification: &Rectification, eye: CameraSide, raw: &GrayImage) -> GrayImage {
     let dims = rectification.dims();
-    let (width, height) = (i32::from(raw.dims.width), i32::from(raw.dims.height));
-    let at = |x: i32, y: i32| {
-        f64::from(raw.pixels[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize])
-    };
-    let sample = |position: [f64; 2]| {
-        let [u, v] = rectification.source(eye, position).unwrap();
-        let (x, y) = (u.floor() as i32, v.floor() as i32);
-        let (fx, fy) = (u - u.floor(), v - v.floor());
-        let row = |y: i32| at(x, y) * (1.0 - fx) + at(x + 1, y) * fx;
-        row(y) * (1.0 - fy) + row(y + 1) * fy
-    };
     let steps: &[f64] =
         if dims.width < raw.dims.width { &[-1.0 / 3.0, 0.0, 1.0 / 3.0] } else { &[0.0] };
     let count = (steps.len() * steps.len()) as f64;
-    let pixel = |x: u16, y: u16| {
+    painted(dims.width, dims.height, |x, y| {
         let sum: f64 = steps
             .iter()
             .flat_map(|dy| steps.iter().map(move |dx| [f64::from(x) + dx, f64::from(y) + dy]))
-            .map(sample)
+            .map(|position| bilinear(raw, rectification.source(eye, position).unwrap()))
             .sum();
         (sum / count).round() as u8
-    };
-    let pixels = (0..dims.height)
-        .flat_map(|y| (0..dims.width).map(move |x| (x, y)))
-        .map(|(x, y)| pixel(x, y));
-    GrayImage { dims, pixels: pixels.collect() }
+    })
 }
 
 #[test]
 fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
     const { assert!(size_of::<HealthMonitor>() < 100 && size_of::<PairHealth>() < 100) };
-    let pair = scene::render(&scene::build(Kind::Demo, DIMS, 2), DIMS, &Sensor::default());
+    let pair = rendered(Kind::Demo, DIMS, 0.0, 2);
     let expected = alone(&pair.left, &pair.right, 64);
-    let (padded, stride) = linestereo_tests::drawn::with_padding(&pair.left, 13, 255);
-    let left = linestereo::Gray::new(&padded, DIMS, stride).unwrap();
+    let (padded, stride) = with_padding(&pair.left, 13, 255);
+    let left = Gray::new(&padded, DIMS, stride).unwrap();
     let right = pair.right.view().unwrap();
-    let mut engine = Engine::new(&Params { max_disparity: 64, ..Params::default() }, DIMS).unwrap();
-    let mut monitor = HealthMonitor::new();
-    let mut health = monitor.check_images(&HealthLimits::DEFAULT, left, right, None);
-    let matched = engine.run_in_place(left, right).unwrap();
-    let found = matched.findings();
-    monitor.check_matches(&HealthLimits::DEFAULT, [left, right], &found, &mut health);
-    assert_eq!(health, expected);
+    let mut rig = Rig::new(DIMS, 64);
+    assert_eq!(rig.watch(left, right, None), expected);
     // Images of other sizes, the smallest, and no matches at all: nothing fails.
     let tiny = painted(16, 16, |x, y| (x * y) as u8);
     let (a, b) = (tiny.view().unwrap(), pair.left.view().unwrap());
     let mut health = HealthMonitor::new().check_images(&HealthLimits::DEFAULT, a, b, None);
-    let found = Findings { counts: &Counts::default(), ..found };
+    let matched = rig.engine.run_in_place(left, right).unwrap();
+    let found = Findings { counts: &Counts::default(), ..matched.findings() };
     HealthMonitor::new().check_matches(&HealthLimits::DEFAULT, [a, b], &found, &mut health);
     assert_eq!(health.rows, None);
 }
@@ -824,11 +716,7 @@ fn needed(truth: &Truth) -> u16 {
 fn a_range_that_ends_before_the_nearest_surface_is_told_and_a_sufficient_one_is_not() {
     for kind in [Kind::Boxes, Kind::Cards, Kind::Corridor, Kind::Demo] {
         for seed in 1..=if is_long() { 6 } else { 2 } {
-            let pair = scene::render(
-                &scene::build(kind, DIMS, seed),
-                DIMS,
-                &Sensor { noise: 1.0, seed, ..Sensor::default() },
-            );
+            let pair = rendered(kind, DIMS, 1.0, seed);
             let enough = needed(&Truth::new(DIMS, pair.disparity.clone(), pair.visible.clone()));
             for range in [enough, enough + 8, 2 * enough] {
                 let health = alone(&pair.left, &pair.right, range);
@@ -856,9 +744,7 @@ fn a_range_that_ends_before_the_nearest_surface_is_told_and_a_sufficient_one_is_
 fn a_range_is_not_doubted_without_a_match_beyond_it() {
     for kind in [Kind::Blank, Kind::Repetition, Kind::Poles] {
         for seed in 1..=if is_long() { 4 } else { 2 } {
-            let sensor = Sensor { noise: 1.0, seed, ..Sensor::default() };
-            let pair = scene::render(&scene::build(kind, DIMS, seed), DIMS, &sensor);
-            let other = scene::render(&scene::build(Kind::Boxes, DIMS, seed), DIMS, &sensor);
+            let [pair, other] = [kind, Kind::Boxes].map(|kind| rendered(kind, DIMS, 1.0, seed));
             for (right, what) in [(&pair.right, "itself"), (&other.right, "another scene")] {
                 let health = alone(&pair.left, right, 64);
                 assert!(
@@ -882,9 +768,7 @@ fn no_captured_object_is_answered_with_half_of_its_range() {
             ((needed(truth) / 2).max(8), true),
         ] {
             let params = Params { max_disparity: range, rig: scene.rig, ..Params::default() };
-            let mut engine = Engine::new(&params, scene.left.dims).unwrap();
-            let result =
-                engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+            let (mut engine, result) = matched(&params, [&scene.left, &scene.right]);
             let flags = result.health.of_pair();
             let what = format!(
                 "{} below {range} px: {flags} {:?}",
