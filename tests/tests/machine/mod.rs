@@ -5,11 +5,11 @@ mod pico2;
 mod portenta_h7;
 mod stm32h743;
 
-use linestereo::Dims;
+use linestereo::{Dims, results::Match};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
 use linestereo_wire::{
     Answer, CaptureReport, Command as HostCommand, Decoder, FrameHead, Health, Hello, MAX_COMMAND,
-    MAX_PACKET, Message, Outcome, Request, ResetCause, RigBytes, encode,
+    MAX_PACKET, Message, ObjectRecord, Outcome, Request, ResetCause, RigBytes, encode,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -96,12 +96,16 @@ impl Run {
         assert_eq!(self.result["usb"], expected);
     }
 
+    /// What is in the records of one kind.
+    fn all<'a, T>(
+        &'a self,
+        kind: impl Fn(&'a Message) -> Option<T> + Clone,
+    ) -> impl DoubleEndedIterator<Item = T> + Clone {
+        self.records.iter().filter_map(move |(_, record)| kind(record))
+    }
+
     fn frames(&self) -> Vec<&FrameHead> {
-        self.records
-            .iter()
-            .filter_map(
-                |(_, record)| if let Message::Frame(head) = record { Some(head) } else { None },
-            )
+        self.all(|record| if let Message::Frame(head) = record { Some(head) } else { None })
             .collect()
     }
 
@@ -167,13 +171,13 @@ impl Run {
     fn assert_photograph(&self) {
         let mut photo = [vec![0; 320 * 240], vec![0; 320 * 240]];
         let mut pixels = 0;
-        for (_, record) in &self.records {
-            if let Message::Pixels(part) = record {
-                let first = part.first as usize;
-                photo[usize::from(part.is_right)][first..first + part.list.len()]
-                    .copy_from_slice(&part.list);
-                pixels += part.list.len();
-            }
+        let parts =
+            self.all(|record| if let Message::Pixels(part) = record { Some(part) } else { None });
+        for part in parts {
+            let first = part.first as usize;
+            photo[usize::from(part.is_right)][first..][..part.list.len()]
+                .copy_from_slice(&part.list);
+            pixels += part.list.len();
         }
         assert_eq!(pixels, 2 * 320 * 240);
         let equals = |is_right: bool, frame: u64| {
@@ -187,10 +191,7 @@ impl Run {
     }
 
     fn answers(&self) -> impl Iterator<Item = &Answer> + Clone {
-        let answers = self.records.iter();
-        answers.filter_map(
-            |(_, record)| if let Message::Answer(answer) = record { Some(answer) } else { None },
-        )
+        self.all(|record| if let Message::Answer(answer) = record { Some(answer) } else { None })
     }
 
     /// Every command was taken.
@@ -220,11 +221,9 @@ impl Run {
 
     /// The last report of what cameras lost.
     fn losses(&self) -> CaptureReport {
-        let reports = self.records.iter().rev();
-        let mut reports = reports.filter_map(|(_, record)| {
-            if let Message::Capture(lost) = record { Some(*lost) } else { None }
-        });
-        reports.next().unwrap()
+        self.all(|record| if let Message::Capture(lost) = record { Some(*lost) } else { None })
+            .next_back()
+            .unwrap()
     }
 
     /// Why the board was reset, as each start said.
@@ -234,10 +233,43 @@ impl Run {
     }
 
     fn hellos(&self) -> impl Iterator<Item = &Hello> {
-        self.records.iter().filter_map(|(_, record)| {
-            if let Message::Hello(hello) = record { Some(hello) } else { None }
-        })
+        self.all(|record| if let Message::Hello(hello) = record { Some(hello) } else { None })
     }
+
+    /// A rig for QVGA images is in use from the start.
+    fn assert_rig_is_used(&self) -> &Hello {
+        let hello = self.hellos().next().unwrap();
+        assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
+        hello
+    }
+
+    /// The autopilot got its heartbeats and obstacles, in whole messages.
+    fn assert_autopilot(&self) {
+        let messages = mavlink_ids(&bytes_of(&self.result["autopilot"]));
+        assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
+    }
+}
+
+/// A frame and what came with it.
+struct Frame<'a> {
+    head: &'a FrameHead,
+    segments: Vec<Match>,
+    objects: Vec<ObjectRecord>,
+}
+
+fn frames_of(run: &Run) -> Vec<Frame<'_>> {
+    let mut frames: Vec<Frame<'_>> = Vec::new();
+    for (_, record) in &run.records {
+        match (record, frames.last_mut()) {
+            (Message::Frame(head), _) => {
+                frames.push(Frame { head, segments: Vec::new(), objects: Vec::new() })
+            }
+            (Message::Segments(of), Some(frame)) => frame.segments.extend(of.list.iter().copied()),
+            (Message::Objects(of), Some(frame)) => frame.objects.extend(of.list.iter().copied()),
+            _ => {}
+        }
+    }
+    frames
 }
 
 /// Records of bytes and their times, us, and how many packets are damaged.

@@ -6,7 +6,7 @@
 //! cache, power, contention of both cores for memory, USB below its packets, what HM01B0 do that
 //! nobody has written down; the time of anything within a few tens of percent.
 
-use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes, sensor_pixel};
+use super::{Frame, Run, bad_frames, frames_of, host, rig_bytes, sensor_pixel};
 use linestereo::results::Match;
 use linestereo::{Dims, Options};
 use linestereo_firmware::boards::pico2::BoardMemory;
@@ -14,7 +14,7 @@ use linestereo_firmware::memory::Memory;
 use linestereo_firmware::session::Session;
 use linestereo_rig::CameraSide;
 use linestereo_tests::board::image;
-use linestereo_wire::{FrameHead, Health, Message, PairReport, Request, ResetCause};
+use linestereo_wire::{FrameHead, Health, PairReport, Request, ResetCause};
 use serde_json::{Value, json};
 
 fn execute(scenario: &Value) -> Option<Run> {
@@ -80,8 +80,7 @@ fn seconds_of_a_pico_2() {
         rectified.clone().count() > 8 && rectified.clone().all(|head| head.counts.matched > 65),
         "{frames:?}"
     );
-    let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
-    assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
+    run.assert_autopilot();
 
     // Memory: of the program's stack a quarter is left, and the DMA writes behind the stacks.
     run.assert_stack();
@@ -106,9 +105,7 @@ fn seconds_of_a_pico_2() {
     let again =
         execute(&json!({ "until_us": 1_500_000, "flash": run.result["flash"], "host": commands }))
             .unwrap();
-    let hello = again.hellos().next().unwrap();
-    assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
-    assert_eq!(hello.rig.slots[0], Ok(0));
+    assert_eq!(again.assert_rig_is_used().rig.slots[0], Ok(0));
 }
 
 /// A fault of the processor ends the program, and the next run names it; cameras that send nothing
@@ -138,24 +135,8 @@ fn a_fault_and_the_watchdog_are_named_after_the_reset() {
     );
 }
 
-/// Counts, health and segments of pairs.
-type Found = Vec<(FrameHead, Vec<Match>)>;
-
-/// As the board has sent them.
-fn matched_there(run: &Run) -> Found {
-    let heads = run.frames().into_iter();
-    let mut pairs: Vec<_> = heads.map(|head| (*head, Vec::new())).collect();
-    for (_, record) in &run.records {
-        let Message::Segments(part) = record else { continue };
-        if let Some((_, list)) = pairs.iter_mut().find(|(head, _)| head.sequence == part.sequence) {
-            list.extend_from_slice(&part.list);
-        }
-    }
-    pairs
-}
-
-/// The same of the first frames of both sensors, matched on this machine.
-fn matched_here(pairs: usize) -> Found {
+/// Counts, health and segments of the first frames of both sensors, matched on this machine.
+fn matched_here(pairs: usize) -> Vec<(FrameHead, Vec<Match>)> {
     let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::new(linestereo_boards::Board::PICO2);
     let dims = Dims { width: 320, height: 240 };
@@ -181,16 +162,17 @@ fn pairs_are_the_same_on_two_cores_and_on_one() {
     let [both, one] = ["present", "absent"].map(|core1| {
         let run =
             execute(&json!({ "until_us": 800_000, "host": commands.clone(), "core1": core1 }))?;
-        let found = matched_there(&run);
-        assert!(found.len() > 2 && found[0].1.len() > 65, "{found:?}");
-        for ((head, segments), (here, segments_here)) in found.iter().zip(matched_here(found.len()))
+        let found = frames_of(&run);
+        assert!(found.len() > 2 && found[0].segments.len() > 65, "{:?}", found[0].head);
+        for (Frame { head, segments, .. }, (here, segments_here)) in
+            found.iter().zip(matched_here(found.len()))
         {
             let pair =
                 |head: &FrameHead| head.pair.map(|pair| PairReport { skew_us: None, ..pair });
             assert_eq!((head.counts, pair(head)), (here.counts, pair(&here)), "{core1}");
             assert_eq!(*segments, segments_here, "{core1}: pair {}", head.sequence);
         }
-        let slowest_us = found.iter().map(|(head, _)| head.times.matching_us).max().unwrap();
+        let slowest_us = found.iter().map(|frame| frame.head.times.matching_us).max().unwrap();
         Some((run.result["core1"].clone(), slowest_us, found.len() as u64))
     });
     let (Some((core1, both_us, pairs)), Some((alone, one_us, _))) = (both, one) else { return };

@@ -5,7 +5,7 @@
 //! the power controller, USB below its packets and its PHY but for power, reset and pins, caches,
 //! the second core, the time of anything within a few tens of percent.
 
-use super::{Run, bad_frames, bytes_of, host, mavlink_ids, rig_bytes};
+use super::{Run, bad_frames, host, rig_bytes};
 use linestereo_boards::Board;
 use linestereo_rig::CameraSide;
 use linestereo_sim::board::is_long;
@@ -17,6 +17,23 @@ use std::path::PathBuf;
 fn execute(mut scenario: Value) -> Option<Run> {
     scenario["board"] = json!("portenta-h7");
     Run::of("stm32h7.py", || image(&Board::PORTENTA_H7, "live"), &scenario)
+}
+
+/// A row of the joiner is one of both images: each of these bad ones costs a pair. The others come
+/// from one exposure, and are rectified in the end.
+fn assert_pairs(run: &Run, faults: &[(CameraSide, u64, &str, usize)]) {
+    run.assert_whole();
+    let frames = run.frames_in_order();
+    let bad = faults.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
+    run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), faults.len(), 120_000);
+    assert!(
+        frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0),
+        "one exposure"
+    );
+    assert!(frames.last().unwrap().segments > 0, "{:?}", frames.last());
+    run.assert_all_accepted();
+    run.assert_uncached_dma();
+    run.assert_stack();
 }
 
 /// Pairs, a row that is too short, rows that are missing, a photograph, a rig that is erased and
@@ -40,34 +57,17 @@ fn seconds_of_a_portenta() {
         "erase_us": 2e5,
     });
     let Some(run) = execute(scenario) else { return };
-    run.assert_whole();
+    assert_pairs(&run, &FAULTS);
     assert_eq!(run.reset_causes(), [Some(ResetCause::PowerOn)]);
-
-    // A bad row is one of both images, and costs one pair.
-    let frames = run.frames_in_order();
-    assert!(frames.len() > 15, "{}", frames.len());
-    let bad = FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
-    run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);
-    assert!(
-        frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0),
-        "one exposure"
-    );
+    assert!(run.frames().len() > 15, "{}", run.frames().len());
     run.assert_photograph();
-
     // The rig was erased, written, and is used.
-    run.assert_all_accepted();
     assert_eq!(run.result["erases"], 1);
-    assert!(frames.last().unwrap().segments > 0, "{:?}", frames.last());
-    let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
-    assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
-
-    run.assert_uncached_dma();
-    run.assert_stack();
+    run.assert_autopilot();
     run.code().assert_executed(98_700); // 55 % of the code
 
     let again = execute(json!({ "until_us": 400_000, "flash": run.result["flash"] })).unwrap();
-    let hello = again.hellos().next().unwrap();
-    assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
+    again.assert_rig_is_used();
 }
 
 /// Medians of the last pairs, us: from an exposure to the next one, and to the last byte of the
@@ -110,20 +110,8 @@ fn ahead_gives_more_pairs_that_are_no_older() {
     };
     let run = |image: fn() -> Option<PathBuf>| {
         let run = Run::of("stm32h7.py", image, &scenario())?;
-        run.assert_whole();
+        assert_pairs(&run, &FAULTS);
         run.assert_usb("portenta-h7", "2E0031000E51303434363337", true);
-        let frames = run.frames_in_order();
-        let bad =
-            FAULTS.iter().flat_map(|&(_, _, _, kind)| CameraSide::BOTH.map(|eye| (eye, kind)));
-        run.assert_bad_frames(&frames, &bad.collect::<Vec<_>>(), FAULTS.len(), 120_000);
-        assert!(
-            frames.iter().filter_map(|head| head.pair?.skew_us).all(|skew_us| skew_us == 0),
-            "one exposure"
-        );
-        assert!(frames.last().unwrap().segments > 0, "{:?}", frames.last());
-        run.assert_all_accepted();
-        run.assert_uncached_dma();
-        run.assert_stack();
         Some(pace(&run))
     };
     let paces = std::thread::scope(|scope| {

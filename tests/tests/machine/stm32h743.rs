@@ -9,18 +9,17 @@ mod kept;
 mod scenes;
 mod usb;
 
-use super::{Run, bad_frames, bytes_of, hex, host, mavlink_ids, records, rig_bytes};
+use super::{Run, bad_frames, bytes_of, frames_of, hex, host, mavlink_ids, records, rig_bytes};
+use linestereo::health::HealthFlags;
 use linestereo::params::{Margin, Parts};
 use linestereo::units::{Confidence, Depth};
-use linestereo::{health::HealthFlags, results::Match};
 use linestereo_boards::built_in::digests::QVGA;
 use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
 use linestereo_tests::board::image;
 use linestereo_wire::{
-    FrameHead, Health, MachineReport, Message, ObjectRecord, Outcome, PairHead, ParamUpdate,
-    RegionBox, Regions, Request, RigFault, RigUpdate, SETTINGS, Setting, SettingValue,
-    SettingValues, Silicon, TimeSource,
+    Health, MachineReport, Message, Outcome, PairHead, ParamUpdate, RegionBox, Regions, Request,
+    RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -31,28 +30,6 @@ fn execute(program: &'static str, scenario: &Value) -> Option<Run> {
     let mut scenario = scenario.clone();
     scenario["board"] = json!("stm32h743");
     Run::of("stm32h7.py", image, &scenario)
-}
-
-/// A frame and what came with it.
-struct Frame<'a> {
-    head: &'a FrameHead,
-    segments: Vec<Match>,
-    objects: Vec<ObjectRecord>,
-}
-
-fn frames(run: &Run) -> Vec<Frame<'_>> {
-    let mut frames: Vec<Frame<'_>> = Vec::new();
-    for (_, record) in &run.records {
-        match (record, frames.last_mut()) {
-            (Message::Frame(head), _) => {
-                frames.push(Frame { head, segments: Vec::new(), objects: Vec::new() })
-            }
-            (Message::Segments(of), Some(frame)) => frame.segments.extend(of.list.iter().copied()),
-            (Message::Objects(of), Some(frame)) => frame.objects.extend(of.list.iter().copied()),
-            _ => {}
-        }
-    }
-    frames
 }
 
 const FAULTS: [(CameraSide, u64, &str, usize); 3] = [
@@ -121,14 +98,10 @@ fn seconds_of_a_board() {
         60_000,
     );
 
-    let objects = run.records.iter().filter_map(|(_, record)| {
-        if let Message::Objects(found) = record { Some(found) } else { None }
-    });
-    assert!(
-        objects.flat_map(|found| &found.list).any(|object| object.label == 7
-            && object.disparity_q6.is_ok_and(|d_q6| d_q6.abs_diff(640) < 16)),
-        "no box is 10 px apart"
-    );
+    let objects = frames_of(run).into_iter().flat_map(|frame| frame.objects);
+    let is_right = |d_q6: i16| d_q6.abs_diff(640) < 16;
+    let mut of_box = objects.filter(|object| object.label == 7);
+    assert!(of_box.any(|object| object.disparity_q6.is_ok_and(is_right)), "none is 10 px apart");
 
     run.assert_photograph();
 
@@ -141,10 +114,7 @@ fn seconds_of_a_board() {
     let last = frames.last().unwrap();
     assert!(last.segments > 0, "{last:?}");
 
-    // The autopilot got obstacles in whole messages.
-    let messages = mavlink_ids(&bytes_of(&run.result["autopilot"]));
-    assert!(messages.contains(&0) && messages.contains(&330), "{messages:?}");
-
+    run.assert_autopilot();
     run.assert_uncached_dma();
     let used = run.result["handler_stack"].as_u64().unwrap();
     assert!((100..4096).contains(&used), "{used} bytes of the handlers' stack");
@@ -154,9 +124,7 @@ fn seconds_of_a_board() {
     let again = AGAIN.as_ref().unwrap();
     again.assert_whole();
     again.assert_all_accepted();
-    let hello = again.hellos().next().unwrap();
-    assert_eq!(hello.rig.in_use.map(|rig| rig.rectified), Some([320, 240]));
-    assert_eq!(hello.rig.slots, [Ok(0), Err(RigFault::LeftCamera)]);
+    assert_eq!(again.assert_rig_is_used().rig.slots, [Ok(0), Err(RigFault::LeftCamera)]);
 
     // Bad frames cost what they did without it. While a right one is waited for nobody triggers the
     // left camera, which is called silent as well.
@@ -339,11 +307,11 @@ fn a_host_on_usb() {
     let answers: Vec<_> =
         run.answers().map(|answer| (answer.command, answer.outcome == Outcome::Accepted)).collect();
     assert_eq!(answers, (1..).zip(expected).collect::<Vec<_>>());
-    let settings = run.records.iter().filter_map(|(_, record)| match record {
+    let value = |record: &Message| match record {
         Message::Setting(SettingValue { value, .. }) => Some(*value),
         _ => None,
-    });
-    let settings: Vec<_> = settings.collect();
+    };
+    let settings: Vec<f32> = run.all(value).collect();
     let [before, changed, after] =
         [0, 1, 2].map(|report| &settings[report * SETTINGS..][..SETTINGS]);
     assert_eq!((settings.len(), changed), (3 * SETTINGS, &VALUES[..]));
@@ -476,17 +444,13 @@ fn selftest_counts_cycles_and_has_the_digests_of_the_pc() {
         return;
     };
     run.assert_whole();
-    let said = |found: fn(&Message) -> Option<Message>| {
-        run.records.iter().filter_map(|(_, record)| found(record)).collect::<Vec<_>>()
-    };
-    let answers = said(|record| matches!(record, Message::Answer(_)).then(|| record.clone()));
-    assert_eq!(answers.len(), requests.len(), "{:?}", run.records.last());
+    assert_eq!(run.answers().count(), requests.len(), "{:?}", run.records.last());
 
-    let machines = said(|record| matches!(record, Message::Machine(_)).then(|| record.clone()));
-    let [.., Message::Machine(MachineReport { unit, cases: 22, silicon: Some(silicon), .. })] =
-        &machines[..]
-    else {
-        panic!("{machines:?}")
+    let mut machines =
+        run.all(|record| if let Message::Machine(of) = record { Some(of) } else { None });
+    let machine = machines.next_back();
+    let Some(MachineReport { unit, cases: 22, silicon: Some(silicon), .. }) = machine else {
+        panic!("{machine:?}")
     };
     let expected = Silicon {
         processor_id: 0x411f_c271,
@@ -498,10 +462,10 @@ fn selftest_counts_cycles_and_has_the_digests_of_the_pc() {
     };
     assert_eq!((&**unit, silicon), ("cycles", &expected));
 
-    let reports = said(|record| matches!(record, Message::Case(_)).then(|| record.clone()));
-    assert_eq!(reports.len(), CASES.len());
-    for (report, case) in reports.iter().zip(CASES) {
-        let Message::Case(report) = report else { unreachable!() };
+    let reports =
+        run.all(|record| if let Message::Case(report) = record { Some(report) } else { None });
+    assert_eq!(reports.clone().count(), CASES.len());
+    for (report, case) in reports.zip(CASES) {
         assert_eq!(
             (report.case, report.digests),
             (case, QVGA[usize::from(case)]),

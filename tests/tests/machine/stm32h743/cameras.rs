@@ -43,14 +43,12 @@ pub(super) static SENSORS: LazyLock<Option<Run>> = LazyLock::new(|| {
 fn sensors_that_fail_are_named_and_started_again() {
     let Some(run) = &*SENSORS else { return };
     run.assert_whole();
-    let reports = run.records.iter().filter_map(|(at, record)| match record {
-        Message::Capture(CaptureReport { sensors, faults, .. }) => Some((*at, *sensors, *faults)),
+    let lost = |record: &Message| match record {
+        Message::Capture(CaptureReport { sensors, faults, .. }) => Some((*sensors, *faults)),
         _ => None,
-    });
-    let reports: Vec<_> = reports.collect();
-    let [(_, [0, absent], _), (_, [other, before], _), .., (_, [left, right], faults)] =
-        reports[..]
-    else {
+    };
+    let reports: Vec<_> = run.all(lost).collect();
+    let [([0, absent], _), ([other, before], _), .., ([left, right], faults)] = reports[..] else {
         panic!("{reports:?}")
     };
     assert!(absent > 0 && other > 0 && left == other + 1 && right > before + 2, "{reports:?}");

@@ -58,9 +58,7 @@ fn damaged_slots_and_a_flash_that_fails_are_named() {
     let outcomes: Vec<_> = run.answers().map(|answer| answer.outcome.clone()).collect();
     let done = || Outcome::Accepted;
     assert_eq!(outcomes, [done(), not_kept(), not_kept(), done(), done(), done(), done()]);
-    let kept = run.records.iter().filter_map(|(_, record)| {
-        if let Message::Kept(kept) = record { Some(*kept) } else { None }
-    });
+    let kept = run.all(|record| if let Message::Kept(kept) = record { Some(kept) } else { None });
     let kept: Vec<_> = kept.map(|kept| (kept.is_kept, kept.slots)).collect();
     assert_eq!(
         kept,

@@ -1,8 +1,8 @@
 //! Scenes whose depths are known, seen by two cameras with lenses: the board's segments are those
 //! of the PC, bit for bit, and those of the scene.
 
-use super::super::{Run, hex, host, rig};
-use super::{execute, frames};
+use super::super::{Run, frames_of, hex, host, rig};
+use super::execute;
 use linestereo::params::{Margin, Parts};
 use linestereo::units::{Confidence, Depth, Disparity};
 use linestereo::{Dims, Options, results::Match};
@@ -17,6 +17,7 @@ use linestereo_rig::{Calibration, Camera, CameraSide, Lens, Rectification, RigIm
 use linestereo_sim::engine::FrameResult;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
+use linestereo_tests::reference::bilinear;
 use linestereo_wire::{
     Command, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions,
     Request, RigBytes, RigFault, RigUpdate, name,
@@ -91,28 +92,10 @@ impl Shown {
             scene::render(&scene, dims, &Sensor { noise: 2.0, seed: 7, ..Sensor::default() });
         let raw = CameraSide::BOTH.map(|eye| {
             let image = if eye == CameraSide::Left { &wide.left } else { &wide.right };
-            let grey = |[x, y]: [f64; 2]| {
-                let pixel = |column: f64, row: f64| {
-                    let inside = (0.0..f64::from(dims.width)).contains(&column)
-                        && (0.0..f64::from(dims.height)).contains(&row);
-                    if inside {
-                        f64::from(
-                            image.pixels[row as usize * usize::from(dims.width) + column as usize],
-                        )
-                    } else {
-                        0.0
-                    }
-                };
-                let (column, row) = (x.floor(), y.floor());
-                let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-                let of_row =
-                    |row: f64| mix(pixel(column, row), pixel(column + 1.0, row), x - column);
-                mix(of_row(row), of_row(row + 1.0), y - row).round().min(250.0) as u8 // frames get lighter by up to 3
-            };
+            // Frames get lighter by up to 3.
+            let grey = |at: [f64; 2]| bilinear(image, at.map(wider)).round().min(250.0) as u8;
             let raw = painted(QVGA.width, QVGA.height, |x, y| {
-                rectification
-                    .rectified(eye, [x.into(), y.into()])
-                    .map_or(0, |at| grey(at.map(wider)))
+                rectification.rectified(eye, [x.into(), y.into()]).map_or(0, grey)
             });
             raw.pixels
         });
@@ -448,7 +431,7 @@ impl Twin {
 fn depths_of_scenes_are_those_of_the_pc_and_true() {
     let Some(run) = &*SCENES else { return };
     run.assert_whole();
-    let frames = frames(run);
+    let frames = frames_of(run);
     let (mut twin, mut number) = (Twin::new(), 0);
     for (lenses, kinds) in LENSES.iter() {
         twin.take(rig_request(&lenses.rig()));

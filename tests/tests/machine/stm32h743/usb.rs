@@ -1,7 +1,7 @@
 //! Unusual acts of a host on USB: requests of all kinds, results that it does not read.
 
-use super::super::{Run, host};
-use super::{execute, frames};
+use super::super::{Run, frames_of, host};
+use super::execute;
 use linestereo_wire::{FrameHead, Health, RegionBox, Regions, Request};
 use serde_json::{Value, json};
 use std::sync::LazyLock;
@@ -113,7 +113,7 @@ fn what_a_host_does_not_read_is_told() {
     assert!(told.len() == 1 && told[0].capture_time_us > RESUMED_US - 100_000, "{told:?}");
     assert!(heads.last().unwrap().capture_time_us > RESUMED_US + 50_000, "{heads:?}");
     // Each came as a whole; of the last one the run may have seen a part.
-    let frames = frames(run);
+    let frames = frames_of(run);
     for frame in &frames[..frames.len() - 1] {
         assert_eq!(frame.segments.len(), usize::from(frame.head.segments), "{:?}", frame.head);
         assert_eq!(frame.objects.len(), BOXES, "{:?}", frame.head);
