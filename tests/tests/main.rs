@@ -37,7 +37,6 @@ mod rig;
 mod rig_image;
 mod search_end;
 mod slopes;
-mod units;
 mod valid_pixels;
 mod view;
 mod web;
