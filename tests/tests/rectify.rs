@@ -1,17 +1,15 @@
 //! Rectification: cameras, the common view, the mesh and the rows, against floating-point oracles.
-//!
-//! Captured frames are not part of the project: `LINESTEREO_FRAMES`, or `../shared/frames` beside
-//! it. Tests that need them say so and pass without them.
 
 use linestereo::{Dims, image::Span};
-use linestereo_frames::GrayImage;
-use linestereo_frames::load_gray;
+use linestereo_frames::{GrayImage, load_gray};
 use linestereo_rig::{
     Band, Calibration, Camera, CameraSide, Lens, Mesh, MeshError, Rectification, RowError, View,
     fine_mesh_nodes, mesh_nodes,
 };
 use linestereo_tests::captured;
-use linestereo_tests::drawn::Random;
+use linestereo_tests::drawn::{Random, painted};
+use linestereo_tests::reference;
+use nalgebra::{Matrix3, Matrix3x4, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 const LARGEST: Dims = Dims { width: 752, height: 480 };
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -26,10 +24,8 @@ fn brown(k: [f64; 3], p: [f64; 2]) -> Lens {
 
 /// A rotation by a vector of degrees, as unit quaternion.
 fn turned(degrees: [f64; 3]) -> [f64; 4] {
-    let half = degrees.map(|d| d.to_radians() / 2.0);
-    let angle = half.iter().map(|h| h * h).sum::<f64>().sqrt();
-    let scale = if angle > 0.0 { angle.sin() / angle } else { 1.0 };
-    [angle.cos(), half[0] * scale, half[1] * scale, half[2] * scale]
+    let rotation = UnitQuaternion::from_scaled_axis(Vector3::from(degrees.map(f64::to_radians)));
+    [rotation.w, rotation.i, rotation.j, rotation.k]
 }
 
 /// Two cameras of one kind whose centres lie a little off and that look apart by degrees.
@@ -92,38 +88,28 @@ fn euroc(width: f64, dims: Dims) -> Calibration {
     )
     .unwrap();
     // From both T_BS: the right camera's inverse times the left one's.
-    let t_left = [
-        [0.0148655429818, -0.999880929698, 0.00414029679422, -0.0216401454975],
-        [0.999557249008, 0.0149672133247, 0.025715529948, -0.064676986768],
-        [-0.0257744366974, 0.00375618835797, 0.999660727178, 0.00981073058949],
-    ];
-    let t_right = [
-        [0.0125552670891, -0.999755099723, 0.0182237714554, -0.0198435579556],
-        [0.999598781151, 0.0130119051815, 0.0251588363115, 0.0453689425024],
-        [-0.0253898008918, 0.0179005838253, 0.999517347078, 0.00786212447038],
-    ];
-    let mut rotation = [[0.0; 3]; 3];
-    let mut translation = [0.0; 3];
-    for i in 0..3 {
-        for k in 0..3 {
-            for j in 0..3 {
-                rotation[i][j] += t_right[k][i] * t_left[k][j];
-            }
-            translation[i] += t_right[k][i] * (t_left[k][3] - t_right[k][3]);
-        }
-    }
-    Calibration::new(left, right, quaternion(rotation), translation).unwrap()
+    #[rustfmt::skip]
+    let t_left = Matrix3x4::new(
+        0.0148655429818, -0.999880929698, 0.00414029679422, -0.0216401454975,
+        0.999557249008, 0.0149672133247, 0.025715529948, -0.064676986768,
+        -0.0257744366974, 0.00375618835797, 0.999660727178, 0.00981073058949,
+    );
+    #[rustfmt::skip]
+    let t_right = Matrix3x4::new(
+        0.0125552670891, -0.999755099723, 0.0182237714554, -0.0198435579556,
+        0.999598781151, 0.0130119051815, 0.0251588363115, 0.0453689425024,
+        -0.0253898008918, 0.0179005838253, 0.999517347078, 0.00786212447038,
+    );
+    let to_right = t_right.fixed_columns::<3>(0).transpose();
+    let translation = to_right * (t_left.column(3) - t_right.column(3));
+    let rotation = quaternion(to_right * t_left.fixed_columns::<3>(0));
+    Calibration::new(left, right, rotation, translation.into()).unwrap()
 }
 
-/// Of a rotation by less than 120 degrees.
-fn quaternion(m: [[f64; 3]; 3]) -> [f64; 4] {
-    let w = (1.0 + m[0][0] + m[1][1] + m[2][2]).sqrt() / 2.0;
-    [
-        w,
-        (m[2][1] - m[1][2]) / (4.0 * w),
-        (m[0][2] - m[2][0]) / (4.0 * w),
-        (m[1][0] - m[0][1]) / (4.0 * w),
-    ]
+fn quaternion(rotation: Matrix3<f64>) -> [f64; 4] {
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    let rotation = UnitQuaternion::from_rotation_matrix(&rotation);
+    [rotation.w, rotation.i, rotation.j, rotation.k]
 }
 
 fn mesh(rectification: &Rectification, eye: CameraSide) -> Box<LargeMesh> {
@@ -247,26 +233,21 @@ fn with_alpha_1_every_raw_pixel_is_inside() {
     }
 }
 
-/// Grey level between pixels, in floating point; held inside by a 64th of a pixel.
-fn bilinear(image: &[u8], dims: Dims, [u, v]: [f64; 2]) -> f64 {
-    let (w, h) = (usize::from(dims.width), usize::from(dims.height));
-    assert!((-1.0 / 32.0..=w as f64 - 1.0 + 1.0 / 32.0).contains(&u), "{u}");
-    assert!((-1.0 / 32.0..=h as f64 - 1.0 + 1.0 / 32.0).contains(&v), "{v}");
-    let (u, v) = (u.clamp(0.0, w as f64 - 1.0), v.clamp(0.0, h as f64 - 1.0));
-    let (x, y) = ((u as usize).min(w - 2), (v as usize).min(h - 2));
-    let (fx, fy) = (u - x as f64, v - y as f64);
-    let at = |x: usize, y: usize| f64::from(image[y * w + x]);
-    (at(x, y) * (1.0 - fx) + at(x + 1, y) * fx) * (1.0 - fy)
-        + (at(x, y + 1) * (1.0 - fx) + at(x + 1, y + 1) * fx) * fy
+/// Grey level between pixels, in floating point; not further outside than a 32nd of a pixel.
+fn bilinear(image: &GrayImage, position: [f64; 2]) -> f64 {
+    for (at, side) in position.into_iter().zip([image.dims.width, image.dims.height]) {
+        assert!((-1.0 / 32.0..=f64::from(side - 1) + 1.0 / 32.0).contains(&at), "{at}");
+    }
+    reference::bilinear(image, position)
 }
 
 /// All raw rows one after the other; the frame's memory held something else before.
-fn rectify(mesh: &LargeMesh, band: &mut LargeBand, raw: &[u8]) -> Vec<u8> {
+fn rectify(mesh: &LargeMesh, band: &mut LargeBand, raw: &GrayImage) -> Vec<u8> {
     let dims = mesh.dims();
     let mut frame = vec![0xa5; usize::from(dims.width) * usize::from(dims.height)];
     let mut expected = 0;
     band.restart();
-    for row in raw.chunks(mesh.raw_dims().width.into()) {
+    for row in raw.pixels.chunks(mesh.raw_dims().width.into()) {
         assert!(!band.is_complete(mesh) || expected == dims.height);
         let finished = band.push(mesh, row, &mut frame).unwrap();
         assert_eq!(finished.start, expected);
@@ -276,9 +257,9 @@ fn rectify(mesh: &LargeMesh, band: &mut LargeBand, raw: &[u8]) -> Vec<u8> {
     frame
 }
 
-fn noise(dims: Dims, seed: u64) -> Vec<u8> {
+fn noise(dims: Dims, seed: u64) -> GrayImage {
     let mut random = Random(seed);
-    (0..usize::from(dims.width) * usize::from(dims.height)).map(|_| random.grey()).collect()
+    painted(dims.width, dims.height, |_, _| random.grey())
 }
 
 #[test]
@@ -288,8 +269,7 @@ fn rows_are_bilinear_at_the_positions_of_the_mesh() {
         for alpha in [0.0, 0.6, 1.0] {
             let rectification = calibration.rectify(dims, View::Alpha(alpha)).unwrap();
             let mesh = mesh(&rectification, CameraSide::Right);
-            let raw_dims = mesh.raw_dims();
-            let raw = noise(raw_dims, 3);
+            let raw = noise(mesh.raw_dims(), 3);
             let frame = rectify(&mesh, &mut band, &raw);
             let mut worst = 0.0_f64;
             for (row, y) in frame.chunks(dims.width.into()).zip(0..) {
@@ -298,7 +278,7 @@ fn rows_are_bilinear_at_the_positions_of_the_mesh() {
                         assert_eq!(found, 0, "{name}: ({x}, {y}) has no source");
                         continue;
                     };
-                    let exact = bilinear(&raw, raw_dims, source.map(|v| f64::from(v) / 65536.0));
+                    let exact = bilinear(&raw, source.map(|v| f64::from(v) / 65536.0));
                     worst = worst.max((f64::from(found) - exact).abs());
                 }
             }
@@ -320,7 +300,7 @@ fn a_restart_leaves_nothing_behind() {
     for torn in [0, 1, 7, 100, 239, 240] {
         let mut other = Box::new(LargeBand::new());
         let mut frame = vec![1; expected.len()];
-        for row in first.chunks(dims.width.into()).take(torn) {
+        for row in first.pixels.chunks(dims.width.into()).take(torn) {
             other.push(&mesh, row, &mut frame).unwrap();
         }
         assert_eq!(rectify(&mesh, &mut other, &second), expected, "torn after {torn} rows");
@@ -400,13 +380,10 @@ fn matrix(xml: &str, name: &str) -> Vec<f64> {
     data.split_whitespace().map(|number| number.parse().unwrap()).collect()
 }
 
-fn three(rows: &[f64]) -> [[f64; 3]; 3] {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| rows[3 * i + j]))
-}
-
 /// The captured pair with OpenCV's calibration: both raw images and OpenCV's own rectification.
 struct Captured {
     raw: [GrayImage; 2],
+    calibration: Calibration,
     rectification: Rectification,
     xml: String,
 }
@@ -420,21 +397,17 @@ fn captured() -> Option<Captured> {
         let lens = brown([d[0], d[1], d[4]], [d[2], d[3]]);
         Camera::new(dims, [m[0], m[4]], [m[2], m[5]], m[1], lens).unwrap()
     };
-    let [r1, r2] = ["R1", "R2"].map(|name| three(&matrix(&xml, name)));
+    let [r1, r2] = ["R1", "R2"].map(|name| Matrix3::from_row_slice(&matrix(&xml, name)));
     let p2 = matrix(&xml, "P2");
-    let mut rotation = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for j in 0..3 {
-            rotation[i][j] = (0..3).map(|k| r2[k][i] * r1[k][j]).sum();
-        }
-    }
-    let translation = r2[0].map(|r| r * p2[3] / p2[0]);
-    let calibration =
-        Calibration::new(camera("M1", "D1"), camera("M2", "D2"), quaternion(rotation), translation)
-            .unwrap();
-    let rectification = calibration.rectify_as(dims, [r1, r2], p2[0], [p2[2], p2[6]]).unwrap();
+    let rotation = quaternion(r2.transpose() * r1);
+    let translation = r2.row(0).transpose() * (p2[3] / p2[0]);
+    let [left, right] = [camera("M1", "D1"), camera("M2", "D2")];
+    let calibration = Calibration::new(left, right, rotation, translation.into()).unwrap();
+    // An array of rows is a matrix's transpose, by columns.
+    let rotations = [r1, r2].map(|rotation| rotation.transpose().into());
+    let rectification = calibration.rectify_as(dims, rotations, p2[0], [p2[2], p2[6]]).unwrap();
     let raw = ["left.png", "right.png"].map(|name| load_gray(&folder.join(name)).unwrap());
-    Some(Captured { raw, rectification, xml })
+    Some(Captured { raw, calibration, rectification, xml })
 }
 
 /// Raw position of a rectified pixel as OpenCV's documentation of `initUndistortRectifyMap` writes
@@ -460,9 +433,9 @@ fn captured_pair_is_rectified_as_opencv_does() {
     let mut band = Box::new(LargeBand::new());
     for (eye, raw) in CameraSide::BOTH.into_iter().zip(&raw) {
         let mesh = mesh(&rectification, eye);
-        let frame = rectify(&mesh, &mut band, &raw.pixels);
+        let frame = rectify(&mesh, &mut band, raw);
         let dims = mesh.dims();
-        let (mut worst, mut pixels, mut off, mut invalid) = (0.0_f64, 0, 0, 0);
+        let (mut worst, mut pixels, mut off) = (0.0_f64, 0, 0);
         for y in 0..dims.height {
             let sources: Vec<_> = (0..dims.width)
                 .map(|x| opencv_source(&xml, eye, [f64::from(x), f64::from(y)]))
@@ -480,21 +453,16 @@ fn captured_pair_is_rectified_as_opencv_does() {
             for (x, [u, v]) in (0..).zip(sources.iter().copied()) {
                 let Some(source) = mesh.source(x, y) else {
                     assert!(!seen.contains(&x), "({x}, {y}) comes from ({u}, {v})");
-                    invalid += 1;
                     continue;
                 };
                 let [a, b] = source.map(|v| f64::from(v) / 65536.0);
                 worst = worst.max((a - u).hypot(b - v));
-                let exact = bilinear(&raw.pixels, raw.dims, [u, v]);
+                let exact = bilinear(raw, [u, v]);
                 let found = frame[usize::from(y) * usize::from(dims.width) + usize::from(x)];
                 off += i32::from((f64::from(found) - exact.round()).abs() > 1.0);
                 pixels += 1;
             }
         }
-        println!(
-            "{eye:?}: {worst:.4} px, {off} of {pixels} off by more than 1, {invalid} without source, {} raw rows",
-            mesh.band_rows()
-        );
         assert!(worst <= 0.02, "{eye:?}: {worst} px");
         assert!(
             f64::from(off) <= 0.001 * f64::from(pixels),
@@ -505,21 +473,11 @@ fn captured_pair_is_rectified_as_opencv_does() {
 
 #[test]
 fn captured_rotations_are_ours() {
-    let Some(Captured { raw, rectification, xml }) = captured() else { return };
+    let Some(Captured { raw, calibration, rectification, .. }) = captured() else { return };
     // OpenCV's own choice for this pair, found again from its R and T alone: directions of pixels
     // agree.
-    let [r1, r2] = ["R1", "R2"].map(|name| three(&matrix(&xml, name)));
-    let p = matrix(&xml, "P2");
-    let mut rotation = [[0.0; 3]; 3];
-    for (i, row) in rotation.iter_mut().enumerate() {
-        for (j, cell) in row.iter_mut().enumerate() {
-            *cell = (0..3).map(|k| r2[k][i] * r1[k][j]).sum();
-        }
-    }
-    let translation = r2[0].map(|r| r * p[3] / p[0]);
-    let [left, right] = CameraSide::BOTH.map(|eye| *rectification.camera(eye));
-    let calibration = Calibration::new(left, right, quaternion(rotation), translation).unwrap();
-    let ours = calibration.rectify(raw[0].dims, View::Focal(p[0])).unwrap();
+    let view = View::Focal(rectification.focal());
+    let ours = calibration.rectify(raw[0].dims, view).unwrap();
     let [dx, dy] = [0, 1].map(|i| ours.centre()[i] - rectification.centre()[i]);
     let mut worst = 0.0_f64;
     for eye in CameraSide::BOTH {
@@ -544,21 +502,17 @@ fn oracle_pixel(
     [x, y]: [f64; 2],
 ) -> [f64; 2] {
     let r = x.hypot(y);
+    let radial = |[k1, k2, k3]: [f64; 3]| 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
+    let distorted = |radial: f64, [p1, p2]: [f64; 2]| {
+        [
+            x * radial + 2.0 * p1 * x * y + p2 * (r * r + 2.0 * x * x),
+            y * radial + p1 * (r * r + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ]
+    };
     let [dx, dy] = match lens {
-        Lens::BrownConrady { k: [k1, k2, k3], p: [p1, p2] } => {
-            let radial = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
-            [
-                x * radial + 2.0 * p1 * x * y + p2 * (r * r + 2.0 * x * x),
-                y * radial + p1 * (r * r + 2.0 * y * y) + 2.0 * p2 * x * y,
-            ]
-        }
-        Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p: [p1, p2] } => {
-            let above = 1.0 + k1 * r.powi(2) + k2 * r.powi(4) + k3 * r.powi(6);
-            let radial = above / (1.0 + k4 * r.powi(2) + k5 * r.powi(4) + k6 * r.powi(6));
-            [
-                x * radial + 2.0 * p1 * x * y + p2 * (r * r + 2.0 * x * x),
-                y * radial + p1 * (r * r + 2.0 * y * y) + 2.0 * p2 * x * y,
-            ]
+        Lens::BrownConrady { k, p } => distorted(radial(k), p),
+        Lens::Rational { k: [k1, k2, k3, k4, k5, k6], p } => {
+            distorted(radial([k1, k2, k3]) / radial([k4, k5, k6]), p)
         }
         Lens::Fisheye { k: [k1, k2, k3, k4] } => {
             let t = r.atan();
@@ -642,21 +596,21 @@ fn points_far_away_lie_at_the_same_place_in_both_rectified_images() {
         let rectification = calibration.rectify(dims, View::Alpha(0.0)).unwrap();
         let (focal, baseline, [cx, cy]) =
             (rectification.focal(), rectification.baseline(), rectification.centre());
+        let [w, i, j, k] = calibration.rotation();
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
         for (x, y) in [(20.0, 30.0), (80.0, 60.0), (100.0, 20.0)] {
             for depth in [1e7, 2.0] {
                 // By the rig alone: a point in the left camera's coordinates, then in the right
                 // one's.
                 let left_raw = rectification.source(CameraSide::Left, [x, y]).unwrap();
                 let [a, b] = rectification.camera(CameraSide::Left).unproject(left_raw).unwrap();
-                let ray = [a, b, 1.0];
+                let ray = Vector3::new(a, b, 1.0);
                 // Distance along the common z axis: that of the ray's length for the wanted depth.
-                let common = [(x - cx) / focal, (y - cy) / focal, 1.0];
-                let scale = depth * norm(common) / norm(ray);
-                let point = ray.map(|v| v * scale);
-                let moved = rotated(calibration.rotation(), point);
-                let t = calibration.translation();
-                let right = [0, 1, 2].map(|i| moved[i] + t[i]);
-                let right_raw = rectification.camera(CameraSide::Right).project(right).unwrap();
+                let common = Vector3::new((x - cx) / focal, (y - cy) / focal, 1.0);
+                let point = ray * (depth * common.norm() / ray.norm());
+                let right = rotation * point + Vector3::from(calibration.translation());
+                let camera = rectification.camera(CameraSide::Right);
+                let right_raw = camera.project(right.into()).unwrap();
                 let [rx, ry] = rectification.rectified(CameraSide::Right, right_raw).unwrap();
                 let disparity = focal * baseline / depth;
                 assert!(
@@ -666,20 +620,4 @@ fn points_far_away_lie_at_the_same_place_in_both_rectified_images() {
             }
         }
     }
-}
-
-fn norm(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-/// By a unit quaternion: v + 2 q x (q x v + w v).
-fn rotated([w, x, y, z]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
-    let q = [x, y, z];
-    let inner = cross(q, v);
-    let inner = [0, 1, 2].map(|i| inner[i] + w * v[i]);
-    let outer = cross(q, inner);
-    [0, 1, 2].map(|i| v[i] + 2.0 * outer[i])
 }
