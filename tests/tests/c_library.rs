@@ -1,7 +1,7 @@
 //! The library for C: its header, its refusals, and its examples against the PC's program, on a PC
 //! and on an emulated Cortex-M7.
 
-use super::no_panic::{build, packages, packages_for};
+use super::no_panic::{build, build_for, packages};
 use core::fmt::Write as _;
 use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::PixelRejection;
@@ -10,11 +10,11 @@ use linestereo::{Area, Dims, Params, Region, Rig, health::HealthFlags, objects::
 use linestereo_boards::Board;
 use linestereo_frames::GrayImage;
 use linestereo_sim::board::{qemu, toolchain::Toolchain};
-use linestereo_sim::engine::{Engine, FrameResult};
+use linestereo_sim::engine::FrameResult;
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::or_skip;
-use linestereo_tests::{captured, drawn};
+use linestereo_tests::{captured, drawn, matched};
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::io::Write as _;
@@ -177,16 +177,16 @@ fn bars(dims: Dims, result: &FrameResult) -> String {
 }
 
 /// The rig of [`RIG`].
-fn rig() -> Rig {
+pub(crate) fn rig() -> Rig {
     let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
     Rig::new(focal, baseline, 0.0).unwrap()
 }
 
 /// [`expected`], and the result that it is made from.
-fn results([left, right]: &[GrayImage; 2]) -> (String, FrameResult) {
+fn results(images: &[GrayImage; 2]) -> (String, FrameResult) {
     let params = Params { rig: Some(rig()), ..Params::default() };
-    let mut engine = Engine::new(&params, left.dims).unwrap();
-    let result = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
+    let (mut engine, result) = matched(&params, images.each_ref());
+    let dims = images[0].dims;
     let mut text = listing::csv(&result) + "x,y,disparity_px,confidence\n";
     let decimals = |value: f64| (value * 1e5).round() / 1e5;
     for point in &result.points {
@@ -194,10 +194,10 @@ fn results([left, right]: &[GrayImage; 2]) -> (String, FrameResult) {
             (point.disparity.to_num::<f64>(), decimals(point.confidence.to_num()));
         writeln!(text, "{},{},{disparity},{confidence}", point.x, point.y).unwrap();
     }
-    let [width, height] = [left.dims.width / 4, left.dims.height / 4];
+    let [width, height] = [dims.width / 4, dims.height / 4];
     let middle = Area { left: width, top: height, right: 3 * width, bottom: 3 * height };
     let flags: HealthFlags = engine.matched().health().flags;
-    match engine.object(&Region::boxed(0, middle, left.dims).unwrap()) {
+    match engine.object(&Region::boxed(0, middle, dims).unwrap()) {
         Err(reason) => writeln!(text, "middle: {reason}").unwrap(),
         Ok(object) => {
             let pixels = [object.disparity, object.sigma].map(Disparity::to_num::<f64>);
@@ -219,7 +219,7 @@ fn has_drop_off(printed: &str) -> bool {
 }
 
 #[track_caller]
-fn assert_equal(name: &str, found: &[u8], expected: &str) {
+pub(crate) fn assert_equal(name: &str, found: &[u8], expected: &str) {
     let found = String::from_utf8_lossy(found);
     let differs = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
     assert!(found == expected, "{name}: {} and {} bytes; {differs:?}", found.len(), expected.len());
@@ -301,13 +301,8 @@ const M7: &str = "thumbv7em-none-eabihf";
 
 /// Builds a package of the library's workspace for a Cortex-M7: its static library.
 fn for_m7(toolchain: &Toolchain, package: &str) -> PathBuf {
-    let built_in = packages_for(toolchain);
-    let mut cargo = toolchain.cargo();
-    cargo
-        .args(["build", "--release", "--locked", "--target", M7, "-p", package, "--target-dir"])
-        .arg(&built_in);
-    run(cargo.current_dir(folder()));
-    built_in.join(M7).join(format!("release/lib{}.a", package.replace('-', "_")))
+    let (built_in, _) = build_for(toolchain, M7, &folder(), &["-p", package]);
+    built_in.join(format!("lib{}.a", package.replace('-', "_")))
 }
 
 /// Links a program for a Cortex-M7 without a C library: sources of C and a static library.

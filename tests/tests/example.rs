@@ -1,6 +1,6 @@
 //! The firmware example of the README, built for boards as a package outside of this workspace.
 
-use super::no_panic::{for_m7, packages_for};
+use super::no_panic::{build_for, for_m7};
 use linestereo_sim::board::{is_long, toolchain::Toolchain};
 use linestereo_tests::board::or_skip;
 use object::{Object as _, ObjectSection as _};
@@ -21,23 +21,12 @@ fn core_objects(toolchain: &Toolchain, target: &str, features: &[&str]) -> Vec<u
     for name in ["Cargo.lock", "src/lib.rs"] {
         std::fs::copy(example.join(name), folder.path().join(name)).unwrap();
     }
-    let built_in = packages_for(toolchain);
-    let mut cargo = toolchain.cargo();
-    cargo.args([
-        "build",
-        "--release",
-        "--locked",
-        "--message-format=json",
-        "--target",
-        target,
-        "--features",
-    ]);
-    cargo.arg(features.join(",")).arg("--target-dir").arg(&built_in);
     // Kernels are assembly, and there at every level: the quickest one.
-    cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0");
-    let built = cargo.current_dir(folder.path()).output().unwrap();
-    assert!(built.status.success(), "{target}: {}", String::from_utf8_lossy(&built.stderr));
-    let messages = built.stdout.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
+    let level = "--config=profile.release.opt-level=0";
+    let features = format!("--features={}", features.join(","));
+    let arguments = ["--message-format=json", level, &features];
+    let (_, printed) = build_for(toolchain, target, folder.path(), &arguments);
+    let messages = printed.split(|&byte| byte == b'\n').filter(|line| !line.is_empty());
     let artifacts = messages.map(|line| serde_json::from_slice::<Value>(line).unwrap());
     let library = artifacts.filter(|artifact| artifact["target"]["name"] == "linestereo").find_map(
         |artifact| {

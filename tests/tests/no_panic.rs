@@ -143,23 +143,27 @@ fn no_panic_is_reachable_from_c() {
     );
 }
 
-/// The library of `tests/no-panic` for a Cortex-M7.
-pub(crate) fn for_m7(toolchain: &Toolchain) -> PathBuf {
-    let (top, target) = (top().unwrap(), mps2_an500::BOARD.target);
+/// Builds the package of a folder for a processor of boards. Returns the folder of what is built,
+/// and what cargo has printed.
+pub(crate) fn build_for(
+    toolchain: &Toolchain,
+    target: &str,
+    package: &Path,
+    arguments: &[&str],
+) -> (PathBuf, Vec<u8>) {
     let folder = packages_for(toolchain);
     let mut cargo = toolchain.cargo();
-    cargo.args([
-        "build",
-        "--release",
-        "--locked",
-        "--manifest-path",
-        "tests/no-panic/Cargo.toml",
-        "--target",
-        target,
-    ]);
-    let built = cargo.arg("--target-dir").arg(&folder).current_dir(&top).output().unwrap();
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    folder.join(target).join("release/liblinestereo_no_panic.a")
+    cargo.args(["build", "--release", "--locked", "--target", target]).args(arguments);
+    let built = cargo.arg("--target-dir").arg(&folder).current_dir(package).output().unwrap();
+    assert!(built.status.success(), "{target}: {}", String::from_utf8_lossy(&built.stderr));
+    (folder.join(target).join("release"), built.stdout)
+}
+
+/// The library of `tests/no-panic` for a Cortex-M7.
+pub(crate) fn for_m7(toolchain: &Toolchain) -> PathBuf {
+    let package = top().unwrap().join("tests/no-panic");
+    let (folder, _) = build_for(toolchain, mps2_an500::BOARD.target, &package, &[]);
+    folder.join("liblinestereo_no_panic.a")
 }
 
 #[test]

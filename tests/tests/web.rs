@@ -1,18 +1,17 @@
 //! The page for browsers: its modules in Node and the page in a browser, against the PC's program,
 //! byte for byte.
 
-use super::c_library::{QVGA, RIG, expected, has, pairs};
+use super::c_library::{self, QVGA, RIG, expected, has, pairs};
 use super::no_panic::packages;
 use core::mem::MaybeUninit;
-use image::{DynamicImage, ImageBuffer};
-use linestereo::{Area, Capacity, Matcher, MemorySlice, Params, Region, Rig};
+use image::{DynamicImage, ImageBuffer, Luma, LumaA, Pixel, Rgb, Rgba};
+use linestereo::{Area, Capacity, Matcher, MemorySlice, Params, Region};
 use linestereo_firmware::programs::kernels::Kernels;
-use linestereo_frames::GrayImage;
-use linestereo_frames::{PairFiles, area_average, load_images};
-use linestereo_sim::engine::Engine;
+use linestereo_frames::{GrayImage, PairFiles, area_average, load_images};
 use linestereo_sim::report::browser::Browser;
 use linestereo_tests::board::or_skip;
 use linestereo_tests::drawn::Random;
+use linestereo_tests::matched;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -82,9 +81,8 @@ fn rig() -> Value {
 
 #[track_caller]
 fn assert_equal(name: &str, found: &Value, expected: &str) {
-    let found = found["text"].as_str().unwrap_or_else(|| panic!("{name}: {found}"));
-    let differs = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
-    assert!(found == expected, "{name}: {} and {} bytes; {differs:?}", found.len(), expected.len());
+    let text = found["text"].as_str().unwrap_or_else(|| panic!("{name}: {found}"));
+    c_library::assert_equal(name, text.as_bytes(), expected);
 }
 
 #[test]
@@ -116,6 +114,14 @@ fn kernels_of_webassembly_equal_the_portable_ones() {
     assert_eq!(found, json!({"vectors": true, "count": Kernels::COUNT, "differing": [0, all]}));
 }
 
+/// An image of 70 x 41 pixels.
+fn buffer<P: Pixel>(values: Vec<P::Subpixel>) -> DynamicImage
+where
+    DynamicImage: From<ImageBuffer<P, Vec<P::Subpixel>>>,
+{
+    ImageBuffer::from_raw(70, 41, values).unwrap().into()
+}
+
 /// PNG of every depth and number of channels, PGM and PPM, in two files, side by side and reduced.
 #[test]
 fn images_are_the_grey_of_the_program() {
@@ -127,56 +133,21 @@ fn images_are_the_grey_of_the_program() {
             .map(|_| (u16::from(random.grey()) << 8 | u16::from(random.grey())) % most)
             .collect()
     };
+    let bytes = |values: Vec<u16>| values.into_iter().map(|value| value as u8).collect::<Vec<u8>>();
     let mut images: Vec<(String, DynamicImage)> = Vec::new();
     for (side, most) in [(0, u16::MAX), (1, 900)] {
-        let mut add =
-            |name: &str, image: DynamicImage| images.push((format!("{name}-{side}.png"), image));
-        let bytes =
-            |values: Vec<u16>| values.into_iter().map(|value| value as u8).collect::<Vec<u8>>();
-        add(
-            "l8",
-            ImageBuffer::<image::Luma<u8>, _>::from_raw(70, 41, bytes(noise(1, 256)))
-                .unwrap()
-                .into(),
-        );
-        add(
-            "la8",
-            ImageBuffer::<image::LumaA<u8>, _>::from_raw(70, 41, bytes(noise(2, 256)))
-                .unwrap()
-                .into(),
-        );
-        add(
-            "rgb8",
-            ImageBuffer::<image::Rgb<u8>, _>::from_raw(70, 41, bytes(noise(3, 256)))
-                .unwrap()
-                .into(),
-        );
-        add(
-            "rgba8",
-            ImageBuffer::<image::Rgba<u8>, _>::from_raw(70, 41, bytes(noise(4, 256)))
-                .unwrap()
-                .into(),
-        );
-        add(
-            "l16",
-            ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, most)).unwrap().into(),
-        );
-        add(
-            "ten",
-            ImageBuffer::<image::Luma<u16>, _>::from_raw(70, 41, noise(1, 1000)).unwrap().into(),
-        );
-        add(
-            "la16",
-            ImageBuffer::<image::LumaA<u16>, _>::from_raw(70, 41, noise(2, most)).unwrap().into(),
-        );
-        add(
-            "rgb16",
-            ImageBuffer::<image::Rgb<u16>, _>::from_raw(70, 41, noise(3, most)).unwrap().into(),
-        );
-        add(
-            "rgba16",
-            ImageBuffer::<image::Rgba<u16>, _>::from_raw(70, 41, noise(4, most)).unwrap().into(),
-        );
+        let of_kind: [(&str, DynamicImage); 9] = [
+            ("l8", buffer::<Luma<u8>>(bytes(noise(1, 256)))),
+            ("la8", buffer::<LumaA<u8>>(bytes(noise(2, 256)))),
+            ("rgb8", buffer::<Rgb<u8>>(bytes(noise(3, 256)))),
+            ("rgba8", buffer::<Rgba<u8>>(bytes(noise(4, 256)))),
+            ("l16", buffer::<Luma<u16>>(noise(1, most))),
+            ("ten", buffer::<Luma<u16>>(noise(1, 1000))),
+            ("la16", buffer::<LumaA<u16>>(noise(2, most))),
+            ("rgb16", buffer::<Rgb<u16>>(noise(3, most))),
+            ("rgba16", buffer::<Rgba<u16>>(noise(4, most))),
+        ];
+        images.extend(of_kind.map(|(name, image)| (format!("{name}-{side}.png"), image)));
         for (name, extension) in [("l8", "pgm"), ("rgb8", "ppm")] {
             let of = images
                 .iter()
@@ -317,31 +288,24 @@ fn exif_chunk(orientation: u8) -> Vec<u8> {
 /// image has squares.
 #[test]
 fn memory_has_room_for_all_hypotheses_of_an_object() {
-    let (_, [left, right]) = pairs().pop().unwrap();
-    let (dims, area) = (
-        left.dims,
-        Area { left: 3, top: 5, right: left.dims.width - 8, bottom: left.dims.height - 9 },
-    );
+    let (_, pair) = pairs().pop().unwrap();
+    let (pair, dims) = (pair.each_ref(), pair[0].dims);
+    let area = Area { left: 3, top: 5, right: dims.width - 8, bottom: dims.height - 9 };
     let region = Region::boxed(0, area, dims).unwrap();
     let capacity = Capacity { segments: 1024, ..Capacity::new(dims) };
     let mut words = vec![MaybeUninit::uninit(); capacity.words()];
-    let (left, right) = (left.view().unwrap(), right.view().unwrap());
+    let [left, right] = pair.map(|image| image.view().unwrap());
     let mut matcher = Matcher::new(Params::default(), dims).unwrap();
     let memory = MemorySlice::new(&mut words, capacity.segments);
     let found = matcher.run(memory, left, right).unwrap().object(&region);
-    let mut engine = Engine::new(&Params::default(), dims).unwrap();
-    engine.run(left, right).unwrap();
-    assert_eq!(found, engine.object(&region));
+    assert_eq!(found, matched(&Params::default(), pair).0.object(&region));
 }
 
 /// Line of an object, as the page has to say it.
 fn said(images: &[GrayImage; 2], area: Area) -> String {
-    let [focal, baseline] = RIG.map(|text| text.parse().unwrap());
-    let params = Params { rig: Some(Rig::new(focal, baseline, 0.0).unwrap()), ..Params::default() };
-    let [left, right] = images;
-    let mut engine = Engine::new(&params, left.dims).unwrap();
-    engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-    let found = match engine.object(&Region::boxed(0, area, left.dims).unwrap()) {
+    let params = Params { rig: Some(c_library::rig()), ..Params::default() };
+    let (mut engine, _) = matched(&params, images.each_ref());
+    let found = match engine.object(&Region::boxed(0, area, images[0].dims).unwrap()) {
         Err(reason) => return format!("no depth: {reason}"),
         Ok(found) => found,
     };
