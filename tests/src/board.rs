@@ -1,6 +1,5 @@
 //! Boards for tests: emulated where a compiler and QEMU can be had.
 
-use core::any::Any;
 use linestereo::{Matcher, Options, Params, Region};
 use linestereo_boards::Board;
 use linestereo_firmware::boards::{mps2_an386, mps2_an500};
@@ -66,7 +65,12 @@ pub fn machine(board: Board) -> Option<Machine> {
 }
 
 /// The core on this machine, with the memory of a board.
-pub struct Twin(Box<dyn Any>);
+pub enum Twin {
+    /// Of the larger board.
+    An500(Box<mps2_an500::BoardMemory>),
+    /// Of the smaller one.
+    An386(Box<mps2_an386::BoardMemory>),
+}
 
 impl Twin {
     /// Of this board.
@@ -76,10 +80,10 @@ impl Twin {
     #[must_use]
     pub fn of(board: &Board) -> Self {
         if *board == mps2_an500::BOARD {
-            return Self(Box::new(mps2_an500::BoardMemory::CLEARED));
+            return Self::An500(Box::new(mps2_an500::BoardMemory::CLEARED));
         }
         assert_eq!(*board, mps2_an386::BOARD);
-        Self(Box::new(mps2_an386::BoardMemory::CLEARED))
+        Self::An386(Box::new(mps2_an386::BoardMemory::CLEARED))
     }
 
     /// Matches a pair that stands alone.
@@ -101,12 +105,9 @@ impl Twin {
         pair: [&GrayImage; 2],
         objects: &[Region<'_>],
     ) -> Result<(FrameResult, Vec<ObjectRecord>), PairError> {
-        match self.0.downcast_mut::<mps2_an500::BoardMemory>() {
-            Some(large) => run(large, matcher, pair, objects),
-            None => match self.0.downcast_mut::<mps2_an386::BoardMemory>() {
-                Some(small) => run(small, matcher, pair, objects),
-                None => Err(PairError::Size(pair[0].dims)),
-            },
+        match self {
+            Self::An500(memory) => run(&mut **memory, matcher, pair, objects),
+            Self::An386(memory) => run(&mut **memory, matcher, pair, objects),
         }
     }
 }

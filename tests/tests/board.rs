@@ -46,22 +46,26 @@ fn run_one(
     replayed.pairs.remove(0).unwrap()
 }
 
+/// Runs a program on a board, or none where there is no board.
+fn end_of(board: &Board, elf: &Path, arguments: &[&str]) -> Option<qemu::Ended> {
+    or_skip(qemu::run(board, elf, arguments, Path::new("."), LIMIT))
+}
+
+/// The log of a program that has ended well.
+fn good_log(board: &Board, elf: &Path) -> Option<Vec<linestereo_firmware_log::Line>> {
+    let ended = end_of(board, elf, &[])?;
+    let log = linestereo_firmware_log::decode(elf, &ended.log).unwrap();
+    let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
+    let why = format!("{}: {different:?}; {}", board.name, ended.errors);
+    assert_eq!(ended.exit, Some(Exit::Success), "{why}");
+    Some(log)
+}
+
 #[test]
 fn every_stage_of_the_built_in_pairs_gives_the_digest_of_the_pc() {
     on_every_board(|board| {
         let Some(elf) = image(&board, "selftest") else { return };
-        let Some(ended) = or_skip(qemu::run(&board, &elf, &[], Path::new("."), LIMIT)) else {
-            return;
-        };
-        let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
-        let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
-        assert_eq!(
-            ended.exit,
-            Some(Exit::Success),
-            "{}: {different:?}; {}",
-            board.name,
-            ended.errors
-        );
+        let Some(log) = good_log(&board, &elf) else { return };
         // A size as the core's own `defmt::Format` says it.
         let expected = Case::all(&board).map(|Case { scene, dims, worst_case }| {
             format!(
@@ -113,23 +117,12 @@ fn pixels_of_the_built_in_pairs_have_the_depth_of_the_pc() {
 fn every_kernel_equals_the_portable_one_between_fences() {
     on_every_board(|board| {
         let Some(elf) = image(&board, "kernels") else { return };
-        let run =
-            |arguments: &[&str]| or_skip(qemu::run(&board, &elf, arguments, Path::new("."), LIMIT));
-        let Some(ended) = run(&[]) else { return };
-        let log = linestereo_firmware_log::decode(&elf, &ended.log).unwrap();
-        let different: Vec<_> = log.iter().filter(|line| line.level != "INFO").collect();
-        assert_eq!(
-            ended.exit,
-            Some(Exit::Success),
-            "{}: {different:?}; {}",
-            board.name,
-            ended.errors
-        );
+        let Some(log) = good_log(&board, &elf) else { return };
         assert_eq!(log.len(), Kernels::COUNT + MEMORY_FUNCTIONS, "{log:?}");
 
         // Control: a kernel that reads a byte too far is stopped. That those which give other bits
         // are found is shown on a PC (`programs::kernels`), by the same comparison.
-        let Some(ended) = run(&["beyond"]) else { return };
+        let Some(ended) = end_of(&board, &elf, &["beyond"]) else { return };
         assert_eq!(ended.exit, Some(Exit::Fault), "{}: {}", board.name, ended.errors);
         assert!(
             ended.errors.contains("fault: pc ") && ended.errors.contains(" address "),
@@ -241,10 +234,7 @@ fn faults_end_in_exit_codes() {
                 "",
             ),
         ] {
-            let Some(ended) = or_skip(qemu::run(&board, &elf, &[fault], Path::new("."), LIMIT))
-            else {
-                return;
-            };
+            let Some(ended) = end_of(&board, &elf, &[fault]) else { return };
             assert_eq!(ended.exit, Some(exit), "{fault} on {}: {}", board.name, ended.errors);
             assert!(ended.errors.contains(report), "{fault} on {}: {}", board.name, ended.errors);
             assert!(
@@ -257,22 +247,15 @@ fn faults_end_in_exit_codes() {
     });
 }
 
-/// A rig with mustache distortion on the left, barrel on the right, and the right camera turned by
-/// a degree.
-fn raw_rig(raw: Dims, rectified: Dims) -> RigImage {
-    raw_rig_with(raw, rectified, View::default())
-}
-
-fn raw_rig_with(raw: Dims, rectified: Dims, view: View) -> RigImage {
+/// A rig with barrel distortion, whose right camera is turned by a fraction of a degree.
+fn raw_rig(raw: Dims, rectified: Dims, view: View) -> RigImage {
     let scale = f64::from(raw.width);
-    let lens = |k: [f64; 3]| Lens::BrownConrady { k, p: [1e-3, -5e-4] };
+    let lens = Lens::BrownConrady { k: [-0.05, 0.01, 0.0], p: [1e-3, -5e-4] };
     let centre = [0.5 * scale - 1.25, 0.5 * f64::from(raw.height) + 0.5];
-    let left =
-        Camera::new(raw, [0.85 * scale, 0.851 * scale], centre, 0.0, lens([-0.05, 0.01, 0.0]))
-            .unwrap();
-    let right =
-        Camera::new(raw, [0.849 * scale, 0.85 * scale], centre, 0.1, lens([-0.05, 0.01, 0.0]))
-            .unwrap();
+    let camera = |focal: [f64; 2], skew: f64| {
+        Camera::new(raw, focal.map(|share| share * scale), centre, skew, lens).unwrap()
+    };
+    let (left, right) = (camera([0.85, 0.851], 0.0), camera([0.849, 0.85], 0.1));
     let calibration =
         Calibration::new(left, right, [0.999_997, 0.0005, 0.002, 0.0005], [-0.07, 0.0004, 0.0])
             .unwrap();
@@ -285,7 +268,7 @@ fn raw_pairs_give_the_json_of_the_pc() {
         let Some(machine) = machine(board) else { return };
         for (width, height) in raws {
             let (left, right) = boxes(width, height);
-            let rig = raw_rig(left.dims, board.largest);
+            let rig = raw_rig(left.dims, board.largest, View::default());
             let params = rig.params(Params::default()).unwrap();
             let mut replayed = machine
                 .run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)])
@@ -317,7 +300,7 @@ fn pixels_without_source_are_not_used_on_a_board() {
     let board = Board::MPS2_AN500;
     let Some(machine) = machine(board) else { return };
     let (left, right) = boxes(160, 120);
-    let rig = raw_rig_with(left.dims, board.largest, View::Alpha(1.0));
+    let rig = raw_rig(left.dims, board.largest, View::Alpha(1.0));
     let params = rig.params(Params::default()).unwrap();
     let mut replayed =
         machine.run_raw_pairs(&rig, &board::update(&params, None), &[(&left, &right)]).unwrap();
