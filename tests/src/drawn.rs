@@ -1,30 +1,9 @@
-//! Images drawn in the test: one hex digit per pixel, `0` black to `f` white.
+//! Images drawn in the test, and random numbers.
 
 use linestereo::Dims;
 use linestereo_frames::{GrayImage, Scene, Truth};
 use linestereo_sim::scene::{self, Kind, Rendering, Sensor};
 use std::path::PathBuf;
-
-/// Grey levels per hex digit.
-const STEP: u8 = 17;
-
-/// The image that the rows show; spaces are skipped.
-///
-/// # Panics
-/// When a row is not as long as the first one or holds anything but hex digits.
-#[must_use]
-pub fn image(rows: &[&str]) -> GrayImage {
-    let digit =
-        |c: char| c.to_digit(16).unwrap_or_else(|| panic!("{c:?} is not a hex digit")) as u8 * STEP;
-    let rows: Vec<Vec<u8>> =
-        rows.iter().map(|row| row.chars().filter(|c| *c != ' ').map(digit).collect()).collect();
-    let width = rows.first().map_or(0, Vec::len);
-    assert!(rows.iter().all(|row| row.len() == width), "rows of unequal length");
-    GrayImage {
-        dims: Dims { width: width as u16, height: rows.len() as u16 },
-        pixels: rows.concat(),
-    }
-}
 
 /// The image whose pixel `x, y` is `grey(x, y)`.
 pub fn painted(width: u16, height: u16, mut grey: impl FnMut(u16, u16) -> u8) -> GrayImage {
@@ -46,6 +25,13 @@ pub fn rendered(kind: Kind, dims: Dims, noise: f64, seed: u64) -> Rendering {
 #[must_use]
 pub fn rendered_by(kind: Kind, dims: Dims, seed: u64, sensor: &Sensor) -> Rendering {
     scene::render(&scene::build(kind, dims, seed), dims, sensor)
+}
+
+/// Scenes of three kinds, with noise.
+pub fn scenes(dims: Dims) -> impl Iterator<Item = Rendering> {
+    [Kind::Demo, Kind::Boxes, Kind::Corridor]
+        .into_iter()
+        .map(move |kind| rendered(kind, dims, 1.5, 7))
 }
 
 /// A rendered pair as one with truth, without a rig, whose range is 64 px.
@@ -111,22 +97,26 @@ pub fn surface(
     })
 }
 
-/// The image as hex digits, to the nearest.
+/// Names and images of what is hard on a matcher: noise, checkerboards, columns and rows of these
+/// widths, diagonals, no texture at all.
 #[must_use]
-pub fn picture(image: &GrayImage) -> String {
-    let digit =
-        |&grey: &u8| char::from_digit(((u32::from(grey) + 8) / 17).min(15), 16).unwrap_or('?');
-    let row = |row: &[u8]| row.iter().map(digit).chain(['\n']).collect::<String>();
-    image.pixels.chunks(usize::from(image.dims.width).max(1)).map(row).collect()
-}
-
-/// Both images are the same, pixel by pixel; shows both if not.
-///
-/// # Panics
-/// When they are not.
-#[track_caller]
-pub fn assert_same(found: &GrayImage, expected: &GrayImage) {
-    assert!(found == expected, "found:\n{}\nexpected:\n{}", picture(found), picture(expected));
+pub fn hard_images(dims: Dims, widths: &[u16]) -> Vec<(String, GrayImage)> {
+    let Dims { width, height } = dims;
+    let mut random = Random(6);
+    let mut images = vec![("noise".to_owned(), painted(width, height, |_, _| random.grey()))];
+    for &of in widths {
+        let patterns: [(&str, fn(u16, u16) -> u16); 3] =
+            [("checkerboard", |x, y| x + y), ("columns", |x, _| x), ("rows", |_, y| y)];
+        for (name, place) in patterns {
+            let is_dark = |x: u16, y: u16| place(x / of, y / of).is_multiple_of(2);
+            let image = painted(width, height, |x, y| if is_dark(x, y) { 0 } else { 255 });
+            images.push((format!("{name} {of}"), image));
+        }
+    }
+    images.push(("diagonals".to_owned(), painted(width, height, |x, y| ((x + y) * 9) as u8)));
+    let plain = [("grey", 128), ("white", 255)];
+    images.extend(plain.map(|(name, grey)| (name.to_owned(), painted(width, height, |_, _| grey))));
+    images
 }
 
 /// The pixels with `padding` bytes after every row, filled with `fill`, and the distance between
@@ -175,22 +165,5 @@ impl Random {
     /// A random grey.
     pub fn grey(&mut self) -> u8 {
         self.below(256) as u8
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_drawn_is_what_is_shown() {
-        let rows = ["09f", "a0 0"];
-        assert_eq!(image(&rows).pixels, [0, 153, 255, 170, 0, 0]);
-        assert_eq!(picture(&image(&rows)), "09f\na00\n");
-        assert_same(
-            &painted(3, 2, |x, y| if (x, y) == (1, 0) { 255 } else { 0 }),
-            &image(&["0f0", "000"]),
-        );
-        assert_eq!(with_padding(&image(&["f0", "0f"]), 1, 7), (vec![255, 0, 7, 0, 255, 7], 3));
     }
 }

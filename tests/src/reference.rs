@@ -40,16 +40,6 @@ pub fn sobel(image: &GrayImage, x: i32, y: i32) -> (i32, i32) {
     gradient
 }
 
-/// 5x5 census: bit `k` is set when the `k`-th neighbour, row by row and without the centre, is
-/// darker than the centre.
-#[must_use]
-pub fn census(image: &GrayImage, x: i32, y: i32) -> u32 {
-    let offsets =
-        (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy))).filter(|&offset| offset != (0, 0));
-    let darker = offsets.map(|(dx, dy)| at(image, x + dx, y + dy) < at(image, x, y));
-    darker.enumerate().map(|(k, darker)| u32::from(darker) << k).sum()
-}
-
 /// A straight line through points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
@@ -95,53 +85,4 @@ pub fn disparity_interval(
 ) -> (f64, f64) {
     let near = if depth > nearer { focal_baseline / (depth - nearer) } else { f64::INFINITY };
     (focal_baseline / (depth + farther) - offset, near - offset)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::drawn::image;
-
-    #[test]
-    fn sobel_of_a_step_and_of_a_ramp() {
-        let step = image(&["00ff", "00ff", "00ff"]);
-        assert_eq!(
-            [0, 1, 2, 3].map(|x| sobel(&step, x, 1)),
-            [(0, 0), (4 * 255, 0), (4 * 255, 0), (0, 0)]
-        );
-        let ramp = image(&["000", "111", "222"]);
-        assert_eq!(sobel(&ramp, 1, 1), (0, 8 * 17));
-    }
-
-    #[test]
-    fn census_bits_are_row_by_row() {
-        let darker = image(&["88888", "88888", "88817", "88888", "98880"]);
-        assert_eq!(census(&darker, 2, 2), 1 << 12 | 1 << 13 | 1 << 23); // the centre has no bit, equal is not darker
-        let bright = image(&["08888", "88888", "88987", "88888", "98880"]);
-        assert_eq!(census(&bright, 2, 2), 0xff_ffff & !(1 << 19));
-    }
-
-    #[test]
-    fn lines_are_found_in_every_direction() {
-        for degrees in 0..180 {
-            let (sine, cosine) = f64::from(degrees).to_radians().sin_cos();
-            let points: Vec<[f64; 2]> = (-5..=5)
-                .map(|t| [3.0 + f64::from(t) * cosine, 4.0 + f64::from(t) * sine])
-                .collect();
-            let line = fit_line(&points);
-            assert!(line.rms < 1e-6 && (line.centre[0] - 3.0).abs() < 1e-9, "{degrees}: {line:?}");
-            let cross = line.direction[0] * sine - line.direction[1] * cosine;
-            assert!(cross.abs() < 1e-9 && line.direction[1] > -1e-9, "{degrees}: {line:?}");
-        }
-    }
-
-    #[test]
-    fn equation_13_by_hand() {
-        // 40 px m at 4 m: 10 px; 1 m nearer: 40/3 px, 1 m farther: 8 px. The width agrees with the
-        // chapter's formula.
-        let (low, high) = disparity_interval(40.0, 0.0, depth(40.0, 0.0, 10.0), 1.0, 1.0);
-        assert_eq!(low, 8.0);
-        assert!((high - low - 40.0 * 2.0 / (3.0 * 5.0)).abs() < 1e-12);
-        assert_eq!(disparity_interval(40.0, 2.0, 1.0, 1.0, 1.0), (18.0, f64::INFINITY));
-    }
 }

@@ -25,12 +25,11 @@ impl Cores for Threads {
     }
 }
 
-/// The second half before the first; counts the joins.
-struct Backwards(usize);
+/// The second half before the first.
+struct Backwards;
 
 impl Cores for Backwards {
     fn join(&mut self, here: &mut (dyn FnMut() + Send), there: &mut (dyn FnMut() + Send)) {
-        self.0 += 1;
         there();
         here();
     }
@@ -88,8 +87,8 @@ fn ways(params: Params, dims: Dims, with_threads: bool) -> Vec<Way> {
         way("one core", None, false),
         way("one core, memory for two", None, true),
         way("one after the other", Some(Box::new(OneCore)), true),
-        way("backwards", Some(Box::new(Backwards(0))), true),
-        way("backwards, memory for one", Some(Box::new(Backwards(0))), false),
+        way("backwards", Some(Box::new(Backwards)), true),
+        way("backwards, memory for one", Some(Box::new(Backwards)), false),
     ];
     if with_threads {
         ways.push(way("threads", Some(Box::new(Threads)), true));
@@ -121,13 +120,11 @@ fn built_in_pairs_are_the_same_on_two_cores() {
 }
 
 /// Damages that fill lists, spend budgets, leave images blank.
-fn damages() -> Vec<(&'static str, Perturbation)> {
-    vec![
-        ("as it is", Perturbation::NONE),
-        ("noise", Perturbation { noise: 12.0, ..Perturbation::NONE }),
-        ("dark", Perturbation { gain: 0.2, ..Perturbation::NONE }),
-    ]
-}
+const DAMAGES: [(&str, Perturbation); 3] = [
+    ("as it is", Perturbation::NONE),
+    ("noise", Perturbation { noise: 12.0, ..Perturbation::NONE }),
+    ("dark", Perturbation { gain: 0.2, ..Perturbation::NONE }),
+];
 
 fn assert_same_in_all_ways(name: &str, left: &GrayImage, right: &GrayImage, params: Params) {
     let Dims { width, height } = left.dims;
@@ -136,7 +133,7 @@ fn assert_same_in_all_ways(name: &str, left: &GrayImage, right: &GrayImage, para
         Area { left: width / 2, top: height / 3, right: width - 4, bottom: height - 9 },
     ];
     let mut ways = ways(params, left.dims, false);
-    for (damage, perturbation) in damages() {
+    for (damage, perturbation) in DAMAGES {
         let (left, right) = perturbation.apply(left, right);
         let images = [left.view().unwrap(), right.view().unwrap()];
         assert_same(&mut ways, &format!("{name}, {damage}"), images, None);

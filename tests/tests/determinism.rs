@@ -4,8 +4,7 @@
 use linestereo::results::{Match, Point};
 use linestereo::unstable::{Stage, StageDigests};
 use linestereo::{Capacity, Dims, Gray, Options, Params, Rig, units::Confidence};
-use linestereo_sim::scene::{self, Kind};
-use linestereo_tests::drawn::{rendered, with_padding};
+use linestereo_tests::drawn::{scenes, with_padding};
 use linestereo_tests::run_alone;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
@@ -15,10 +14,6 @@ type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 /// meant to change the output changes them: run the test and take the numbers it prints. Debug and
 /// release builds are held to the same ones.
 const BLESSED: [u32; 3] = [0xc877_4691, 0xeaa3_9f05, 0xdef7_5d35];
-
-fn scenes() -> Vec<scene::Rendering> {
-    [Kind::Demo, Kind::Boxes, Kind::Corridor].map(|kind| rendered(kind, DIMS, 1.5, 7)).into()
-}
 
 fn params() -> Params {
     let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());
@@ -39,20 +34,18 @@ fn run(memory: &mut Memory, left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec
 #[test]
 fn nothing_but_the_pixels_matters() {
     let mut memory = Box::new(Memory::new());
-    for rendering in scenes() {
+    for rendering in scenes(DIMS) {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
         let expected = run(&mut Box::new(Memory::new()), left, right);
         assert!(expected.0.len() > 10, "only {} matches: nothing is tested", expected.0.len());
         assert_eq!(run(&mut memory, left, right), expected, "memory that held another scene");
         assert_eq!(run(&mut memory, left, right), expected, "again");
-        for (padding, fill) in [(1, 0), (13, 255)] {
-            let (pixels, stride) = with_padding(&rendering.left, padding, fill);
-            let padded = Gray::new(&pixels, DIMS, stride).unwrap();
-            assert_eq!(
-                run(&mut memory, padded, right),
-                expected,
-                "{padding} bytes of {fill} after each row"
-            );
+        for (padding, fill) in [(1, 0), (7, 90), (13, 255)] {
+            let [left, right] =
+                [&rendering.left, &rendering.right].map(|image| with_padding(image, padding, fill));
+            let view = |(pixels, stride)| Gray::new(pixels, DIMS, stride).unwrap();
+            let found = run(&mut memory, view((&left.0, left.1)), view((&right.0, right.1)));
+            assert_eq!(found, expected, "{padding} bytes of {fill} after each row");
         }
     }
 }
@@ -60,8 +53,7 @@ fn nothing_but_the_pixels_matters() {
 #[test]
 fn debug_and_release_give_the_blessed_bits() {
     let mut memory = Box::new(Memory::new());
-    let found: Vec<u32> = scenes()
-        .iter()
+    let found: Vec<u32> = scenes(DIMS)
         .map(|rendering| {
             let images = [rendering.left.view().unwrap(), rendering.right.view().unwrap()];
             let mut digests = StageDigests::new();

@@ -8,12 +8,11 @@ use linestereo::units::{Confidence, Depth, Disparity};
 use linestereo::{
     Capacity, Dims, Gray, Matcher, Memory, MemorySlice, Options, Params, Rig, RunError,
 };
-use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::health::is_fit;
 use linestereo_sim::scene::{self, Kind};
-use linestereo_tests::drawn::{Random, painted, rendered};
-use linestereo_tests::run_alone;
+use linestereo_tests::drawn::{hard_images, rendered};
+use linestereo_tests::{matched, run, run_alone};
 use std::collections::HashSet;
 
 /// Every left segment is matched, dropped or rejected for one reason; points are unique, inside, in
@@ -47,21 +46,6 @@ fn check(name: &str, params: &Params, dims: Dims, result: &FrameResult) {
     assert!(result.matches.is_sorted_by(|a, b| a.confidence >= b.confidence), "{name}");
 }
 
-fn contents(width: u16, height: u16) -> Vec<(&'static str, GrayImage)> {
-    let mut random = Random(6);
-    vec![
-        ("noise", painted(width, height, |_, _| random.grey())),
-        (
-            "checkerboard",
-            painted(width, height, |x, y| if (x / 4 + y / 4) % 2 == 0 { 0 } else { 255 }),
-        ),
-        ("columns", painted(width, height, |x, _| if (x / 3) % 2 == 0 { 0 } else { 255 })),
-        ("rows", painted(width, height, |_, y| if (y / 5) % 2 == 0 { 0 } else { 255 })),
-        ("diagonals", painted(width, height, |x, y| ((x + y) * 9 % 256) as u8)),
-        ("white", painted(width, height, |_, _| 255)),
-    ]
-}
-
 #[test]
 fn any_size_and_any_content() {
     for (width, height) in
@@ -84,15 +68,14 @@ fn any_size_and_any_content() {
                 continue; // the widest range says it all, and takes a second
             }
             let mut engine = Engine::new(&params, dims).unwrap();
-            for (left_name, left) in contents(width, height) {
-                for (right_name, right) in contents(width, height).into_iter().take(2) {
+            let contents = hard_images(dims, &[4]);
+            for (left_name, left) in &contents {
+                for (right_name, right) in &contents[..2] {
                     let name = format!(
                         "{dims}, {min_disparity}..{max_disparity}, {left_name} against {right_name}"
                     );
-                    let same = engine.run(left.view().unwrap(), left.view().unwrap()).unwrap();
-                    check(&name, &params, dims, &same);
-                    let other = engine.run(left.view().unwrap(), right.view().unwrap()).unwrap();
-                    check(&name, &params, dims, &other);
+                    check(&name, &params, dims, &run(&mut engine, [left, left]));
+                    check(&name, &params, dims, &run(&mut engine, [left, right]));
                     if width > 1000 && height > 1000 {
                         break;
                     }
@@ -189,9 +172,7 @@ fn a_narrow_margin_in_metres_rejects_what_a_wide_one_accepts() {
         let metres = Depth::from_num(metres);
         let margin = Margin::Metres { nearer: metres, farther: metres };
         let params = Params { max_disparity: 48, rig, margin, ..Params::default() };
-        let mut engine = Engine::new(&params, DIMS).unwrap();
-        let result =
-            engine.run(rendering.left.view().unwrap(), rendering.right.view().unwrap()).unwrap();
+        let (_, result) = matched(&params, [&rendering.left, &rendering.right]);
         check(&format!("{metres} m"), &params, DIMS, &result);
         result.counts.rejected(Rejection::TechniquesDisagree)
     };

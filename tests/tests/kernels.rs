@@ -9,7 +9,7 @@ use linestereo::unstable::kernel::{
     sum_curve, weigh_knots,
 };
 use linestereo_tests::drawn::{Random, painted};
-use linestereo_tests::reference::{census, sobel};
+use linestereo_tests::reference::{at, between, sobel};
 
 /// Rows of an image of every width from 1 to 70: random, black, white, and black and white in turn.
 fn rows(count: usize) -> Vec<Vec<Vec<u8>>> {
@@ -59,11 +59,6 @@ fn gradient_is_a_quarter_of_the_clipped_sobel() {
 
 #[test]
 fn census_tells_the_darker_neighbours_at_distance_two() {
-    /// Bit of a neighbour in the full census of 24.
-    fn place((dx, dy): (i32, i32)) -> i32 {
-        let k = (dy + 2) * 5 + dx + 2;
-        if k > 12 { k - 1 } else { k }
-    }
     const NEIGHBOURS: [(i32, i32); 8] =
         [(-2, -2), (0, -2), (2, -2), (-2, 0), (2, 0), (-2, 2), (0, 2), (2, 2)];
     for rows in rows(5) {
@@ -75,12 +70,14 @@ fn census_tells_the_darker_neighbours_at_distance_two() {
             let expected = if x < 2 || x + 2 >= width {
                 0
             } else {
-                let all = census(&image, x as i32, 2);
-                NEIGHBOURS
-                    .iter()
+                let x = x as i32;
+                let is_darker =
+                    NEIGHBOURS.map(|(dx, dy)| at(&image, x + dx, 2 + dy) < at(&image, x, 2));
+                is_darker
+                    .into_iter()
                     .zip(0..)
-                    .map(|(&at, bit)| (((all >> place(at)) & 1) as u8) << bit)
-                    .sum::<u8>()
+                    .map(|(is_darker, bit)| u8::from(is_darker) << bit)
+                    .sum()
             };
             assert_eq!(found, expected, "column {x} of {rows:?}");
         }
@@ -302,12 +299,6 @@ fn products_of_gradients_are_summed_at_five_lags() {
     }
 }
 
-/// Between four pixels, in floating point.
-fn between([[a, b], [c, d]]: [[u8; 2]; 2], fx: f64, fy: f64) -> f64 {
-    let [a, b, c, d] = [a, b, c, d].map(f64::from);
-    (a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy
-}
-
 #[test]
 fn grey_levels_between_pixels_are_rounded_to_the_nearest() {
     let mut random = Random(9);
@@ -320,7 +311,8 @@ fn grey_levels_between_pixels_are_rounded_to_the_nearest() {
             0 => ([0, 128][random.below(2) as usize], [0, 1 << 14][random.below(2) as usize]),
             _ => (random.below(129) as i32, random.below((1 << 14) + 1) as i32),
         };
-        let exact = between([[a, b], [c, d]], f64::from(fx) / 128.0, f64::from(fy) / 16384.0);
+        let rows = [[a, b], [c, d]].map(|row| row.map(i32::from));
+        let exact = between(rows, f64::from(fx) / 128.0, f64::from(fy) / 16384.0);
         let found = f64::from(bilinear([a, b], [c, d], fx, fy));
         assert!((found - exact).abs() <= 0.5, "{four:?} at {fx}, {fy}: {found} for {exact}");
     }
@@ -356,7 +348,7 @@ fn runs_follow_their_lines() {
                 let growth = run.ddx_q16 * (i * (i - 1) / 2);
                 let (x, fy) = (run.x_q16 + i * run.dx_q16 + growth, run.fy_q14 + i * run.dfy_q14);
                 let column = (x >> 16) as usize;
-                let two = |start: u32| [0, 1].map(|k| pixels[start as usize + column + k]);
+                let two = |start: u32| [0, 1].map(|k| pixels[start as usize + column + k].into());
                 let fx = f64::from(x & 0xffff) / 65536.0;
                 let exact = between([two(run.top), two(run.bottom)], fx, f64::from(fy) / 16384.0);
                 let found = f64::from(*places.next().unwrap());
@@ -413,7 +405,7 @@ fn cells_follow_their_knots_round_the_ring() {
             let x = q[0] + (r[0] - q[0]) * t / 16.0 - bend * t * (16.0 - t) / 2.0;
             let y = q[1] + (r[1] - q[1]) * t / 16.0;
             let (column, line) = (x.floor(), y.floor());
-            let two = |y: i32| [0, 1].map(|k| row(y)[column as usize + k]);
+            let two = |y: i32| [0, 1].map(|k| row(y)[column as usize + k].into());
             let exact = between([two(line as i32), two(line as i32 + 1)], x - column, y - line);
             // The fraction across is rounded to 1/128: 1/256 off, by up to 255 levels; steps are
             // cut to 2^-14 px, sixteen times.

@@ -12,8 +12,8 @@
 use linestereo::results::{Match, Point};
 use linestereo::{Capacity, Dims, Options, Params};
 use linestereo_frames::GrayImage;
-use linestereo_sim::scene::Kind;
-use linestereo_tests::drawn::{painted, rendered};
+use linestereo_tests::drawn::{painted, scenes};
+use linestereo_tests::reference::at;
 use linestereo_tests::run_alone;
 use std::collections::HashMap;
 
@@ -23,11 +23,8 @@ const WHOLE: Dims = Dims { width: DIMS.width + 40, height: DIMS.height + 40 };
 type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 type Pair = [GrayImage; 2];
 
-fn scenes() -> impl Iterator<Item = Pair> {
-    [Kind::Demo, Kind::Boxes, Kind::Corridor].into_iter().map(|kind| {
-        let pair = rendered(kind, WHOLE, 1.5, 7);
-        [pair.left, pair.right]
-    })
+fn pairs() -> impl Iterator<Item = Pair> {
+    scenes(WHOLE).map(|scene| [scene.left, scene.right])
 }
 
 /// Both images, each pixel from another place.
@@ -35,7 +32,7 @@ fn moved(pair: &Pair, from: impl Fn(u16, u16) -> (u16, u16)) -> Pair {
     pair.each_ref().map(|image| {
         painted(DIMS.width, DIMS.height, |x, y| {
             let (x, y) = from(x, y);
-            image.pixels[usize::from(y) * usize::from(image.dims.width) + usize::from(x)]
+            at(image, x.into(), y.into()) as u8
         })
     })
 }
@@ -83,7 +80,7 @@ impl Agreement {
 
 #[test]
 fn brightness_changes_nothing() {
-    for pair in scenes() {
+    for pair in pairs() {
         let pair = moved(&pair, |x, y| (x, y));
         let brighter = |by: [u8; 2]| {
             let mut pair = pair.clone();
@@ -103,7 +100,7 @@ fn brightness_changes_nothing() {
 
 #[test]
 fn a_larger_range_keeps_a_disparity_or_refuses_it() {
-    for pair in scenes() {
+    for pair in pairs() {
         let pair = moved(&pair, |x, y| (x, y));
         let (matches, points) = run(&pair, 48);
         for range in [49, 64, 96] {
@@ -129,7 +126,7 @@ fn a_larger_range_keeps_a_disparity_or_refuses_it() {
 
 #[test]
 fn a_shift_moves_what_is_found() {
-    for pair in scenes() {
+    for pair in pairs() {
         let (_, points) = run(&moved(&pair, |x, y| (x, y)), 48);
         for (dx, dy) in [(40, 40), (8, 0), (0, 8), (1, 0), (3, 5)] {
             let (_, found) = run(&moved(&pair, |x, y| (x + dx, y + dy)), 48);
@@ -147,7 +144,7 @@ fn a_shift_moves_what_is_found() {
 #[test]
 fn a_mirror_swaps_the_cameras() {
     let last = i32::from(DIMS.width) - 1;
-    for pair in scenes() {
+    for pair in pairs() {
         let (_, points) = run(&moved(&pair, |x, y| (x, y)), 48);
         let [left, right] = moved(&pair, |x, y| (DIMS.width - 1 - x, y));
         let (_, found) = run(&[right, left], 48);

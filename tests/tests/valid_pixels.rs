@@ -5,8 +5,8 @@ use linestereo::image::{MARGIN, Span, ViewError, shrink_to_valid};
 use linestereo::results::{Match, Point};
 use linestereo::{Capacity, Dims, Gray, Options, Params, units::Confidence};
 use linestereo_frames::GrayImage;
-use linestereo_sim::scene::{self, Kind};
-use linestereo_tests::drawn::{Random, rendered};
+use linestereo_tests::drawn::{Random, painted, scenes};
+use linestereo_tests::reference::at;
 use linestereo_tests::run_alone;
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
@@ -33,15 +33,11 @@ fn usable(content: &Spans) -> Spans {
 
 /// The image with everything outside of the spans replaced.
 fn with_garbage(image: &GrayImage, content: &Spans, mut garbage: impl FnMut() -> u8) -> GrayImage {
-    let mut image = image.clone();
-    for (row, span) in image.pixels.chunks_mut(DIMS.width.into()).zip(content) {
-        for (x, pixel) in row.iter_mut().enumerate() {
-            if x < usize::from(span.start) || x >= usize::from(span.end) {
-                *pixel = garbage();
-            }
-        }
-    }
-    image
+    painted(DIMS.width, DIMS.height, |x, y| {
+        let span = content[usize::from(y)];
+        let is_valid = (span.start..span.end).contains(&x);
+        if is_valid { at(image, x.into(), y.into()) as u8 } else { garbage() }
+    })
 }
 
 fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
@@ -56,16 +52,12 @@ fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
     (matched.segments().to_vec(), points)
 }
 
-fn scenes() -> impl Iterator<Item = scene::Rendering> {
-    [Kind::Demo, Kind::Boxes, Kind::Corridor].into_iter().map(|kind| rendered(kind, DIMS, 1.5, 7))
-}
-
 #[test]
 fn pixels_without_source_never_matter() {
     let contents = [turned(false), turned(true)];
     let spans = contents.map(|content| usable(&content));
     let mut random = Random(3);
-    for rendering in scenes() {
+    for rendering in scenes(DIMS) {
         let result = |garbage: &mut dyn FnMut() -> u8| {
             let left = with_garbage(&rendering.left, &contents[0], &mut *garbage);
             let right = with_garbage(&rendering.right, &contents[1], &mut *garbage);
@@ -91,7 +83,7 @@ fn nothing_is_claimed_where_there_is_no_source() {
         (f64::from(span.start) - 0.51..f64::from(span.end) - 0.49).contains(&x)
     };
     let (mut total, mut without) = (0, 0);
-    for rendering in scenes() {
+    for rendering in scenes(DIMS) {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
         let (all_matches, _) = run(left, right);
         let (matches, points) =
@@ -124,7 +116,7 @@ fn nothing_is_claimed_where_there_is_no_source() {
 #[test]
 fn spans_of_the_whole_image_change_nothing() {
     let whole = [Span { start: 0, end: DIMS.width }; DIMS.height as usize];
-    for rendering in scenes() {
+    for rendering in scenes(DIMS) {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
         let spanned = run(left.with_valid(&whole).unwrap(), right.with_valid(&whole).unwrap());
         assert!(run(left, right) == spanned);
@@ -134,7 +126,7 @@ fn spans_of_the_whole_image_change_nothing() {
 #[test]
 fn an_image_without_usable_pixels_has_no_depth() {
     let none = [Span::default(); DIMS.height as usize];
-    for rendering in scenes() {
+    for rendering in scenes(DIMS) {
         let (left, right) = (rendering.left.view().unwrap(), rendering.right.view().unwrap());
         for (left, right) in
             [(left.with_valid(&none).unwrap(), right), (left, right.with_valid(&none).unwrap())]
