@@ -1,6 +1,7 @@
 //! Drop-offs by direction: the rules on single points, drawn floors that end, and a drive towards
 //! an edge.
 
+use crate::obstacles::point;
 use linestereo::obstacles::{DropOff, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
@@ -37,13 +38,7 @@ fn plan(drop_m: Option<f32>) -> ObstaclePlan {
 
 /// Points ahead at row 120, where the floor has 16 px.
 fn ahead(count: u16, disparity: f64, confidence: f64) -> impl Iterator<Item = Point> {
-    (0..count).map(move |n| Point {
-        x: 150 + 8 * n,
-        y: 120,
-        disparity: Disparity::from_num(disparity),
-        confidence: Confidence::from_num(confidence),
-        source: Source::Support,
-    })
+    (0..count).map(move |n| point((150 + 8 * n, 120), disparity, confidence, Source::Support))
 }
 
 fn told(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Option<DropOff> {

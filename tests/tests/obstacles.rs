@@ -6,8 +6,8 @@ use linestereo::obstacles::{ObstacleError, ObstacleParams, ObstaclePlan, Obstacl
 use linestereo::results::{ImagePosition, Match, Owner, Point, Source, Techniques};
 use linestereo::units::{Confidence, Disparity, Position};
 use linestereo::{Dims, Params, Rig, health::HealthFlags};
-use linestereo_sim::engine::Engine;
-use linestereo_tests::captured;
+use linestereo_tests::drawn::Random;
+use linestereo_tests::{captured, matched};
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const FOCAL: f64 = 300.0;
@@ -48,6 +48,18 @@ fn edge(x: f64, disparity: f64, confidence: f64) -> Match {
 fn seen(plan: &ObstaclePlan, matches: &[Match]) -> Obstacles {
     let mut obstacles = Obstacles::new();
     obstacles.update(plan, matches, None, HealthFlags::GOOD, 0);
+    obstacles
+}
+
+/// A point as likely as this.
+pub(crate) fn point((x, y): (u16, u16), disparity: f64, confidence: f64, source: Source) -> Point {
+    let disparity = Disparity::from_num(disparity);
+    Point { x, y, disparity, confidence: Confidence::from_num(confidence), source }
+}
+
+fn seen_of_points(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Obstacles {
+    let mut obstacles = Obstacles::new();
+    obstacles.update(plan, &[], points, HealthFlags::GOOD, 0);
     obstacles
 }
 
@@ -162,14 +174,12 @@ fn a_tilted_camera_tells_directions_and_distances_along_the_ground() {
 fn a_long_segment_stands_in_every_sector_that_it_crosses() {
     let plan = plan_of(|_| {});
     // 100 columns, 2 m on the left to 1 m on the right.
-    let matches = [segment([[110.0, 120.0], [210.0, 121.0]], [15.0, 30.0], 0.995)];
-    for ends in [matches[0], {
-        let mut m = matches[0];
-        m.ends.reverse();
-        m.disparity.reverse();
-        m
-    }] {
-        let obstacles = seen(&plan, &[ends]);
+    let matches = [
+        segment([[110.0, 120.0], [210.0, 121.0]], [15.0, 30.0], 0.995),
+        segment([[210.0, 121.0], [110.0, 120.0]], [30.0, 15.0], 0.995),
+    ];
+    for across in matches {
+        let obstacles = seen(&plan, &[across]);
         let mut last = u16::MAX;
         for offset in -2_i16..=2 {
             let index = offset.rem_euclid(72) as u8;
@@ -272,16 +282,8 @@ fn a_claim_needs_support_unless_it_is_sure() {
 fn three_support_points_that_agree_are_an_obstacle() {
     let plan = plan_of(|_| {});
     let ahead = |count: u16, source: Source| {
-        let point = |n: u16| Point {
-            x: 160,
-            y: 100 + 8 * n,
-            disparity: Disparity::from_num(30),
-            confidence: Confidence::from_num(0.999),
-            source,
-        };
-        let mut obstacles = Obstacles::new();
-        obstacles.update(&plan, &[], (0..count).map(point), HealthFlags::GOOD, 0);
-        distance(obstacles.sector(&plan, 0, 0))
+        let points = (0..count).map(|n| point((160, 100 + 8 * n), 30.0, 0.999, source));
+        distance(seen_of_points(&plan, points).sector(&plan, 0, 0))
     };
     assert_eq!(ahead(3, Source::Support), Some(reference(160.0, 30.0, 0.0, 72).1 as u16));
     assert_eq!(ahead(2, Source::Support), None, "neighbours are wrong together");
@@ -294,19 +296,11 @@ fn support_points_beside_a_sector_help_its_own_hypotheses() {
     let plan = plan_of(|_| {});
     let beside = 160 + (FOCAL * 5_f64.to_radians().tan()).round() as u16;
     let told = |ahead: u16, right: u16, right_disparity: f64| {
-        let point = |x: u16, disparity: f64| {
-            move |n: u16| Point {
-                x,
-                y: 100 + 8 * n,
-                disparity: Disparity::from_num(disparity),
-                confidence: Confidence::from_num(0.999),
-                source: Source::Support,
-            }
+        let column = |count: u16, x: u16, disparity: f64| {
+            (0..count).map(move |n| point((x, 100 + 8 * n), disparity, 0.999, Source::Support))
         };
-        let points = (0..ahead).map(point(160, 30.0));
-        let points = points.chain((0..right).map(point(beside, right_disparity)));
-        let mut obstacles = Obstacles::new();
-        obstacles.update(&plan, &[], points, HealthFlags::GOOD, 0);
+        let points = column(ahead, 160, 30.0).chain(column(right, beside, right_disparity));
+        let obstacles = seen_of_points(&plan, points);
         [0, 1].map(|sector| distance(obstacles.sector(&plan, sector, 0)).is_some())
     };
     assert_eq!(told(2, 1, 30.0), [true, false], "one point does not tell its own sector");
@@ -323,17 +317,9 @@ fn support_points_beside_a_sector_help_its_own_hypotheses() {
 fn a_bar_is_one_witness() {
     let plan = plan_of(|_| {});
     let ahead = |disparities: &[f64], confidence: f64| {
-        let point = |(y, &disparity): (u16, &f64)| Point {
-            x: 160,
-            y,
-            disparity: Disparity::from_num(disparity),
-            confidence: Confidence::from_num(confidence),
-            source: Source::Side,
-        };
-        let mut obstacles = Obstacles::new();
-        let points = (100..).zip(disparities).map(point);
-        obstacles.update(&plan, &[], points, HealthFlags::GOOD, 0);
-        distance(obstacles.sector(&plan, 0, 0))
+        let points = (100..).zip(disparities);
+        let points = points.map(|(y, &d)| point((160, y), d, confidence, Source::Side));
+        distance(seen_of_points(&plan, points).sector(&plan, 0, 0))
     };
     let at = Some(reference(160.0, 30.0, 0.0, 72).1 as u16);
     assert_eq!(ahead(&[30.0], 0.995), at);
@@ -512,12 +498,8 @@ fn parameters_without_sense_are_refused_by_name() {
 /// Widest lenses, extreme rigs and matches of any bits: an answer within bounds, whatever it is.
 #[test]
 fn nothing_overflows() {
-    let mut state = 1_u64;
-    let mut random = || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 32) as u32
-    };
+    let mut random = Random(1);
+    let mut random = || random.bits() as u32;
     for round in 0..2000 {
         let rig = Rig::new(
             [1.0, 37.0, 300.0, 100_000.0][round % 4],
@@ -573,8 +555,7 @@ fn captured_frames_give_no_ghosts() {
         let truth = scene.truth.as_ref().unwrap();
         let dims = scene.left.dims;
         let params = Params { max_disparity: scene.max_disparity, ..params() };
-        let mut engine = Engine::new(&params, dims).unwrap();
-        let result = engine.run(scene.left.view().unwrap(), scene.right.view().unwrap()).unwrap();
+        let (_, result) = matched(&params, [&scene.left, &scene.right]);
         let cx = 0.5 * (f64::from(dims.width) - 1.0);
         // Distances (cm) of the truth in a sector and some columns beside it, nearest first.
         let of_truth = |offset: i16, beside: i32| {
@@ -639,10 +620,6 @@ fn captured_frames_give_no_ghosts() {
             }
         }
     }
-    println!(
-        "{sectors} sectors: {shown} with an obstacle, {ghosts} nearer than all there is by 10 %, {missed} farther than its nearest tenth by 25 %; \
-         with short ranges {free} free, {not_free} with something within the range, the nearest at {least:.2} of it, {little} with a hundredth"
-    );
     assert!(shown * 20 >= sectors * 19, "{shown} of {sectors} sectors show an obstacle");
     assert!(ghosts * 100 <= shown, "{ghosts} ghosts in {shown} sectors");
     assert!(missed * 8 <= shown, "{missed} of {shown} obstacles are too far");
