@@ -12,8 +12,7 @@ use core::time::Duration;
 use linestereo::results::{Counts, Match, Rejection};
 use linestereo::unstable::{Observer, Segment, StageEvent};
 use linestereo::{Area, Capacity, Dims, Matcher, Options, Params};
-use linestereo_frames::GrayImage;
-use linestereo_frames::{Scene, find_scenes, load_scene};
+use linestereo_frames::{GrayImage, Scene, find_scenes, load_scene};
 use linestereo_sim::draw::gray_png;
 use linestereo_tests::captured;
 use linestereo_tests::drawn::{Random, painted};
@@ -180,28 +179,23 @@ impl Texture {
     }
 
     fn pair(&self) -> [GrayImage; 2] {
+        self.pair_of(DIMS)
+    }
+
+    fn pair_of(&self, dims: Dims) -> [GrayImage; 2] {
         [0.0, self.shift.round()].map(|shift| {
-            painted(DIMS.width, DIMS.height, |x, y| {
+            painted(dims.width, dims.height, |x, y| {
                 let (x, y) = (f64::from(x) + shift, f64::from(y));
                 let wave = |[period, angle, amplitude]: [f64; 3]| {
-                    if amplitude == 0.0 {
-                        0.0
-                    } else {
-                        amplitude * (TAU * (x * angle.cos() + y * angle.sin()) / period).sin()
-                    }
+                    amplitude * (TAU * (x * angle.cos() + y * angle.sin()) / period).sin()
                 };
                 let square = |side: f64| ((x / side) as u64, (y / side) as u64);
                 let random = |(x, y): (u64, u64)| Random(x << 32 | y).uniform(-1.0, 1.0);
                 let (column, row) = square(self.checker[0]);
                 let checker =
                     if (column + row) % 2 == 0 { self.checker[1] } else { -self.checker[1] };
-                let bricks = if self.bricks[1] == 0.0 {
-                    0.0
-                } else {
-                    self.bricks[1] * random(square(self.bricks[0]))
-                };
-                let noise =
-                    if self.noise == 0.0 { 0.0 } else { self.noise * random((x as u64, y as u64)) };
+                let bricks = self.bricks[1] * random(square(self.bricks[0]));
+                let noise = self.noise * random((x as u64, y as u64));
                 (128.0 + self.waves.map(wave).iter().sum::<f64>() + checker + bricks + noise)
                     .round() as u8
             })
@@ -395,10 +389,7 @@ fn a_grating_is_cut_in_every_part_alike() {
 #[test]
 fn the_budget_grows_with_the_image() {
     let units = |width, height| {
-        let image = painted(width, height, |x, y| {
-            (128.0 + 42.0 * (TAU * (f64::from(x) * 0.682 - f64::from(y) * 0.731) / 2.2).sin())
-                .round() as u8
-        });
+        let [image, _] = PLAIN.pair_of(Dims { width, height });
         let mut memory = Box::new(Large::new());
         let mut matcher = Matcher::new(Params::default(), image.dims).unwrap();
         let view = image.view().unwrap();
