@@ -111,11 +111,21 @@ impl Run {
 
     /// Frames with numbers that follow each other, none lost without a word.
     fn frames_in_order(&self) -> Vec<&FrameHead> {
-        let frames = self.frames();
-        for (before, after) in frames.iter().zip(frames.iter().skip(1)) {
+        self.frames_in_order_but(&[]).into_iter().map(|(_, head)| head).collect()
+    }
+
+    /// The same with their times, us, but for what the host itself cut off at these times.
+    fn frames_in_order_but(&self, cuts_us: &[u64]) -> Vec<(u64, &FrameHead)> {
+        let frames = self.records.iter().filter_map(|(time_us, record)| match record {
+            Message::Frame(head) => Some((*time_us, head)),
+            _ => None,
+        });
+        let frames: Vec<_> = frames.collect();
+        for (&(time_us, before), &(next_us, after)) in frames.iter().zip(frames.iter().skip(1)) {
             let gap = after.sequence - before.sequence;
             let is_told = after.health.contains(Health::RESULTS_SKIPPED);
-            assert!(gap == 1 || is_told, "{} follows {}", after.sequence, before.sequence);
+            let is_cut = cuts_us.iter().any(|cut_us| (time_us..next_us).contains(cut_us));
+            assert!(gap == 1 || is_told || is_cut, "{after:?} follows {before:?}");
             assert!(after.capture_time_us > before.capture_time_us, "{after:?} follows {before:?}");
         }
         frames

@@ -10,7 +10,7 @@ use linestereo_boards::Board;
 use linestereo_rig::CameraSide;
 use linestereo_sim::board::is_long;
 use linestereo_tests::board::{image, image_with};
-use linestereo_wire::{Message, Request, ResetCause};
+use linestereo_wire::{Request, ResetCause};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -73,20 +73,16 @@ fn seconds_of_a_portenta() {
 /// Medians of the last pairs, us: from an exposure to the next one, and to the last byte of the
 /// result at the host.
 fn pace(run: &Run) -> [u64; 2] {
-    let arrivals = run.records.iter().filter_map(|(time_us, record)| match record {
-        Message::Frame(head) => Some((head.capture_time_us, *time_us)),
-        _ => None,
-    });
-    let frames: Vec<_> = arrivals.collect();
+    let frames = run.frames_in_order_but(&[]);
     let median = |mut times: Vec<u64>| {
         times.sort_unstable();
         times[times.len() / 2]
     };
     let last = &frames[frames.len() - 11..];
-    let periods = last.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let periods = last.windows(2).map(|pair| pair[1].1.capture_time_us - pair[0].1.capture_time_us);
     [
         median(periods.collect()),
-        median(last.iter().map(|(captured_us, came_us)| came_us - captured_us).collect()),
+        median(last.iter().map(|(came_us, head)| came_us - head.capture_time_us).collect()),
     ]
 }
 
