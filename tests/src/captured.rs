@@ -43,8 +43,13 @@ pub fn qvga() -> Option<Vec<Scene>> {
 /// When a scene cannot be matched.
 #[must_use]
 pub fn engine(scene: &Scene) -> Engine {
-    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
-    Engine::new(&params, scene.left.dims).unwrap()
+    Engine::new(&params(scene), scene.left.dims).unwrap()
+}
+
+/// Default parameters with the range and the rig of a scene.
+#[must_use]
+pub fn params(scene: &Scene) -> Params {
+    Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }
 }
 
 /// The scenes are left out a fifth at a time.
@@ -60,9 +65,8 @@ pub fn models_left_out(scenes: &[Scene]) -> &'static [FittedModels] {
     MODELS.get_or_init(|| {
         let sample = |scene: &Scene| {
             let (mut engine, mut log) = (engine(scene), EvidenceLog::default());
-            engine
-                .run_observed(scene.left.view().unwrap(), scene.right.view().unwrap(), &mut log)
-                .unwrap();
+            let [left, right] = [&scene.left, &scene.right].map(|image| image.view().unwrap());
+            engine.run_observed(left, right, &mut log).unwrap();
             scene_samples(&scene.name, &mut engine, &log, scene.truth.as_ref().unwrap())
         };
         let samples: Vec<SceneSamples> = scenes.iter().map(sample).collect();

@@ -72,8 +72,7 @@ fn record_again<T: Record, const N: usize>(record: &[u8]) -> Option<T> {
         let _ = decoder.push(byte);
     }
     let _ = decoder.push(0);
-    let mut payload = [&[T::TAG], record].concat();
-    payload.extend(CRC_32.checksum(&payload).to_le_bytes());
+    let payload = sealed([&[T::TAG], record, &[0; 4]].concat());
     let mut packet = vec![0; cobs::max_encoding_length(payload.len()) + 1];
     cobs::encode(&payload, &mut packet);
     let decoded = packet.iter().find_map(|&byte| decoder.push(byte))?.ok()?;
@@ -85,12 +84,18 @@ fn record_again<T: Record, const N: usize>(record: &[u8]) -> Option<T> {
     Some(decoded)
 }
 
-/// A rig for a board.
-pub fn rig_image(bytes: &[u8]) {
-    let mut image = bytes.to_vec();
-    if let Some((content, crc)) = image.split_last_chunk_mut::<4>() {
+/// Bytes whose last four are the checksum of those before it.
+#[must_use]
+pub fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    if let Some((content, crc)) = bytes.split_last_chunk_mut::<4>() {
         *crc = CRC_32.checksum(content).to_le_bytes();
     }
+    bytes
+}
+
+/// A rig for a board.
+pub fn rig_image(bytes: &[u8]) {
+    let image = sealed(bytes.to_vec());
     let Ok(rig) = RigImage::decode(&image) else { return };
     assert_eq!(RigImage::decode(&rig.encode(7)), Ok(rig));
     let _ = rig.params(Params::default());
@@ -222,10 +227,8 @@ pub fn pair(bytes: &[u8]) {
             engines.entry(key).or_insert_with(|| Engine::new(&params, dims).expect("was planned"));
         let run = |engine: &mut Engine| {
             // Without health, which refuses most of what is drawn so.
-            let mut matched =
-                engine.run_in_place(left_image, right_image).expect("of the planned size");
-            let points: Vec<_> = matched.points().collect();
-            (matched.segments().to_vec(), points)
+            let matched = engine.run_in_place(left_image, right_image);
+            crate::answers(&mut matched.expect("of the planned size"))
         };
         let first = run(engine);
         for point in &first.1 {

@@ -6,6 +6,7 @@ pub mod drawn;
 pub mod fuzz;
 pub mod reference;
 
+use linestereo::results::{Match, Point};
 use linestereo::{Gray, Matched, Matcher, MemorySlice, Options, Params, RunError};
 use linestereo_frames::GrayImage;
 use linestereo_sim::engine::{Engine, FrameResult};
@@ -27,6 +28,12 @@ pub fn matched(params: &Params, pair: [&GrayImage; 2]) -> (Engine, FrameResult) 
 /// Where the images are refused.
 pub fn run(engine: &mut Engine, [left, right]: [&GrayImage; 2]) -> FrameResult {
     engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
+}
+
+/// Segments and points of a pair.
+pub fn answers(matched: &mut Matched<'_>) -> (Vec<Match>, Vec<Point>) {
+    let points = matched.points().collect();
+    (matched.segments().to_vec(), points)
 }
 
 /// Matches a pair that stands alone, and answers whatever its health is.

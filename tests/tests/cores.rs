@@ -161,8 +161,7 @@ fn drawn_scenes_are_the_same_on_two_cores() {
 fn captured_pairs_are_the_same_on_two_cores() {
     let Some(scenes) = captured::qvga() else { return };
     for scene in scenes {
-        let params =
-            Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
+        let params = captured::params(&scene);
         assert_same_in_all_ways(&scene.name, &scene.left, &scene.right, params);
     }
 }

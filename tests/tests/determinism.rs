@@ -5,7 +5,7 @@ use linestereo::results::{Match, Point};
 use linestereo::unstable::{Stage, StageDigests};
 use linestereo::{Capacity, Dims, Gray, Options, Params, Rig, units::Confidence};
 use linestereo_tests::drawn::{scenes, with_padding};
-use linestereo_tests::run_alone;
+use linestereo_tests::{answers, run_alone};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
@@ -26,9 +26,7 @@ fn params() -> Params {
 }
 
 fn run(memory: &mut Memory, left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
-    let mut matched = run_alone(&params(), memory, [left, right], Options::default()).unwrap();
-    let points = matched.points().collect();
-    (matched.segments().to_vec(), points)
+    answers(&mut run_alone(&params(), memory, [left, right], Options::default()).unwrap())
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Drop-offs by direction: the rules on single points, drawn floors that end, and a drive towards
 //! an edge.
 
-use crate::obstacles::point;
+use crate::obstacles::{point, seen_of_points};
 use linestereo::obstacles::{DropOff, ObstacleParams, ObstaclePlan, Obstacles, Sector};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
@@ -42,13 +42,7 @@ fn ahead(count: u16, disparity: f64, confidence: f64) -> impl Iterator<Item = Po
 }
 
 fn told(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Option<DropOff> {
-    after(plan, points).drop_off(plan, 0, 0)
-}
-
-fn after(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Obstacles {
-    let mut obstacles = Obstacles::new();
-    obstacles.update(plan, &[], points, HealthFlags::GOOD, 0);
-    obstacles
+    seen_of_points(plan, points).drop_off(plan, 0, 0)
 }
 
 #[test]
@@ -91,15 +85,15 @@ fn a_sector_is_free_where_the_floor_is_seen_in_both_halves() {
     let plan = plan(Some(0.05)).on_ground(Some(floor()));
     for seen in [0..=158_u16, 159..=u16::MAX] {
         let half = of_floor().filter(move |point| seen.contains(&point.x));
-        assert_eq!(after(&plan, half).sector(&plan, 0, 0), Sector::Unknown);
+        assert_eq!(seen_of_points(&plan, half).sector(&plan, 0, 0), Sector::Unknown);
     }
-    assert!(matches!(after(&plan, of_floor()).sector(&plan, 0, 0), Sector::Free { .. }));
+    assert!(matches!(seen_of_points(&plan, of_floor()).sector(&plan, 0, 0), Sector::Free { .. }));
 }
 
 #[test]
 fn a_drop_off_is_kept_and_its_sector_not_free() {
     let plan = plan(Some(0.05)).on_ground(Some(floor()));
-    let mut obstacles = after(&plan, of_floor());
+    let mut obstacles = seen_of_points(&plan, of_floor());
     assert!(matches!(obstacles.sector(&plan, 0, 0), Sector::Free { .. }));
     obstacles.update(&plan, &[], ahead(3, 10.0, 0.95), HealthFlags::GOOD, 0);
     assert_eq!(obstacles.sector(&plan, 0, 0), Sector::Unknown);

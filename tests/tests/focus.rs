@@ -1,7 +1,7 @@
 //! A pair matched in parts: around an area the candidates are those of the whole frame.
 
 use linestereo::unstable::{Candidate, Segment};
-use linestereo::{Area, Capacity, Dims, Matched, Matcher, Options, Params, results::Rejection};
+use linestereo::{Area, Capacity, Dims, Matched, Matcher, Options, results::Rejection};
 use linestereo_frames::Scene;
 use linestereo_lab::evaluate::object_cases;
 use linestereo_tests::captured;
@@ -12,8 +12,7 @@ type PairMemory =
     linestereo::Memory<{ Capacity { segments: 4096, ..Capacity::new(LARGEST) }.words() }, 4096>;
 
 fn matcher(scene: &Scene) -> Matcher {
-    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
-    Matcher::new(params, scene.left.dims).unwrap()
+    Matcher::new(captured::params(scene), scene.left.dims).unwrap()
 }
 
 fn memory() -> Box<PairMemory> {

@@ -14,7 +14,7 @@ use linestereo::{Capacity, Dims, Options, Params};
 use linestereo_frames::GrayImage;
 use linestereo_tests::drawn::{painted, scenes};
 use linestereo_tests::reference::at;
-use linestereo_tests::run_alone;
+use linestereo_tests::{answers, run_alone};
 use std::collections::HashMap;
 
 const DIMS: Dims = Dims { width: 240, height: 160 };
@@ -41,9 +41,7 @@ fn run([left, right]: &Pair, max_disparity: u16) -> (Vec<Match>, Vec<Point>) {
     let params = Params { max_disparity, ..Params::default() };
     let mut memory = Box::new(Memory::new());
     let images = [left.view().unwrap(), right.view().unwrap()];
-    let mut matched = run_alone(&params, &mut memory, images, Options::default()).unwrap();
-    let points = matched.points().collect();
-    (matched.segments().to_vec(), points)
+    answers(&mut run_alone(&params, &mut memory, images, Options::default()).unwrap())
 }
 
 /// Two results compared, of the points of one that are expected well inside the other's image.

@@ -57,7 +57,10 @@ pub(crate) fn point((x, y): (u16, u16), disparity: f64, confidence: f64, source:
     Point { x, y, disparity, confidence: Confidence::from_num(confidence), source }
 }
 
-fn seen_of_points(plan: &ObstaclePlan, points: impl Iterator<Item = Point>) -> Obstacles {
+pub(crate) fn seen_of_points(
+    plan: &ObstaclePlan,
+    points: impl Iterator<Item = Point>,
+) -> Obstacles {
     let mut obstacles = Obstacles::new();
     obstacles.update(plan, &[], points, HealthFlags::GOOD, 0);
     obstacles

@@ -71,25 +71,14 @@ fn repeated_structure_is_not_placed() {
 
 #[test]
 fn exposure_noise_and_rows_cost_yield_and_not_truth() {
+    let base = Sensor { noise: 1.0, ..Sensor::default() };
     let cases = [
-        ("clean", Sensor { noise: 1.0, ..Sensor::default() }, 1.0),
-        (
-            "darker right image",
-            Sensor { noise: 1.0, gain: 0.8, bias: 8.0, ..Sensor::default() },
-            0.7,
-        ),
-        (
-            "brighter right image",
-            Sensor { noise: 1.0, gain: 1.15, bias: -5.0, ..Sensor::default() },
-            0.7,
-        ),
-        ("noise", Sensor { noise: 5.0, ..Sensor::default() }, 0.1),
-        ("right image 1 px low", Sensor { noise: 1.0, row_offset: 1.0, ..Sensor::default() }, 0.8),
-        (
-            "right image 1 px high",
-            Sensor { noise: 1.0, row_offset: -1.0, ..Sensor::default() },
-            0.8,
-        ),
+        ("clean", Sensor { ..base }, 1.0),
+        ("darker right image", Sensor { gain: 0.8, bias: 8.0, ..base }, 0.7),
+        ("brighter right image", Sensor { gain: 1.15, bias: -5.0, ..base }, 0.7),
+        ("noise", Sensor { noise: 5.0, ..base }, 0.1),
+        ("right image 1 px low", Sensor { row_offset: 1.0, ..base }, 0.8),
+        ("right image 1 px high", Sensor { row_offset: -1.0, ..base }, 0.8),
     ];
     let mut clean = 0;
     for (name, sensor, least_yield) in cases {

@@ -11,7 +11,7 @@ use linestereo_lab::evaluate::{PixelScore, QueriedPixel, query_pixels};
 use linestereo_lab::fitting::{fit_pixels, pixel_source_text};
 use linestereo_sim::engine::Engine;
 use linestereo_tests::drawn::{Random, Texture, painted, surface};
-use linestereo_tests::{captured, matched, run_alone};
+use linestereo_tests::{answers, captured, matched, run_alone};
 use std::path::PathBuf;
 
 const DIMS: Dims = Dims { width: 200, height: 120 };
@@ -224,18 +224,14 @@ fn memory_and_order_do_not_matter() {
     let n = noise.view().unwrap();
     let _ = run([n, n], &mut used).pixel((100, 60));
     let (mut fresh, mut used) = (run([l, r], &mut fresh), run([l, r], &mut used));
-    let points = |matched: &mut Matched<'_>| {
-        let points: Vec<_> = matched.points().collect();
-        (matched.segments().to_vec(), points)
-    };
-    let before = points(&mut used);
+    let before = answers(&mut used);
     let pixels: Vec<_> = grid(DIMS, 6).collect();
     let forward: Vec<_> = pixels.iter().map(|&pixel| fresh.pixel(pixel)).collect();
     let mut backward: Vec<_> = pixels.iter().rev().map(|&pixel| used.pixel(pixel)).collect();
     backward.reverse();
     assert_eq!(forward, backward);
     // The run's results are still what they were.
-    assert!(points(&mut fresh) == before && points(&mut used) == before);
+    assert!(answers(&mut fresh) == before && answers(&mut used) == before);
 }
 
 #[test]
@@ -297,8 +293,7 @@ fn any_size_range_and_content_gives_an_answer_or_a_reason() {
 
 fn asked(scene: &Scene, perturbation: &Perturbation) -> Vec<QueriedPixel> {
     let (left, right) = perturbation.apply(&scene.left, &scene.right);
-    let params = Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() };
-    let (mut engine, _) = matched(&params, [&left, &right]);
+    let (mut engine, _) = matched(&captured::params(scene), [&left, &right]);
     query_pixels(&mut engine, scene.truth.as_ref().unwrap(), (2000, 1))
 }
 

@@ -14,6 +14,7 @@ use linestereo_rig::{
     View,
 };
 use linestereo_tests::drawn::Random;
+use linestereo_tests::fuzz::sealed;
 use linestereo_wire::{RegionBox, Regions, SETTINGS};
 
 const QVGA: Dims = Dims { width: 320, height: 240 };
@@ -62,10 +63,7 @@ fn crc_32(bytes: &[u8]) -> u32 {
 /// Bytes with these at this place, and the checksum that belongs to them.
 fn resealed(mut bytes: Vec<u8>, at: usize, with: &[u8]) -> Vec<u8> {
     bytes[at..at + with.len()].copy_from_slice(with);
-    let end = bytes.len() - 4;
-    let crc = crc_32(&bytes[..end]);
-    bytes[end..].copy_from_slice(&crc.to_le_bytes());
-    bytes
+    sealed(bytes)
 }
 
 #[test]

@@ -7,7 +7,7 @@ use linestereo::{Capacity, Dims, Gray, Options, Params, units::Confidence};
 use linestereo_frames::GrayImage;
 use linestereo_tests::drawn::{Random, painted, scenes};
 use linestereo_tests::reference::at;
-use linestereo_tests::run_alone;
+use linestereo_tests::{answers, run_alone};
 
 const DIMS: Dims = Dims { width: 160, height: 120 };
 type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
@@ -47,9 +47,7 @@ fn run(left: Gray<'_>, right: Gray<'_>) -> (Vec<Match>, Vec<Point>) {
         min_confidence: Confidence::from_num(0.5),
         ..Params::default()
     };
-    let mut matched = run_alone(&params, &mut memory, [left, right], Options::default()).unwrap();
-    let points = matched.points().collect();
-    (matched.segments().to_vec(), points)
+    answers(&mut run_alone(&params, &mut memory, [left, right], Options::default()).unwrap())
 }
 
 #[test]

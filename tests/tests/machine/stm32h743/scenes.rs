@@ -12,11 +12,11 @@ use linestereo_firmware::memory::Memory;
 use linestereo_firmware::session::{Reply, Session};
 use linestereo_frames::Truth;
 use linestereo_lab::evaluate::FrameScore;
-use linestereo_rig::checksum::{CRC_32, CRC_BYTES};
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, Rectification, RigImage, View};
 use linestereo_sim::engine::FrameResult;
 use linestereo_sim::scene::{self, Kind, Pair, Rendering, Sensor};
 use linestereo_tests::drawn::painted;
+use linestereo_tests::fuzz::sealed;
 use linestereo_tests::reference::bilinear;
 use linestereo_wire::{
     Command, Health, MAX_REGIONS, ObjectRecord, Outcome, ParamUpdate, Refusal, RegionBox, Regions,
@@ -298,13 +298,10 @@ fn out_of_range() -> Vec<(ParamUpdate, Refusal)> {
 }
 
 /// A rig with a fault; its checksum is that of its bytes.
-pub(super) fn faulty(at: usize, with: &[u8], sequence: u32) -> [u8; RigImage::BYTES] {
-    let mut bytes = rig().encode(sequence);
+pub(super) fn faulty(at: usize, with: &[u8], sequence: u32) -> Vec<u8> {
+    let mut bytes = rig().encode(sequence).to_vec();
     bytes[at..at + with.len()].copy_from_slice(with);
-    let end = bytes.len() - CRC_BYTES;
-    let crc = CRC_32.checksum(&bytes[..end]).to_le_bytes();
-    bytes[end..].copy_from_slice(&crc);
-    bytes
+    sealed(bytes)
 }
 
 /// A rig of raw images of this size, rectified to that one, with the right camera rolled; `roll` is
