@@ -36,7 +36,7 @@ fn pair_of(plane: Plane, seed: u64) -> [GrayImage; 2] {
 }
 
 /// Every `step`-th pixel of every `step`-th row.
-pub(crate) fn grid(dims: Dims, step: usize) -> impl Iterator<Item = (u16, u16)> {
+fn grid(dims: Dims, step: usize) -> impl Iterator<Item = (u16, u16)> {
     (0..dims.height)
         .step_by(step)
         .flat_map(move |y| (0..dims.width).step_by(step).map(move |x| (x, y)))
@@ -91,6 +91,26 @@ fn a_blank_wall_is_not_known() {
         let answered = answers.iter().filter(|(_, answer)| answer.is_ok()).count();
         // Answers claim 0.9: noise may be credible once in a hundred times, not more.
         assert!(answered * 100 <= answers.len(), "noise {noise}: {answered} of {}", answers.len());
+    }
+}
+
+#[test]
+fn repeated_structure_is_not_known() {
+    for period in [3_u16, 4, 6, 8, 12] {
+        let columns =
+            painted(DIMS.width, DIMS.height, |x, _| if (x / period) % 2 == 0 { 40 } else { 210 });
+        let board = painted(DIMS.width, DIMS.height, |x, y| {
+            if (x / period + y / period) % 2 == 0 { 40 } else { 210 }
+        });
+        for (name, image) in [("columns", columns), ("checkerboard", board)] {
+            for ((x, y), answer) in ask(&image, &image, 3) {
+                // The images are the same: next to the left border 0 is alone, the next repetition
+                // lies outside the right image.
+                let alone =
+                    answer.is_ok_and(|found| x <= 2 * period + 16 && found.disparity.abs() <= 1);
+                assert!(answer.is_err() || alone, "{name} of {period} px at {x},{y}: {answer:?}");
+            }
+        }
     }
 }
 

@@ -18,8 +18,8 @@ use linestereo_mavlink::{Fields, Mavlink, Sender, Timesync};
 use linestereo_rig::CameraSide;
 use linestereo_tests::board::image;
 use linestereo_wire::{
-    MachineReport, Message, Outcome, PairHead, ParamUpdate, RegionBox, Regions, Request,
-    RigFault, RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
+    MachineReport, Message, Outcome, PairHead, ParamUpdate, RegionBox, Regions, Request, RigFault,
+    RigUpdate, SETTINGS, Setting, SettingValue, SettingValues, Silicon, TimeSource,
 };
 use serde_json::{Value, json};
 use std::sync::LazyLock;
