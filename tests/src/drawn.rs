@@ -105,7 +105,8 @@ pub fn hard_images(dims: Dims, widths: &[u16]) -> Vec<(String, GrayImage)> {
     let mut random = Random(6);
     let mut images = vec![("noise".to_owned(), painted(width, height, |_, _| random.grey()))];
     for &of in widths {
-        let patterns: [(&str, fn(u16, u16) -> u16); 3] =
+        type Place = fn(u16, u16) -> u16;
+        let patterns: [(&str, Place); 3] =
             [("checkerboard", |x, y| x + y), ("columns", |x, _| x), ("rows", |_, y| y)];
         for (name, place) in patterns {
             let is_dark = |x: u16, y: u16| place(x / of, y / of).is_multiple_of(2);

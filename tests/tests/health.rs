@@ -508,7 +508,7 @@ fn rows_that_wander_are_a_drift_before_they_are_off() {
             rendered = Some((offset, rendered_by(Kind::Boxes, dims, 4, &sensor)));
         }
         let (_, pair) = rendered.as_ref().unwrap();
-        let (left, right) = noisy(&pair, n);
+        let (left, right) = noisy(pair, n);
         let health = rig.see(&left, &right, None);
         let rows = pixels(health.rows.unwrap().offset_q8);
         assert!((rows - offset).abs() <= 0.1, "pair {n}: {rows} for {offset}");
