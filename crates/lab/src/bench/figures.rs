@@ -1,7 +1,11 @@
 //! Figures of a run: what each metric says of each method, as JSON and as the lines of a table.
 
-use crate::evaluate::number;
 use serde::{Deserialize, Serialize};
+
+/// A value in a table.
+pub(crate) fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
+}
 
 /// A value for each method; `None` where a metric is not defined for it, or has nothing to say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -15,6 +15,7 @@ pub(crate) use cells::Cells;
 pub(crate) use classes::GLOSSY;
 mod data_set;
 mod figures;
+pub(crate) use figures::number;
 mod grid;
 mod objects;
 mod opencv;

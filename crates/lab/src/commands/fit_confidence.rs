@@ -1,10 +1,9 @@
 //! `linestereo-lab fit-confidence`: the confidence model's constants from frames with truth.
 
 use super::batch::collect;
-use crate::bench::GLOSSY;
+use crate::bench::{GLOSSY, number};
 use crate::evaluate::{
-    FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, number,
-    query_pixels,
+    FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, query_pixels,
 };
 use crate::fitting::{
     EvidenceLog, SceneSamples, add_ground_samples, fit, fit_pixels, pixel_source_text,

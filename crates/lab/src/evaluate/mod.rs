@@ -32,4 +32,4 @@ pub use objects::{ObjectCase, ObjectScore, ObjectSummary, Outline, object_cases,
 pub use owner::OwnedMiddle;
 pub use pixels::{PixelScore, QueriedPixel, query_pixels};
 pub use summary::{Answers, BinRow, CellRow, ErrorRates, Summary, YIELDS, YieldRow};
-pub(crate) use table::{calibration_table, cell_table, number, pair};
+pub(crate) use table::{calibration_table, cell_table, pair};

@@ -1,6 +1,7 @@
 //! Scores as text.
 
 use super::summary::Summary;
+use crate::bench::number;
 use core::fmt::Write;
 
 /// Stated against observed probability.
@@ -43,10 +44,6 @@ pub(crate) fn cell_table<'a>(rows: impl IntoIterator<Item = (&'a str, &'a Summar
         text.push('\n');
     }
     text
-}
-
-pub(crate) fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
 /// Two rates of error.

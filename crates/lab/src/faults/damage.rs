@@ -221,6 +221,9 @@ impl Damage {
         let blobs = |image: GrayImage, count: usize, radius: f64, level: u8| {
             sensor::blobs(image, count, radius, level, source.seed)
         };
+        let painted = |pattern: &dyn Fn(f64, f64) -> f64| {
+            texture::paint(source.scene, source.objects, pattern)
+        };
         let none = Perturbation::NONE;
         match self {
             D::None => pair,
@@ -245,9 +248,9 @@ impl Damage {
             D::Roll(degrees) => right_only(&|right| geometry::rotated(right, degrees.to_radians())),
             D::RowsOff(by) => right_only(&|right| geometry::moved(right, 0.0, by)),
             D::Distortion(by) => right_only(&|right| geometry::distorted(right, by)),
-            D::Bars(period) => texture::paint(source, |x, y| texture::bars(x, y, period)),
-            D::Checker(period) => texture::paint(source, |x, y| texture::checker(x, y, period)),
-            D::Bricks(length) => texture::paint(source, |x, y| texture::bricks(x, y, length)),
+            D::Bars(period) => painted(&|x, y| texture::bars(x, y, period)),
+            D::Checker(period) => painted(&|x, y| texture::checker(x, y, period)),
+            D::Bricks(length) => painted(&|x, y| texture::bricks(x, y, length)),
             D::Jpeg(quality) => pair.map(|image| detail::jpeg(&image, quality)),
             D::Bits(bits) => pair.map(|image| detail::bits(image, bits)),
             D::Blur(sigma) => perturbed(Perturbation { blur: sigma, ..none }),

@@ -1,7 +1,7 @@
 //! Periodic texture painted on objects at their true disparity.
 
-use super::Source;
-use linestereo_frames::GrayImage;
+use linestereo_frames::{GrayImage, Scene};
+use linestereo_sim::results::mask::Mask;
 
 /// Part of an object's own texture that remains.
 const REMAINING: f64 = 0.15;
@@ -30,9 +30,12 @@ pub(super) fn bricks(x: f64, y: f64, length: f64) -> f64 {
     0.6 - 1.6 * joint(along).max(joint(y.rem_euclid(height)))
 }
 
-/// Paints the objects of both images.
-pub(super) fn paint(source: &Source<'_>, pattern: impl Fn(f64, f64) -> f64) -> [GrayImage; 2] {
-    let scene = source.scene;
+/// Paints the objects, pixels of the left image, in both images.
+pub(super) fn paint(
+    scene: &Scene,
+    objects: &Mask,
+    pattern: impl Fn(f64, f64) -> f64,
+) -> [GrayImage; 2] {
     let [mut left, mut right] = [scene.left.clone(), scene.right.clone()];
     let Some(truth) = &scene.truth else { return [left, right] };
     let (width, height) = (i32::from(left.dims.width), i32::from(left.dims.height));
@@ -41,13 +44,12 @@ pub(super) fn paint(source: &Source<'_>, pattern: impl Fn(f64, f64) -> f64) -> [
             128.0 + REMAINING * (f64::from(own) - 128.0) + AMPLITUDE * pattern(x, f64::from(y));
         value.round() as u8
     };
-    let surface = |x: i32, y: i32| {
-        truth.disparity(x, y).filter(|_| source.objects.contains(x, y)).map(f64::from)
-    };
+    let surface =
+        |x: i32, y: i32| truth.disparity(x, y).filter(|_| objects.contains(x, y)).map(f64::from);
     for y in 0..height {
         for x in 0..width {
             let index = |x: i32| (y * width + x) as usize;
-            if !source.objects.contains(x, y) {
+            if !objects.contains(x, y) {
                 continue;
             }
             left.pixels[index(x)] = painted(left.pixels[index(x)], f64::from(x), y);

@@ -1,7 +1,8 @@
 //! Comparisons as text.
 
 use super::MethodSummary;
-use crate::evaluate::{Outline, YIELDS, cell_table, number, pair};
+use crate::bench::number;
+use crate::evaluate::{Outline, YIELDS, cell_table, pair};
 use core::fmt::Write;
 
 /// One line per method: yield, errors, errors of the most confident points, time.
