@@ -69,7 +69,10 @@ pub(crate) fn failed(output: &Output) -> String {
 pub(crate) fn refused(folder: &Path, line: &str, words: &[&str]) {
     let output = linestereo(folder, line);
     assert!(output.stdout.is_empty(), "{line}: {output:?}");
-    says(&format!("{line}: {}", failed(&output)), words);
+    let said = failed(&output);
+    for word in words {
+        assert!(said.contains(word), "{line} does not say {word}: {said}");
+    }
 }
 
 /// Calls it once for each command line, and has each fail as it promises, in words that contain the
