@@ -12,7 +12,7 @@
 //!   owns it.
 //! - **cells**: 16x16 px; a cell counts when at least half of it has visible truth and is covered
 //!   when it holds an answer.
-//! - **one answer per cell**: as [`crate::bench`] defines it.
+//! - **one answer per cell**: as `bench` defines it.
 //! - Points and segments without any truth are neither right nor wrong: they are in the yields per
 //!   frame and in nothing else.
 //!
