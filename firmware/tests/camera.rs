@@ -140,7 +140,7 @@ fn transactions<M: Model>(case: &Case, asked: Asked) -> Vec<Transaction> {
     trace::<M>(case, asked).iter().map(Said::transaction).collect()
 }
 
-/// What is said up to a transaction that fails.
+/// The transactions up to one that fails.
 fn failing(said: &[Transaction], place: usize, error: ErrorKind) -> Vec<Transaction> {
     let mut said = said[..=place].to_vec();
     said[place] = said[place].clone().with_error(error);

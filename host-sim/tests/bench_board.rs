@@ -231,7 +231,7 @@ fn a_wrong_clock_and_a_cache_that_is_off_are_doubtful() {
     tells(folder.path(), &format!("bench-board --tcp {address}"), &words);
 }
 
-/// What becomes of a message on its way.
+/// A change of a message on its way; `None` loses it.
 type Change = fn(Message) -> Option<Message>;
 
 #[test]

@@ -101,14 +101,14 @@ impl Placed {
         [0, 1, 2].map(|i| v[i] + self.shift[i])
     }
 
-    /// Where a camera sees a place of the board, if it does.
+    /// Pixel at which a camera sees a place of the board, if it does.
     fn seen_at(&self, rig: &Calibration, eye: CameraSide, place: [f64; 2]) -> Option<[f64; 2]> {
         let point = self.in_left(place);
         let point = if eye == CameraSide::Left { point } else { in_right(rig, point) };
         rig.camera(eye).project(point).filter(|&at| rig.camera(eye).is_inside(at))
     }
 
-    /// Where a camera sees the corners, if it sees the whole board.
+    /// Pixels of the board's corners, if the camera sees all of them.
     fn corners(&self, rig: &Calibration, eye: CameraSide, board: &Board) -> Option<Vec<[f64; 2]>> {
         board.points().into_iter().map(|place| self.seen_at(rig, eye, place)).collect()
     }

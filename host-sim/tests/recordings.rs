@@ -66,7 +66,7 @@ fn records(text: &str) -> Vec<Value> {
     lines
 }
 
-/// What a command that succeeds prints of its frames.
+/// The line of each frame that a command prints; the command has to succeed.
 #[track_caller]
 fn recorded(folder: &Path, line: &str) -> Vec<Value> {
     records(&succeed(folder, line))

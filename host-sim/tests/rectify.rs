@@ -80,9 +80,10 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
     let half = json("raw/boxes/left.png raw/boxes/right.png --rig even.toml --raw-width 160");
     assert_eq!(half["size"], serde_json::json!([160, 120]));
     assert!(half["segments"][0]["depth_m"][0].is_f64());
-    assert!(
-        raw["segments"][0]["depth_m"][0].is_f64() && rectified["segments"][0]["depth_m"].is_null()
-    );
+    assert!(raw["segments"][0]["depth_m"][0].is_f64());
+    // Without a rig there are no depths.
+    let segments = rectified["segments"].as_array().unwrap();
+    assert!(!segments.is_empty() && segments.iter().all(|segment| segment["depth_m"].is_null()));
 }
 
 #[test]

@@ -189,7 +189,7 @@ addEventListener("load", () => {
 });
 "##;
 
-/// What a visitor noted, by name.
+/// The notes of a visitor, by name.
 fn visited(
     browser: &Browser,
     html: &str,

@@ -14,7 +14,7 @@ use linestereo_sim::engine::{Engine, FrameResult};
 /// The core after a pair that stands alone, and what it has found there.
 ///
 /// # Panics
-/// Where the parameters or the images are refused.
+/// If the parameters or the images are refused.
 #[must_use]
 pub fn matched(params: &Params, pair: [&GrayImage; 2]) -> (Engine, FrameResult) {
     let mut engine = Engine::new(params, pair[0].dims).unwrap();
@@ -22,10 +22,10 @@ pub fn matched(params: &Params, pair: [&GrayImage; 2]) -> (Engine, FrameResult) 
     (engine, result)
 }
 
-/// What the core finds in a pair that stands alone.
+/// The core's result for a pair that stands alone.
 ///
 /// # Panics
-/// Where the images are refused.
+/// If the images are refused.
 pub fn run(engine: &mut Engine, [left, right]: [&GrayImage; 2]) -> FrameResult {
     engine.run(left.view().unwrap(), right.view().unwrap()).unwrap()
 }

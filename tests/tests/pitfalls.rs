@@ -63,7 +63,7 @@ fn repeated_structure_is_not_placed() {
 fn exposure_noise_and_rows_cost_yield_and_not_truth() {
     let base = Sensor { noise: 1.0, ..Sensor::default() };
     let cases = [
-        ("clean", Sensor { ..base }, 1.0),
+        ("clean", base, 1.0),
         ("darker right image", Sensor { gain: 0.8, bias: 8.0, ..base }, 0.7),
         ("brighter right image", Sensor { gain: 1.15, bias: -5.0, ..base }, 0.7),
         ("noise", Sensor { noise: 5.0, ..base }, 0.1),

@@ -606,7 +606,16 @@ fn settings_lie_beside_the_rig() {
     }
     assert_eq!(store.store_settings(&settings(41)), Ok(Slot::Second), "there already");
     assert_eq!(store.load_settings().slots, [Ok(0), Ok(1)]);
-    assert_eq!(store.load_rig().newest, Some((Slot::First, numbered(1))));
+    // A cut while settings are written leaves the rig.
+    let flash = store.into_flash();
+    for power in 0..=KeptSettings::BYTES * 3 {
+        let cut = Flash { power, ..flash.clone() };
+        let mut store = BoardStore::new(cut, starts.0, starts.1).unwrap();
+        let _ = store.store_settings(&settings(50));
+        let flash = Flash { power: UNLIMITED, ..store.into_flash() };
+        let mut store = BoardStore::new(flash, starts.0, starts.1).unwrap();
+        assert_eq!(store.load_rig().newest, Some((Slot::First, numbered(1))), "cut at {power}");
+    }
 
     let at = |rig, settings| BoardStore::new(Small::new(16), rig, settings).map(drop);
     assert_eq!(at([0, 384], [768, 1152]), Ok(()));

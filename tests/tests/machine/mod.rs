@@ -96,7 +96,7 @@ impl Run {
         assert_eq!(self.result["usb"], expected);
     }
 
-    /// What is in the records of one kind.
+    /// The contents of all records of one kind.
     fn all<'a, T>(
         &'a self,
         kind: impl Fn(&'a Message) -> Option<T> + Clone,

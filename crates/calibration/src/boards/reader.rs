@@ -12,7 +12,7 @@ const CELL_PX: f32 = 64.0;
 /// Bits of a marker that may be wrong; fewer where markers of the dictionary differ less.
 const WRONG_BITS: u8 = 2;
 
-/// As the detectors take it.
+/// An image in the detectors' type.
 pub(super) fn view(image: &GrayImage) -> GrayImageView<'_> {
     let Dims { width, height } = image.dims;
     GrayImageView { width: width.into(), height: height.into(), data: &image.pixels }

@@ -204,6 +204,7 @@ pub(crate) fn messages() -> Vec<Message> {
         support: u16::MAX,
         confidence_q16: u16::MAX,
     };
+    let refused_object = ObjectRecord { disparity_q6: Err(3), depth_q16: None, ..longest_object };
     let seen = Sighting { distance_cm: u16::MAX, confidence_q16: u16::MAX, age_ms: u16::MAX };
     let longest_sector = SectorRecord { index: u8::MAX, nearest: Some(seen), drop_off: Some(seen) };
     let photo = PairHead {
@@ -222,7 +223,14 @@ pub(crate) fn messages() -> Vec<Message> {
     };
     let mut list = examples::messages().into_iter().map(|(message, _)| message).collect::<Vec<_>>();
     list.extend([
-        Message::Hello(Hello { rig: RigReport::NONE, reset: None, ..longest_hello.clone() }),
+        Message::Hello(Hello {
+            board: "".try_into().unwrap(),
+            largest_width: 0,
+            largest_height: 0,
+            segments: 0,
+            rig: RigReport::NONE,
+            reset: None,
+        }),
         Message::Hello(longest_hello),
         Message::Frame(FrameHead {
             sequence: u32::MAX,
@@ -249,6 +257,7 @@ pub(crate) fn messages() -> Vec<Message> {
             first: u32::MAX,
             list: [longest_point; POINTS_PER_PACKET].into(),
         }),
+        Message::Objects(Objects { sequence: 1, list: [refused_object].into_iter().collect() }),
         Message::Objects(Objects {
             sequence: u32::MAX,
             list: [longest_object; OBJECTS_PER_PACKET].into(),
@@ -272,6 +281,13 @@ pub(crate) fn messages() -> Vec<Message> {
             unpaired: u32::MAX,
             skipped: u32::MAX,
             sensors: [u32::MAX; 2],
+        }),
+        Message::Machine(MachineReport {
+            firmware: "".try_into().unwrap(),
+            unit: "".try_into().unwrap(),
+            cases: 0,
+            expected: 0,
+            silicon: None,
         }),
         Message::Machine(MachineReport {
             firmware: "y".repeat(24).as_str().try_into().unwrap(),
@@ -332,6 +348,10 @@ pub(crate) fn commands() -> Vec<Command> {
         Request::Photograph,
         Request::RunCase(u16::MAX),
         Request::SetParams(ParamUpdate::default()),
+        Request::SetParams(ParamUpdate {
+            margin: Some(Margin::Pixels(-Disparity::ONE)),
+            ..ParamUpdate::default()
+        }),
         Request::SetParams(full_update()),
         Request::Pair(pair),
         Request::SetRig(RigBytes::new()),
@@ -348,7 +368,10 @@ pub(crate) fn commands() -> Vec<Command> {
         Request::Bootloader,
     ];
     let extremes = extremes.into_iter().map(|request| Command { id: u16::MAX, request });
-    examples::commands().into_iter().map(|(command, _)| command).chain(extremes).collect()
+    // Numbers of one, two and three bytes.
+    let numbered = [0, 1, 127, 128, 255, 300].map(|id| Command { id, request: Request::Stop });
+    let ordinary = examples::commands().into_iter().map(|(command, _)| command);
+    ordinary.chain(numbered).chain(extremes).collect()
 }
 
 pub(crate) fn packet<T: Record>(record: &T) -> Vec<u8> {
