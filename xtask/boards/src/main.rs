@@ -78,6 +78,8 @@ impl Boards {
 enum Command {
     /// Find or install what board builds need, a compiler and QEMU, and a browser for tests of
     /// pages.
+    ///
+    /// Compilers for the boards of `images`; that of another board is made with its first build.
     Setup,
     /// Build a program and print where its ELF file is, what it takes of flash and RAM, and on
     /// hardware how it is flashed without a probe.
@@ -101,7 +103,7 @@ enum Command {
     Images(Boards),
     /// Have clippy read the firmware as boards build it; warnings are errors.
     ///
-    /// Without --board: one of each family of processors; all with LINESTEREO_LONG=1.
+    /// Without --board: for each of them.
     Lint(Boards),
     /// Run a program in QEMU: its log on stdout, its files in the current folder.
     ///
@@ -188,7 +190,7 @@ fn execute(command: Command) -> Result<()> {
             build(&boards, program.as_deref(), no_logs, &features)
         }
         Command::Images(boards) => boards.any_or(board::tested())?.iter().try_for_each(images),
-        Command::Lint(boards) => lint(&boards.any_or(linted())?),
+        Command::Lint(boards) => lint(&boards.any_or(Board::ALL.into())?),
         Command::Run { boards, program, serial, arguments } => {
             run(&boards, &program, serial.as_deref(), &arguments)
         }
@@ -212,7 +214,8 @@ fn execute(command: Command) -> Result<()> {
 
 fn setup() -> Result<()> {
     let top = board::top()?;
-    let mut targets = Board::ALL.map(|board| board.target).to_vec();
+    let boards = board::tested();
+    let mut targets: Vec<_> = boards.iter().map(|board| board.target).collect();
     targets.sort_unstable();
     targets.dedup();
     // Side by side: each is mostly the work of one core.
@@ -223,8 +226,8 @@ fn setup() -> Result<()> {
             made.join().map_err(|_| anyhow::anyhow!("a thread panicked"))?.map(drop)
         })
     })?;
-    for board in Board::ALL {
-        let toolchain = Toolchain::for_board(&board)?;
+    for board in &boards {
+        let toolchain = Toolchain::for_board(board)?;
         println!(
             "{}: compiler for {}, by {}: {}",
             board.name,
@@ -233,7 +236,7 @@ fn setup() -> Result<()> {
             toolchain.version(&top)?
         );
         if let Device::Qemu { program, .. } = board.device {
-            qemu::find(&board)?;
+            qemu::find(board)?;
             println!("{}: {program}", board.name);
         }
     }
@@ -281,13 +284,6 @@ fn images(board: &Board) -> Result<()> {
     Ok(())
 }
 
-/// One board of each family of processors, or all in the long form. Nothing else compiles the code
-/// of RISC-V and Helium on every change; that of chips is compiled for their images.
-fn linted() -> Vec<Board> {
-    let families = [Board::MPS2_AN500, Board::MPS3_AN547, Board::RISCV_VIRT];
-    if board::is_long() { Board::ALL.into() } else { families.into() }
-}
-
 fn lint(boards: &[Board]) -> Result<()> {
     for (number, board) in boards.iter().enumerate() {
         let toolchain = Toolchain::for_board(board)?;
@@ -297,13 +293,13 @@ fn lint(boards: &[Board]) -> Result<()> {
         let mut all = vec![logged];
         // With and without logs differ in two macros alone, which use their values either way: one
         // board without them stands for all.
-        if number == 0 && board::is_long() {
+        if number == 0 {
             all.push(Images { logs: Logs::None, ..logged });
         }
         if *board == Board::PORTENTA_H7 {
             all.push(Images { features: &["ahead"], ..logged });
         }
-        if *board == Board::MPS2_AN500 && board::is_long() {
+        if *board == Board::MPS2_AN500 {
             all.push(LABORATORY);
         }
         for images in all {
