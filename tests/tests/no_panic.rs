@@ -6,7 +6,7 @@
 //! linked.
 
 use linestereo_firmware::boards::mps2_an500;
-use linestereo_sim::board::{self, toolchain::Toolchain, top};
+use linestereo_sim::board::{self, firmware, toolchain::Toolchain, top};
 use linestereo_tests::board::or_skip;
 use object::read::archive::ArchiveFile;
 use object::{File, Object, ObjectSymbol};
@@ -162,7 +162,7 @@ pub(crate) fn build_for(
 /// The library of `tests/no-panic` for a Cortex-M7.
 pub(crate) fn for_m7(toolchain: &Toolchain) -> PathBuf {
     let package = top().unwrap().join("tests/no-panic");
-    let (folder, _) = build_for(toolchain, mps2_an500::BOARD.target, &package, &[]);
+    let folder = firmware::build_package(toolchain, &mps2_an500::BOARD, &package).unwrap();
     folder.join("liblinestereo_no_panic.a")
 }
 

@@ -108,14 +108,32 @@ impl<'a> Images<'a> {
             features.map(|feature| format!("{FIRMWARE}/{feature}")).collect();
         command
             .current_dir(top()?)
-            .args(["--quiet", "--locked", "--no-default-features"])
-            .args(["--profile", PROFILE, "-p", self.package, "--config", INLINING])
-            .args(["--target", board.target, "--features", &features.join(","), "--target-dir"])
-            .arg(target)
-            .args(self.programs.iter().flat_map(|program| ["--bin", program]))
-            .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
+            .args(["--no-default-features", "-p", self.package, "--features", &features.join(",")])
+            .args(self.programs.iter().flat_map(|program| ["--bin", program]));
+        as_flashed(command, target, board);
         Ok(())
     }
+}
+
+/// Builds a package outside of this workspace as programs are built, and in their folder, so that
+/// what it has in common with them is built once: its manifest repeats their profile. Returns the
+/// folder of what is built.
+pub fn build_package(toolchain: &Toolchain, board: &Board, package: &Path) -> Result<PathBuf> {
+    let target = target_folder(toolchain)?;
+    let mut command = toolchain.cargo();
+    command.arg("build").current_dir(package);
+    as_flashed(&mut command, &target, board);
+    run(&mut command, &format!("cannot build {} for {}", package.display(), board.name))?;
+    Ok(target.join(board.target).join(PROFILE))
+}
+
+/// Arguments that a package outside of this workspace has, too.
+fn as_flashed(command: &mut Command, target: &Path, board: &Board) {
+    command
+        .args(["--quiet", "--locked", "--profile", PROFILE, "--config", INLINING])
+        .args(["--target", board.target, "--target-dir"])
+        .arg(target)
+        .env("DEFMT_LOG", "info"); // at build time, or nothing is logged
 }
 
 /// Builds a program of the firmware for a board and returns the path of its ELF file.
