@@ -154,3 +154,14 @@ fn interpolate(table: &[u16; NODES], score_q8: i32) -> u16 {
     let (a, b) = (i32::from(a), i32::from(b));
     u16::try_from(a + (((b - a) * part) >> 7)).unwrap_or(0)
 }
+
+/// The least score at which a table has this value, within its nodes: the inverse of
+/// [`interpolate`].
+fn score_of(table: &[u16; NODES], value: u16) -> i32 {
+    let node = table.partition_point(|&at| at <= value).clamp(1, NODES - 1) - 1;
+    let (Some(&a), Some(&b)) = (table.get(node), table.get(node + 1)) else { return 0 };
+    let (a, b, value) = (i32::from(a), i32::from(b), i32::from(value));
+    let rise = ((value.clamp(a, b) - a) << 7) + (b - a - 1);
+    let part = rise.checked_div(b - a).unwrap_or(0);
+    ((node as i32) << 7) + part - (8 << 8)
+}

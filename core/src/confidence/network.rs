@@ -16,7 +16,7 @@
 //! A perceptron with one hidden layer (Rumelhart 1986). The constants are written by
 //! `linestereo-lab fit-confidence`.
 
-use super::{NODES, interpolate};
+use super::{NODES, interpolate, score_of};
 
 /// Hidden units.
 pub const UNITS: usize = 8;
@@ -60,6 +60,13 @@ impl<const N: usize> Network<N> {
     pub fn probability_q16(&self, evidence: &[i16; N]) -> u16 {
         interpolate(&self.probability_q16, self.score_q8(evidence))
     }
+
+    /// Probability by the mean of the log-odds here and those of another model, which states this
+    /// probability, Q16.
+    pub(crate) fn probability_beside_q16(&self, evidence: &[i16; N], other_q16: u16) -> u16 {
+        let other_q8 = score_of(&self.probability_q16, other_q16);
+        interpolate(&self.probability_q16, (self.score_q8(evidence) + other_q8) >> 1)
+    }
 }
 
 impl<const N: usize> Unit<N> {
@@ -86,6 +93,37 @@ mod tests {
         // 0.5, and twice what the first exceeds the second by.
         assert_eq!(network.score_q8(&[256, 0]), 128 + 512);
         assert_eq!(network.score_q8(&[0, 256]), 128);
+    }
+
+    #[test]
+    fn the_mean_of_two_log_odds_has_a_probability_between_theirs() {
+        let mut network = Network {
+            units: [NONE; UNITS],
+            bias_q10: 2 << 10,
+            probability_q16: core::array::from_fn(|node| node as u16 * 1000 + 7),
+        };
+        let mut beside = |score: i32, other_q16| {
+            network.bias_q10 = score << 10;
+            network.probability_beside_q16(&[0; 2], other_q16)
+        };
+        // Nodes are half a unit apart, the middle one is the 17th.
+        assert_eq!(beside(2, 20_007), 20_007);
+        assert_eq!(beside(2, 16_007), 18_007);
+        assert_eq!(beside(-1, 16_507), 15_257);
+        // A probability that the table does not reach counts as its end.
+        assert_eq!(beside(0, u16::MAX), 24_007);
+        assert_eq!(beside(0, 0), 8007);
+    }
+
+    #[test]
+    fn a_table_and_its_inverse_agree() {
+        let table = &crate::support::FITTED_SUPPORT.context.probability_q16;
+        for score_q8 in -8 << 8..8 << 8 {
+            let value = interpolate(table, score_q8);
+            assert_eq!(interpolate(table, score_of(table, value)), value, "{score_q8}");
+        }
+        // A level one has none.
+        assert_eq!(score_of(&[9; NODES], 9), 15 << 7);
     }
 
     #[test]

@@ -3,6 +3,10 @@
 //! In: the grid of a run, each point with its log-odds. Out: evidence for a network, since little
 //! of it means anything without the rest, and a probability.
 //!
+//! Images that are matched at half of their size first have fitted nothing of the network. In pairs
+//! of these without a ground plane the log-odds are the mean of its own and the point's; with a
+//! plane the point's own probability stays. `docs/experiments.md` has the figures of both kinds.
+//!
 //! Stages that read the grid itself keep to the probability by the point's own evidence: of damaged
 //! pairs more objects are wrong where this one weighs them.
 //!
@@ -78,11 +82,17 @@ const MOST_SLOPE_Q6: i32 = 256;
 impl Support<'_> {
     /// Probability with which the point at `index` is listed, Q16.
     pub(crate) fn listed_q16(&self, index: usize, network: &Network<CONTEXT_EVIDENCE>) -> u16 {
-        let own = |point: &SupportPoint| point.probability_q16;
-        let is_own = |point: &&SupportPoint| self.is_fine() || point.is_of_bar();
-        let rated = self.points.get(index).filter(is_own).map(own);
-        let among = || self.context(index).map(|context| network.probability_q16(&context.0));
-        rated.or_else(among).unwrap_or(0)
+        let Some(point) = self.points.get(index) else { return 0 };
+        let own_q16 = point.probability_q16;
+        if point.is_of_bar() || (self.is_fine() && self.plane.is_some()) {
+            return own_q16;
+        }
+        let Some(ContextEvidence(evidence)) = self.context(index) else { return 0 };
+        if self.is_fine() {
+            network.probability_beside_q16(&evidence, own_q16)
+        } else {
+            network.probability_q16(&evidence)
+        }
     }
 
     /// The evidence of the point at `index` among its neighbours, once all are rated; `None`

@@ -218,8 +218,8 @@ pub struct SupportModels {
     pub ground: Model<SUPPORT_EVIDENCE>,
     /// At the size of images that are matched at half of it first.
     pub fine: Model<SUPPORT_EVIDENCE>,
-    /// Of points in the list of points, among neighbours that have log-odds by these; not of those
-    /// that are matched at half of the size first.
+    /// Of points in the list of points, among neighbours that have log-odds by these. Of points
+    /// that are matched at half of the size first only without a ground plane, beside `fine`.
     pub context: Network<CONTEXT_EVIDENCE>,
 }
 
