@@ -121,7 +121,8 @@ class Core:
         self.entered = Registers(self.uc, LOW + [UC_ARM_REG_PC, UC_ARM_REG_XPSR, UC_ARM_REG_CONTROL, UC_ARM_REG_IPSR, UC_ARM_REG_SP, UC_ARM_REG_MSP])
         self.floats = Registers(self.uc, FLOATS)
         self.entering = Registers(self.uc, [UC_ARM_REG_SP, UC_ARM_REG_IPSR, UC_ARM_REG_CONTROL, UC_ARM_REG_LR, UC_ARM_REG_PC])
-        self.left = Registers(self.uc, LOW + [UC_ARM_REG_SP, UC_ARM_REG_APSR, UC_ARM_REG_PC])
+        self.leaving = Registers(self.uc, [UC_ARM_REG_MSP, UC_ARM_REG_PSP, UC_ARM_REG_CONTROL])
+        self.left = Registers(self.uc, [UC_ARM_REG_IPSR, UC_ARM_REG_CONTROL] + LOW + [UC_ARM_REG_SP, UC_ARM_REG_APSR, UC_ARM_REG_PC])
         self.registers, self.bytewise = {}, set()
         self.uc.mmio_map(0xE0000000, 0x100000, self._read, 0xE0000000, self._write, 0xE0000000)
         if first:
@@ -359,16 +360,17 @@ class Core:
         return handler
 
     def _leave(self):
-        uc, (thread, own_stack, floats), _ = self.uc, self.frames.pop(), self.active.pop()
-        uc.reg_write(UC_ARM_REG_IPSR, 0 if thread else self.active[-1] + 16)
+        (thread, own_stack, floats), _ = self.frames.pop(), self.active.pop()
+        *stacks, control = self.leaving.read()
+        sp, count = stacks[own_stack], 26 if floats else 8
+        words = struct.unpack("<%dI" % count, self.uc.mem_read(sp, 4 * count))
         if thread:
-            uc.reg_write(UC_ARM_REG_CONTROL, (uc.reg_read(UC_ARM_REG_CONTROL) & ~14) | (2 if own_stack else 0))
-        sp, count = uc.reg_read(UC_ARM_REG_SP), 26 if floats else 8
-        words = struct.unpack("<%dI" % count, uc.mem_read(sp, 4 * count))
+            control = (control & ~14) | (2 if own_stack else 0)
         if floats:
             self.floats.write(*words[8:25])
-            uc.reg_write(UC_ARM_REG_CONTROL, uc.reg_read(UC_ARM_REG_CONTROL) | self.FLOATS_IN_USE)
-        self.left.write(*words[:6], sp + 4 * count + (4 if words[7] >> 9 & 1 else 0), words[7] & 0xF80F0000, words[6] | 1)
+            control |= self.FLOATS_IN_USE
+        sp += 4 * count + (4 if words[7] >> 9 & 1 else 0)
+        self.left.write(0 if thread else self.active[-1] + 16, control, *words[:6], sp, words[7] & 0xF80F0000, words[6] | 1)
 
     # Running.
 
