@@ -161,7 +161,8 @@ fn score_of(table: &[u16; NODES], value: u16) -> i32 {
     let node = table.partition_point(|&at| at <= value).clamp(1, NODES - 1) - 1;
     let (Some(&a), Some(&b)) = (table.get(node), table.get(node + 1)) else { return 0 };
     let (a, b, value) = (i32::from(a), i32::from(b), i32::from(value));
-    let rise = ((value.clamp(a, b) - a) << 7) + (b - a - 1);
+    // `clamp` would panic in a table that falls.
+    let rise = ((value.max(a).min(b) - a) << 7) + (b - a - 1);
     let part = rise.checked_div(b - a).unwrap_or(0);
     ((node as i32) << 7) + part - (8 << 8)
 }
