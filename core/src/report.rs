@@ -268,7 +268,7 @@ impl Points<'_> {
         }
     }
 
-    /// The next pixel beside a segment that no support point outranks.
+    /// The next pixel beside a segment that no support point outranks, here or in the right image.
     fn of_side(&mut self) -> Option<Point> {
         loop {
             let (ranked, rest) = self.order.split_first()?;
@@ -285,6 +285,9 @@ impl Points<'_> {
                 }
                 continue;
             };
+            if self.support.is_taken((x, y), d_q6, self.probability) {
+                continue;
+            }
             let at = self.support.listed_at(x, y);
             if at.is_none_or(|at| self.support.listed_q16(at, self.network) <= self.probability) {
                 return Some(Point {

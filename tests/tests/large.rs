@@ -1,19 +1,23 @@
 //! Images that are matched at half of their size first: their points are true at full size, and the
 //! same bits in every profile.
 
+use core::ops::Range;
+use linestereo::results::{Point, Source};
+use linestereo::units::Confidence;
 use linestereo::unstable::{Stage, StageDigests};
-use linestereo::{Dims, Params, results::Source};
+use linestereo::{Dims, Params};
+use linestereo_frames::GrayImage;
 use linestereo_frames::statistics::upper_median;
-use linestereo_tests::drawn::surface;
+use linestereo_tests::drawn::{Texture, painted, surface};
 use linestereo_tests::matched;
 
 const DIMS: Dims = Dims { width: 640, height: 240 };
 /// Rows of the wall, above a floor.
 const WALL: f64 = 110.0;
 
-/// Digests of the points of a wall alone, and of one with a floor, as in `determinism.rs`. With a
-/// ground plane points have another probability.
-const BLESSED: [u32; 2] = [0xa7e2_a63e, 0x3269_7697];
+/// Digests of the points of a wall alone, of one with a floor, and of one behind a card, as in
+/// `determinism.rs`. With a ground plane points have another probability.
+const BLESSED: [u32; 3] = [0xa7e2_a63e, 0x3269_7697, 0xe6b4_d3a4];
 
 fn params() -> Params {
     Params { max_disparity: 128, ..Params::default() }
@@ -46,11 +50,63 @@ fn points_of_a_wall_and_of_a_floor_are_true() {
     }
 }
 
+/// First columns of a card and of the wall left of it that the right image does not show, and the
+/// column behind the card.
+const CARD: [u16; 3] = [250, 320, 440];
+/// Their disparities, px.
+const CARD_AND_WALL: [u16; 2] = [80, 10];
+
+/// A card before a wall of bricks.
+fn card(seed: u64) -> [GrayImage; 2] {
+    let [card, wall] = [seed, seed + 1].map(Texture::new);
+    let ([_, first, end], [card_at, wall_at]) = (CARD, CARD_AND_WALL);
+    [(0, 0), (card_at, wall_at)].map(|(of_card, of_wall)| {
+        painted(DIMS.width, DIMS.height, |x, y| {
+            let grey = if (first..end).contains(&(x + of_card)) {
+                60.0 + card.at((x + of_card).into(), y.into()) / 2.0
+            } else {
+                let x = x + of_wall;
+                let is_joint = (x + y / 5 % 2 * 4) % 8 == 0 || y % 5 == 0;
+                let brick = wall.at(f64::from(x) / 4.0, f64::from(y) / 4.0) / 20.0;
+                100.0 + brick - if is_joint { 15.0 } else { 0.0 }
+            };
+            grey.round() as u8
+        })
+    })
+}
+
+#[test]
+fn what_the_right_image_does_not_show_is_not_what_hides_it() {
+    let params = Params { min_confidence: Confidence::from_num(0.5), ..params() };
+    let ([strip, first, end], [card_at, wall_at]) = (CARD, CARD_AND_WALL);
+    let mut of_card = 0;
+    for seed in 20..26 {
+        let (_, result) = matched(&params, card(seed).each_ref());
+        let count = |columns: Range<u16>, disparity: u16| {
+            let is_there = |point: &&Point| {
+                let apart = point.disparity.to_num::<f64>() - f64::from(disparity);
+                columns.contains(&point.x) && apart.abs() <= 3.0
+            };
+            result.points.iter().filter(is_there).count()
+        };
+        let seen = [count(100..strip, wall_at), count(first..end, card_at)];
+        assert!(seen[0] > 200 && seen[1] > 400, "seed {seed}: {seen:?}");
+        // Pixels next to the card may be listed as its edge.
+        of_card += count(strip..first - 8, card_at);
+    }
+    // Without the uniqueness of support points there are 19 in the first scene alone.
+    assert!(of_card <= 3, "{of_card} points of the wall have the disparity of the card");
+}
+
 #[test]
 fn debug_and_release_give_the_blessed_bits() {
-    let found = [false, true].map(|has_floor| {
+    let of_surface = |has_floor| {
         let shape = |y| if has_floor { disparity(y) } else { disparity(0.0) };
-        let (_, result) = matched(&params(), surface(DIMS, 11, shape, 0.0).each_ref());
+        surface(DIMS, 11, shape, 0.0)
+    };
+    let scenes = [(of_surface(false), false), (of_surface(true), true), (card(20), false)];
+    let found = scenes.map(|(pair, has_floor)| {
+        let (_, result) = matched(&params(), pair.each_ref());
         assert_eq!(result.ground.is_some(), has_floor);
         assert!(result.points.len() > 1000, "{} points", result.points.len());
         let mut digests = StageDigests::new();

@@ -4,7 +4,7 @@ use super::place::Place;
 use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
 use crate::area::Area;
 use crate::ground::GroundPlane;
-use crate::image::Dims;
+use crate::image::{Dims, MAX_WIDTH, WIDEST};
 use crate::kernel::CODE_ROWS;
 use crate::params::Params;
 use crate::row_memory::{BAND_ROWS, PLANES, row_bytes};
@@ -31,7 +31,7 @@ pub(crate) struct Grid {
     /// Of the halves of the images.
     pub(super) is_half: bool,
     /// Points are matched around those of the halves.
-    pub(crate) is_fine: bool,
+    is_fine: bool,
 }
 
 impl Grid {
@@ -76,6 +76,12 @@ impl Grid {
     pub(crate) fn with_plane(self, memory: usize) -> Self {
         let with = Self { has_plane: true, ..self };
         if with.bytes() <= memory { with } else { self }
+    }
+
+    /// True when points are matched around those of the halves; without wide images nothing of it is
+    /// compiled.
+    pub(crate) fn is_fine(&self) -> bool {
+        MAX_WIDTH > WIDEST && self.is_fine
     }
 
     /// Number of labels of a point: disparities, and beside the plane one that never matches

@@ -16,6 +16,8 @@
 //! fine:    images wider than 450 px are matched at half of their size, then around what is known
 //!          from it  (fine)
 //! rating:  probability, with the evidence by the eight neighbours and by segments nearby
+//! unique:  in these images, of two points that match one place the nearer is rejected, unless it is
+//!          clearly more probable  (unique)
 //! list:    2 px off the texture where that is the border of the surface  (listed), with a
 //!          probability among what the neighbours' log-odds are  (context)
 //! ```
@@ -46,6 +48,7 @@ mod place;
 mod plane;
 mod points;
 mod row;
+mod unique;
 
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
@@ -427,7 +430,7 @@ fn indices(range: Option<&Span>) -> Range<usize> {
 }
 
 /// Completes the log-odds of every point with the evidence by its neighbours and by segments, and
-/// sets its probability.
+/// sets its probability. Of large images rejects those that match what a farther one matches.
 pub(crate) fn rate(
     cores: Option<&mut dyn Cores>,
     points: &mut [SupportPoint],
@@ -459,5 +462,8 @@ pub(crate) fn rate(
         rate(points, last..border + row);
     } else {
         rate(points, 0..all);
+    }
+    if grid.is_fine() {
+        unique::reject(points, grid);
     }
 }

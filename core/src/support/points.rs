@@ -4,7 +4,7 @@ use super::evidence::{SupportEvidence, nearby};
 use super::{GUIDE_REACH, Grid, SupportPoint, UNIQUE_REACH, place};
 use crate::area::Area;
 use crate::ground::GroundPlane;
-use crate::image::{Dims, MAX_WIDTH, WIDEST};
+use crate::image::Dims;
 use crate::params::Params;
 use crate::result::{Point, Source};
 use crate::units::Confidence;
@@ -38,7 +38,7 @@ impl<'a> Support<'a> {
     /// True when points were matched at half of the size first.
     #[must_use]
     pub fn is_fine(&self) -> bool {
-        MAX_WIDTH > WIDEST && self.grid.is_fine // without wide images nothing of it is compiled
+        self.grid.is_fine()
     }
 
     /// The ground plane of the pair, if one was found.
