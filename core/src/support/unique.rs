@@ -4,19 +4,18 @@
 //! point matches.
 //!
 //! ```text
-//!            strip that the right image does not show
-//!                      |
-//! left     far  far  near  NEAR  NEAR      the paths go on through the strip with what is near
-//!              \      /                    right of it, and its windows match the background left
-//! right         \ far                      of the near surface, which is that of `far`
+//! left     F F F F h h h N N N    N: near   F: far   h: of F, but hidden by N in the right image
+//! right    F F F F N N N
 //! ```
-//! Both cannot be right: what is near would hide the other. A point is rejected if it is not clearly
-//! more probable than the farther one, and so is a pixel beside a segment. Points of the floor
-//! change their disparity by less from one column to the next.
+//! The paths of N go on through h, where a window at the disparity of N matches the F left of N in
+//! the right image. That is the place of points of F. Both cannot be right, since N would hide F
+//! there. So a point is rejected where a farther one of its row matches the same place, unless it
+//! is clearly more probable than that, and so is a pixel beside a segment. On slopes and floors the
+//! disparity changes by less from one column to the next.
 //!
-//! Smaller images gain nothing by it: there the network that lists a point sees such strips. Chosen
-//! on the large sets of `linestereo-lab bench`; of the first 70 and 80 % of the cells of 42 drawn
-//! scenes, which chose nothing, 3.6 and 9.1 instead of 3.9 and 9.3 % are off by more than 1 px.
+//! Smaller images gain nothing by it. Chosen on the large sets of `linestereo-lab bench`. Of the
+//! first 70 and 80 % of the cells of 42 drawn scenes, which chose nothing, 3.6 and 9.1 instead of
+//! 3.9 and 9.3 % are off by more than 1 px.
 //!
 //! # Cost
 //! Some 15 instructions for each column of points within the disparity left of a point.
@@ -90,9 +89,10 @@ impl Support<'_> {
         disparity_q6: i32,
         probability_q16: u16,
     ) -> bool {
-        let Some((index, _)) = self.grid.square(x, y).filter(|_| self.is_fine()) else {
+        if !self.is_fine() {
             return false;
-        };
+        }
+        let Some((index, _)) = self.grid.square(x, y) else { return false };
         let start = index - index.checked_rem(self.grid.columns).unwrap_or(0);
         let row = self.points.get(start..start + self.grid.columns).unwrap_or_default();
         Claim { x: x.into(), disparity_q6, probability_q16 }.is_taken(row, self.grid)
