@@ -2,5 +2,6 @@
 
 mod compare;
 mod faults;
+mod named;
 mod support;
 mod thin;
