@@ -78,8 +78,8 @@ impl Grid {
         if with.bytes() <= memory { with } else { self }
     }
 
-    /// True when points are matched around those of the halves; without wide images nothing of it is
-    /// compiled.
+    /// True when points are matched around those of the halves. Without wide images nothing of it
+    /// is compiled.
     pub(crate) fn is_fine(&self) -> bool {
         MAX_WIDTH > WIDEST && self.is_fine
     }
