@@ -263,21 +263,32 @@ pub fn crossing(crossings: &Crossings<'_>, first: usize, sign: i32) -> Option<Cr
     if first >= firsts {
         return None;
     }
-    let (across, along) = if are_rows { (1, stride) } else { (stride, 1) };
-    let byte = |at: usize| pixels.get(first + at).copied().unwrap_or(0);
-    Some(crossing_of(|u| byte(u * across), |u| byte(u * across + along), sign))
+    let pixels = pixels.get(first..)?;
+    if are_rows {
+        let (first, second): (&[u8; 7], &[u8; 7]) =
+            (pixels.first_chunk()?, pixels.get(stride..)?.first_chunk()?);
+        let pair = |u: usize| first.get(u).zip(second.get(u)).map_or((0, 0), |(&a, &b)| (a, b));
+        Some(crossing_of(pair, sign))
+    } else {
+        let pair = |u: usize| {
+            let row = pixels.get(u * stride..).and_then(<[u8]>::first_chunk);
+            row.map_or((0, 0), |&[a, b]| (a, b))
+        };
+        Some(crossing_of(pair, sign))
+    }
 }
 
-/// The crossing of two rows of seven pixels; the middle one has index 3.
+/// The crossing of two rows of seven pixels, given as pairs; the middle one has index 3.
 #[inline(always)]
-fn crossing_of(first: impl Fn(usize) -> u8, second: impl Fn(usize) -> u8, sign: i32) -> Crossing {
-    let sum = |u: usize| i32::from(first(u)) + i32::from(second(u));
+fn crossing_of(pair: impl Fn(usize) -> (u8, u8), sign: i32) -> Crossing {
+    let sum_and_step = |u: usize| {
+        let (first, second) = pair(u);
+        (i32::from(first) + i32::from(second), i32::from(second) - i32::from(first))
+    };
+    let sum = |u: usize| sum_and_step(u).0;
     let [b, c, d, e, f] = [1, 2, 3, 4, 5].map(sum);
     strongest([(d - b) * sign, (e - c) * sign, (f - d) * sign], sign, sum, |shift| {
-        let step = |u: i32| {
-            let u = (3 + shift + u) as usize;
-            i32::from(second(u)) - i32::from(first(u))
-        };
+        let step = |u: i32| sum_and_step((3 + shift + u) as usize).1;
         step(-1) + 2 * step(0) + step(1)
     })
 }
