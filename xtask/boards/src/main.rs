@@ -6,6 +6,7 @@
 mod bench;
 mod bless;
 mod footprint;
+mod functions;
 mod image;
 mod measure;
 mod nightly;
@@ -138,6 +139,19 @@ enum Command {
         #[arg(long, requires = "frames")]
         objects: bool,
     },
+    /// Count instructions by function, of the built-in pairs or of captured ones.
+    ///
+    /// A pair takes seconds. What is inlined counts for the function around it.
+    Functions {
+        #[command(flatten)]
+        boards: Boards,
+        /// A folder of captured scenes.
+        #[arg(long, value_name = "FOLDER")]
+        frames: Option<PathBuf>,
+        /// Print so many functions.
+        #[arg(long, value_name = "N", default_value_t = 40)]
+        count: usize,
+    },
     /// Flash and RAM of `live`, compared with xtask/board-sizes.toml: fails on a change of more
     /// than 1 %.
     ///
@@ -202,6 +216,9 @@ fn execute(command: Command) -> Result<()> {
         Command::Kernels(boards) => agree(&boards, "kernels", ["not as the portable kernels", ""]),
         Command::Bench { boards, frames, objects } => {
             bench::run(&boards.emulated()?, frames.as_deref(), objects)
+        }
+        Command::Functions { boards, frames, count } => {
+            functions::run(&boards.emulated()?, frames.as_deref(), count)
         }
         Command::Footprint { boards, bless } => {
             footprint::run(&top, &boards.any_or(board::tested())?, bless)

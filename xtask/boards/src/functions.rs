@@ -1,0 +1,145 @@
+//! Instructions by function, of a program in QEMU.
+//!
+//! QEMU logs each block of instructions when it translates it (`in_asm`), and each block that it
+//! executes with the symbol that it lies in (`exec`).
+
+use anyhow::{Context, Result, bail};
+use linestereo::{Dims, Params};
+use linestereo_boards::Exit;
+use linestereo_sim::board::firmware::{self, Logs};
+use linestereo_sim::board::toolchain::Toolchain;
+use linestereo_sim::board::{self, Board, qemu};
+use linestereo_wire::{Command, Request};
+use std::collections::HashMap;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::Stdio;
+
+/// Captured pairs are cut to this size.
+const DIMS: Dims = Dims { width: 320, height: 240 };
+
+/// Prints the functions that took most: of `bench`, which matches the built-in pairs and runs every
+/// kernel, or of `replay`, which is fed with captured pairs.
+pub(crate) fn run(boards: &[Board], frames: Option<&Path>, count: usize) -> Result<()> {
+    for board in boards {
+        let program = if frames.is_some() { "replay" } else { "bench" };
+        let elf = firmware::build(&Toolchain::for_board(board)?, board, program, Logs::None)?;
+        let folder = tempfile::tempdir()?;
+        let arguments: &[&str] = match frames {
+            None => &["table"],
+            Some(frames) => {
+                std::fs::write(folder.path().join("input"), input(frames)?)?;
+                &["input", "output", "table"]
+            }
+        };
+        let mut child = qemu::command(board, &elf, arguments, folder.path())?
+            .args(["-serial", "none", "-d", "exec,nochain,in_asm", "-D", "/dev/stdout"])
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let mut counted = Counted::default();
+        for line in BufReader::new(child.stdout.take().context("no pipe")?).split(b'\n') {
+            counted.add(&String::from_utf8_lossy(&line?));
+        }
+        if child.wait()?.code() != Some(Exit::Success as i32) {
+            bail!("{program} on {} failed", board.name); // it has said why
+        }
+        println!("{}, {program}:\n{}", board.name, counted.table(count));
+    }
+    Ok(())
+}
+
+/// What `replay` reads: default parameters, then every pair.
+fn input(frames: &Path) -> Result<Vec<u8>> {
+    let mut input = Vec::new();
+    let request = Request::SetParams(board::update(&Params::DEFAULT, None));
+    board::push(&mut input, &Command { id: 0, request })?;
+    for (id, (_, (left, right))) in (1..).zip(board::captured(frames, DIMS)?) {
+        board::push_pair(&mut input, id, &left, &right)?;
+    }
+    Ok(input)
+}
+
+/// Blocks by the address of their first instruction.
+#[derive(Default)]
+struct Counted {
+    /// Number of instructions.
+    lengths: HashMap<u64, u64>,
+    /// Symbol, and how often it was executed.
+    executed: HashMap<u64, (String, u64)>,
+    /// The block whose instructions are being logged.
+    logged: Option<u64>,
+}
+
+impl Counted {
+    /// Adds a line of the log.
+    fn add(&mut self, line: &str) {
+        if let Some(block) = line.strip_prefix("Trace ") {
+            // Trace 0: 0x7fc684000100 [flags/address/...] symbol
+            let address = block.split('/').nth(1).and_then(|at| u64::from_str_radix(at, 16).ok());
+            if let (Some(address), Some((_, symbol))) = (address, block.rsplit_once("] ")) {
+                let entry = self.executed.entry(address);
+                entry.or_insert_with(|| (symbol.to_owned(), 0)).1 += 1;
+            }
+        } else if let Some((address, _)) = line.split_once(':')
+            && let Some(address) = address.strip_prefix("0x")
+            && let Ok(address) = u64::from_str_radix(address, 16)
+        {
+            if self.logged.is_none() {
+                self.lengths.remove(&address); // it may be translated again
+            }
+            *self.lengths.entry(*self.logged.get_or_insert(address)).or_default() += 1;
+        } else if line.starts_with("IN:") {
+            self.logged = None;
+        }
+    }
+
+    /// The `count` functions with most instructions.
+    fn table(&self, count: usize) -> String {
+        let mut functions: HashMap<&str, u64> = HashMap::new();
+        for (address, (symbol, times)) in &self.executed {
+            let length = self.lengths.get(address).copied().unwrap_or(0);
+            *functions.entry(symbol).or_default() += length * times;
+        }
+        let all: u64 = functions.values().sum();
+        let mut functions: Vec<_> = functions.into_iter().collect();
+        functions.sort_unstable_by_key(|&(symbol, own)| (u64::MAX - own, symbol));
+        let line = |name: &str, own: u64| {
+            format!("{own:>11} {:5.1} %  {name}\n", 100.0 * own as f64 / all.max(1) as f64)
+        };
+        let named = functions
+            .iter()
+            .take(count)
+            .map(|&(symbol, own)| line(&format!("{:#}", rustc_demangle::demangle(symbol)), own));
+        line("all", all) + &named.collect::<String>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOG: &str = "\
+----------------
+IN: start
+0x00000400:  f003 fe76  bl       #0x40f0
+
+Trace 0: 0x7fc684000100 [00800408/00000400/00000110/ff020200] start
+----------------
+IN: _ZN4core3fmt5write17h0123456789abcdefE
+0x000040f0:  b580       push     {r7, lr}
+0x000040f2:  466f       mov      r7, sp
+Trace 0: 0x7fc684000240 [00800408/000040f0/00000110/ff020200] _ZN4core3fmt5write17h0123456789abcdefE
+Trace 0: 0x7fc684000240 [00800408/000040f0/00000110/ff020200] _ZN4core3fmt5write17h0123456789abcdefE
+";
+
+    #[test]
+    fn blocks_count_by_their_length_and_how_often_they_ran() {
+        let mut counted = Counted::default();
+        let (translated, _) = LOG.split_once("Trace").unwrap();
+        translated.lines().chain(LOG.lines()).for_each(|line| counted.add(line));
+        let table = counted.table(2);
+        let lines: Vec<&str> = table.lines().map(str::trim).collect();
+        assert_eq!(lines, ["5 100.0 %  all", "4  80.0 %  core::fmt::write", "1  20.0 %  start"]);
+        assert_eq!(counted.table(1).lines().count(), 2);
+    }
+}
