@@ -118,8 +118,8 @@ mod tests {
         }
     }
 
-    /// Whether a point of 40 px and 0.9 is rejected beside this one at a column, in its row or in
-    /// the other one; and that a pixel there is taken then.
+    /// True when a point of 40 px and 0.9 is rejected beside this one at a column, in its row or in
+    /// the other one. Then a pixel there is taken as well.
     fn is_rejected(row: usize, column: usize, other: SupportPoint) -> bool {
         let grid = Grid::new(&Params::default(), DIMS);
         let mut points = [SupportPoint::none(); 160];

@@ -48,12 +48,16 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, count: usize) -> Resu
     Ok(())
 }
 
-/// What `replay` reads: default parameters, then every pair.
+/// The input of `replay`: default parameters, then every pair.
 fn input(frames: &Path) -> Result<Vec<u8>> {
+    let scenes = board::captured(frames, DIMS)?;
+    if scenes.is_empty() {
+        bail!("no scene of {DIMS} or more below {}", frames.display());
+    }
     let mut input = Vec::new();
     let request = Request::SetParams(board::update(&Params::DEFAULT, None));
     board::push(&mut input, &Command { id: 0, request })?;
-    for (id, (_, (left, right))) in (1..).zip(board::captured(frames, DIMS)?) {
+    for (id, (_, (left, right))) in (1..).zip(scenes) {
         board::push_pair(&mut input, id, &left, &right)?;
     }
     Ok(input)
