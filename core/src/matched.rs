@@ -22,7 +22,7 @@ use crate::query::{self, PixelDepth, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::side_pixels::ValidPixels;
-use crate::support::{RangeCheck, Support};
+use crate::support::{RangeCheck, Support, Views};
 #[cfg(feature = "unstable")]
 use crate::{matching::Candidate, query::PixelEvidence};
 
@@ -140,6 +140,11 @@ impl<'a> Matched<'a> {
         let Plan { params, dims, .. } = &self.plan;
         Support::new(params, *dims, &self.buffers.support, self.summary.detail_q8)
             .with_plane(self.summary.plane)
+            .with_views(self.views())
+    }
+
+    fn views(&self) -> Views<'a> {
+        Views { images: self.images, row_offset: self.summary.row_offset() }
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence);
@@ -184,9 +189,11 @@ impl<'a> Matched<'a> {
     /// at half of their size first and there is a ground plane.
     pub fn points(&mut self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.is_fit();
-        let (report, _) =
+        let views = self.views();
+        let (mut report, _) =
             Report::new(&self.plan, self.images, &mut self.buffers, self.summary.detail_q8);
-        report.points(is_fit, self.summary.plane, &self.plan.support_models.context)
+        report.support = report.support.with_plane(self.summary.plane).with_views(views);
+        report.points(is_fit, &self.plan.support_models.context)
     }
 
     /// The depth of an object that fills this region.

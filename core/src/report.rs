@@ -17,7 +17,6 @@
 use crate::bars::{Bar, Edge};
 use crate::confidence::{Model, Models, Network};
 use crate::evidence::SegmentKind;
-use crate::ground::GroundPlane;
 use crate::image::Dims;
 use crate::lines::Segment;
 use crate::list::List;
@@ -173,7 +172,6 @@ impl<'r> Report<'r> {
     pub(crate) fn points(
         mut self,
         is_fit: bool,
-        plane: Option<GroundPlane>,
         network: &'r Network<CONTEXT_EVIDENCE>,
     ) -> Points<'r> {
         self.order.clear();
@@ -192,7 +190,7 @@ impl<'r> Report<'r> {
             least,
             models,
             views,
-            support: support.with_plane(plane),
+            support,
             network,
             marks,
             bars: if is_fit { bars } else { &[] },
@@ -259,8 +257,8 @@ impl Points<'_> {
             let (y, d_q6) = (self.y - 1, self.row_q6);
             // Support points there have the bar's disparity, and are listed as such.
             let at = self.support.listed_at(x, y);
-            let is_support =
-                at.is_some_and(|at| self.support.listed_q16(at, self.network) >= self.least);
+            let is_support = at
+                .is_some_and(|at| self.support.listed_q16(at, (x, y), self.network) >= self.least);
             if !is_support && self.views.allow(x.into(), y.into(), d_q6) {
                 let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
                 return Some(Point { x, y, disparity, confidence, source: Source::Side });
@@ -273,7 +271,7 @@ impl Points<'_> {
         loop {
             let (ranked, rest) = self.order.split_first()?;
             let candidate = self.candidates.get(usize::from(ranked.candidate))?;
-            let Some((x, y, d_q6)) = self.pixels.next(self.views) else {
+            let Some((x, y, d_q6)) = self.pixels.next(&self.views) else {
                 self.distance += 1;
                 if self.distance > self.reach {
                     (self.side, self.distance) = (self.side + 1, 0);
@@ -289,7 +287,9 @@ impl Points<'_> {
                 continue;
             }
             let at = self.support.listed_at(x, y);
-            if at.is_none_or(|at| self.support.listed_q16(at, self.network) <= self.probability) {
+            let is_surer =
+                |at| self.support.listed_q16(at, (x, y), self.network) > self.probability;
+            if !at.is_some_and(is_surer) {
                 return Some(Point {
                     x,
                     y,
@@ -326,7 +326,7 @@ impl Points<'_> {
             {
                 continue;
             }
-            let probability_q16 = self.support.listed_q16(index, self.network);
+            let probability_q16 = self.support.listed_q16(index, (x, y), self.network);
             if probability_q16 >= self.least {
                 let confidence = Confidence::from_bits(probability_q16);
                 let disparity = point.disparity();

@@ -90,7 +90,7 @@ impl SidePixels {
 
     /// As [`Candidate::pixels`].
     #[inline(never)] // a loop that mostly ends at once: inlined, 13 instructions more a pixel
-    pub(crate) fn next(&mut self, views: ValidPixels<'_>) -> Option<(u16, u16, i32)> {
+    pub(crate) fn next(&mut self, views: &ValidPixels<'_>) -> Option<(u16, u16, i32)> {
         while self.at < self.end {
             let at = self.at;
             self.at += 1;
@@ -119,7 +119,7 @@ impl Candidate {
         views: ValidPixels<'v>,
     ) -> impl Iterator<Item = (u16, u16, i32)> + use<'v> {
         let mut pixels = self.side_pixels(side, distance);
-        core::iter::from_fn(move || pixels.next(views))
+        core::iter::from_fn(move || pixels.next(&views))
     }
 
     pub(crate) fn side_pixels(&self, side: usize, distance: u16) -> SidePixels {

@@ -45,6 +45,9 @@ define_evidence! {
     WideFarther: "weight of these that are farther",
     WideBetween: "the lesser weight of two of these that agree on opposite sides, the largest",
     WideSlope: "the same of two whose mean agrees",
+    Unlike: "log2(1 + deviation of the differences of both images around the listed pixel)",
+    Brighter: "log2(1 + their mean difference there)",
+    Texture: "log2(1 + deviation of the left image there)",
 }
 
 /// Columns and rows of points around one that say what it is. Chosen on `robot_world`, `qvga`,
@@ -80,14 +83,19 @@ const MEAN_AGREES_Q6: i32 = 96;
 const MOST_SLOPE_Q6: i32 = 256;
 
 impl Support<'_> {
-    /// Probability with which the point at `index` is listed, Q16.
-    pub(crate) fn listed_q16(&self, index: usize, network: &Network<CONTEXT_EVIDENCE>) -> u16 {
+    /// Probability with which the point at `index` is listed at this pixel, Q16.
+    pub(crate) fn listed_q16(
+        &self,
+        index: usize,
+        at: (u16, u16),
+        network: &Network<CONTEXT_EVIDENCE>,
+    ) -> u16 {
         let Some(point) = self.points.get(index) else { return 0 };
         let own_q16 = point.probability_q16;
         if point.is_of_bar() || (self.is_fine() && self.plane.is_some()) {
             return own_q16;
         }
-        let Some(ContextEvidence(evidence)) = self.context(index) else { return 0 };
+        let Some(ContextEvidence(evidence)) = self.context_at(index, at) else { return 0 };
         if self.is_fine() {
             network.probability_beside_q16(&evidence, own_q16)
         } else {
@@ -99,7 +107,15 @@ impl Support<'_> {
     /// without a disparity.
     #[must_use]
     pub fn context(&self, index: usize) -> Option<ContextEvidence> {
-        ContextEvidence::of(self.points, self.grid, (self.detail_q8, self.plane), index)
+        self.context_at(index, self.listed(index)?.0)
+    }
+
+    fn context_at(&self, index: usize, at: (u16, u16)) -> Option<ContextEvidence> {
+        let own = self.points.get(index).filter(|point| point.is_matched())?;
+        let along = self.plane.filter(|_| own.place.is_on_plane());
+        let around = Around::of(self.points, self.grid, along, (index, own));
+        let looks = self.views.map_or([0; 3], |views| views.compare(at, own.disparity_q6, along));
+        Some(ContextEvidence::of(own, &around, looks, (self.detail_q8, self.plane.is_some())))
     }
 }
 
@@ -206,16 +222,13 @@ impl Around {
 }
 
 impl ContextEvidence {
-    /// The evidence of the point at `index`, if it has a disparity.
-    pub(super) fn of(
-        points: &[SupportPoint],
-        grid: Grid,
-        (detail_q8, plane): (i16, Option<GroundPlane>),
-        index: usize,
-    ) -> Option<Self> {
-        let own = points.get(index).filter(|point| point.is_matched())?;
-        let along = plane.filter(|_| own.place.is_on_plane());
-        let around = Around::of(points, grid, along, (index, own));
+    /// The evidence of a point among those around it, whose pixel looks like this.
+    fn of(
+        own: &SupportPoint,
+        around: &Around,
+        [unlike, brighter, texture]: [i32; 3],
+        (detail_q8, has_plane): (i16, bool),
+    ) -> Self {
         let [between, slope] = around.opposite(&NEAR);
         let [wide_between, wide_slope] = around.opposite(&WIDE);
         let [[wide_agreeing, wide_nearer, wide_farther, _], [agreeing, nearer, farther, _]] =
@@ -243,14 +256,17 @@ impl ContextEvidence {
         set(ContextKind::UniqueConflicting, conflicting);
         set(ContextKind::SegmentsAgreeing, supporting);
         set(ContextKind::SegmentsConflicting, contradicting);
-        set(ContextKind::HasPlane, one_if(plane.is_some()));
+        set(ContextKind::HasPlane, one_if(has_plane));
         set(ContextKind::OnPlane, one_if(own.place.is_on_plane()));
         set(ContextKind::WideAgreeing, wide_agreeing);
         set(ContextKind::WideNearer, wide_nearer);
         set(ContextKind::WideFarther, wide_farther);
         set(ContextKind::WideBetween, wide_between);
         set(ContextKind::WideSlope, wide_slope);
-        Some(evidence)
+        set(ContextKind::Unlike, unlike);
+        set(ContextKind::Brighter, brighter);
+        set(ContextKind::Texture, texture);
+        evidence
     }
 }
 

@@ -19,7 +19,8 @@
 //! unique:  in these images, of two points that match one place the nearer is rejected, unless it is
 //!          clearly more probable  (unique)
 //! list:    2 px off the texture where that is the border of the surface  (listed), with a
-//!          probability among what the neighbours' log-odds are  (context)
+//!          probability among what the neighbours' log-odds are  (context), and by how alike both
+//!          images are there  (likeness)
 //! ```
 //!
 //! # Bounds
@@ -40,6 +41,7 @@ pub(crate) mod evidence;
 mod fine;
 mod fitted;
 mod grid;
+mod likeness;
 mod listed;
 mod nearer;
 mod noise;
@@ -53,6 +55,7 @@ mod unique;
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
 pub(crate) use grid::most_support_points;
+pub(crate) use likeness::Views;
 pub use nearer::RangeCheck;
 pub(crate) use noise::Noise;
 pub use points::Support;
