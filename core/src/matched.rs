@@ -144,7 +144,9 @@ impl<'a> Matched<'a> {
     }
 
     fn views(&self) -> Views<'a> {
-        Views { images: self.images, row_offset: self.summary.row_offset() }
+        let [left, right] = self.summary.health.cameras.map(|camera| i32::from(camera.level));
+        let (images, row_offset) = (self.images, self.summary.row_offset());
+        Views { images, row_offset, brighter: left - right }
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence);

@@ -26,6 +26,8 @@ pub(crate) struct Views<'a> {
     pub(crate) images: [Gray<'a>; 2],
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
+    /// Mean grey level of the left image above that of the right one.
+    pub(crate) brighter: i32,
 }
 
 impl Views<'_> {
@@ -73,12 +75,13 @@ impl Views<'_> {
         }
         // At most 25 * 2 * 25 * 255 * 64, below 2^25.
         let [(unlike, brighter), (texture, _)] =
-            [(differences_q6, 64), (greys, 1)].map(|(values, unit)| {
+            [(differences_q6, 64, self.brighter), (greys, 1, 0)].map(|(values, unit, usual)| {
                 let values = values.as_flattened();
                 let sum: i32 = values.iter().sum();
                 let deviation: i32 = values.iter().map(|value| (PIXELS * value - sum).abs()).sum();
                 let deviation = log2_mean_q8(deviation.cast_unsigned(), PIXELS * PIXELS * unit);
-                (deviation, log2_mean_q8(sum.unsigned_abs(), PIXELS * unit))
+                let beyond = sum - usual * PIXELS * unit;
+                (deviation, log2_mean_q8(beyond.unsigned_abs(), PIXELS * unit))
             });
         [unlike, brighter, texture]
     }
@@ -109,7 +112,8 @@ mod tests {
         };
         let (left, right) = (image(0, 0, 0), image(disparity_q6, row_offset, 30));
         let view = |pixels| Gray::new(pixels, DIMS, 32).unwrap();
-        Views { images: [view(&left), view(&right)], row_offset }.compare(at, told_q6, None)
+        Views { images: [view(&left), view(&right)], row_offset, brighter: 0 }
+            .compare(at, told_q6, None)
     }
 
     #[test]
