@@ -187,8 +187,7 @@ impl<'a> Matched<'a> {
     /// most one per pixel.
     ///
     /// # Cost
-    /// Some 280 instructions a point; 3000 a support point, of which 300 where images are matched
-    /// at half of their size first and there is a ground plane.
+    /// Some 280 instructions a point; 3700 a support point.
     pub fn points(&mut self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.is_fit();
         let views = self.views();

@@ -1,11 +1,12 @@
-//! The probability with which a point is listed, by what the points around it are.
+//! The probability with which a point is listed, by what the points around it are and how alike both
+//! images are there.
 //!
-//! In: the grid of a run, each point with its log-odds. Out: evidence for a network, since little
-//! of it means anything without the rest, and a probability.
+//! In: the grid of a run, each point with its log-odds, and the pair. Out: evidence for a network,
+//! since little of it means anything without the rest, and a probability.
 //!
-//! Images that are matched at half of their size first have fitted nothing of the network. In pairs
-//! of these without a ground plane the log-odds are the mean of its own and the point's; with a
-//! plane the point's own probability stays. `docs/experiments.md` has the figures of both kinds.
+//! Images that are matched at half of their size first have fitted nothing of the network. In these
+//! the log-odds are the mean of its own and the point's. `docs/experiments.md` has the figures of
+//! both.
 //!
 //! Stages that read the grid itself keep to the probability by the point's own evidence: of damaged
 //! pairs more objects are wrong where this one weighs them.
@@ -92,7 +93,7 @@ impl Support<'_> {
     ) -> u16 {
         let Some(point) = self.points.get(index) else { return 0 };
         let own_q16 = point.probability_q16;
-        if point.is_of_bar() || (self.is_fine() && self.plane.is_some()) {
+        if point.is_of_bar() {
             return own_q16;
         }
         let Some(ContextEvidence(evidence)) = self.context_at(index, at) else { return 0 };
