@@ -1,5 +1,5 @@
-//! The probability with which a point is listed, by what the points around it are and how alike both
-//! images are there.
+//! The probability with which a point is listed, by what the points around it are and how alike
+//! both images are there.
 //!
 //! In: the grid of a run, each point with its log-odds, and the pair. Out: evidence for a network,
 //! since little of it means anything without the rest, and a probability.
