@@ -306,7 +306,8 @@ impl Matched<'_> {
     /// Answers although the pair is not fit to be used: for scores of the method, beside those of
     /// its health.
     pub fn ignore_health(&mut self) {
-        self.summary.health = PairHealth::default();
+        let cameras = self.summary.health.cameras;
+        self.summary.health = PairHealth { cameras, ..PairHealth::default() };
     }
 
     /// Segments that passed the hard tests, with their hypotheses.
