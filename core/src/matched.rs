@@ -22,9 +22,13 @@ use crate::query::{self, PixelDepth, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::side_pixels::ValidPixels;
-use crate::support::{RangeCheck, Support, Views};
+use crate::support::{Likeness, RangeCheck, Support};
 #[cfg(feature = "unstable")]
-use crate::{matching::Candidate, query::PixelEvidence};
+use crate::{
+    matching::Candidate,
+    query::PixelEvidence,
+    support::context::{ContextEvidence, Listing},
+};
 
 /// Least row offset by which rows are moved, 1/32 px: that by edges is known within some 0.2 px,
 /// and most pairs are rectified to less than half a pixel.
@@ -140,13 +144,12 @@ impl<'a> Matched<'a> {
         let Plan { params, dims, .. } = &self.plan;
         Support::new(params, *dims, &self.buffers.support, self.summary.detail_q8)
             .with_plane(self.summary.plane)
-            .with_views(self.views())
     }
 
-    fn views(&self) -> Views<'a> {
+    fn likeness(&self) -> Likeness<'a> {
         let [left, right] = self.summary.health.cameras.map(|camera| i32::from(camera.level));
         let (images, row_offset) = (self.images, self.summary.row_offset());
-        Views { images, row_offset, brighter: left - right }
+        Likeness { images, row_offset, brighter: left - right }
     }
 
     /// The support points with at least [`Params::min_confidence`](crate::Params::min_confidence);
@@ -183,18 +186,15 @@ impl<'a> Matched<'a> {
         if self.is_fit() { bars::in_front(&self.buffers.bars) } else { &[] }
     }
 
-    /// Every point: those of bars, of segments, most probable sides first, then support points; at
-    /// most one per pixel.
+    /// Every point, at most one per pixel: those of bars, those of segments, most probable sides
+    /// first, then support points. A support point that outranks one of these takes its place.
     ///
     /// # Cost
     /// Some 280 instructions a point; 3700 a support point.
     pub fn points(&mut self) -> impl Iterator<Item = Point> + use<'_> {
-        let is_fit = self.is_fit();
-        let views = self.views();
-        let (mut report, _) =
-            Report::new(&self.plan, self.images, &mut self.buffers, self.summary.detail_q8);
-        report.support = report.support.with_plane(self.summary.plane).with_views(views);
-        report.points(is_fit, &self.plan.support_models.context)
+        let (is_fit, likeness) = (self.is_fit(), self.likeness());
+        let (report, _) = Report::new(&self.plan, self.images, &mut self.buffers, &self.summary);
+        report.points(is_fit, likeness, &self.plan.support_models.context)
     }
 
     /// The depth of an object that fills this region.
@@ -310,6 +310,15 @@ impl Matched<'_> {
         self.summary.health = PairHealth { cameras, ..PairHealth::default() };
     }
 
+    /// Evidence of the support point at `index` as it is listed; `None` without a disparity.
+    #[must_use]
+    pub fn context(&self, index: usize) -> Option<ContextEvidence> {
+        let (support, likeness) = (self.support(), self.likeness());
+        let (at, _) = support.listed(index)?;
+        Listing { support, likeness, network: &self.plan.support_models.context }
+            .evidence(index, at)
+    }
+
     /// Segments that passed the hard tests, with their hypotheses.
     #[must_use]
     pub fn candidates(&self) -> &[Candidate] {
@@ -336,7 +345,7 @@ impl<'r> Report<'r> {
         plan: &'r Plan,
         [left, right]: [Gray<'r>; 2],
         buffers: &'r mut Buffers<'m>,
-        detail_q8: i16,
+        summary: &Summary,
     ) -> (Self, &'r mut List<'m, Match>) {
         let Buffers { candidates, neighbours, order, support, scratch, matches, bars, .. } =
             buffers;
@@ -348,7 +357,8 @@ impl<'r> Report<'r> {
             candidates,
             neighbours,
             order: order.lent(),
-            support: Support::new(&plan.params, plan.dims, support, detail_q8),
+            support: Support::new(&plan.params, plan.dims, support, summary.detail_q8)
+                .with_plane(summary.plane),
             marks,
             bars,
         };

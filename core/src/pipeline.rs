@@ -89,7 +89,7 @@ impl<'a> Run<'_, 'a> {
         observer.on_event(StageEvent::Consistency(&m.candidates, &m.support));
         self.place_bars(&summary, &mut m, observer);
 
-        let (mut report, matches) = Report::new(self.plan, self.images, &mut m, summary.detail_q8);
+        let (mut report, matches) = Report::new(self.plan, self.images, &mut m, &summary);
         let measured = if let Some(cores) = cores {
             Some(self.report_on(cores, (&mut report, matches), &mut summary))
         } else {

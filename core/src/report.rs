@@ -6,7 +6,8 @@
 //!             disparities the less probable one is rejected
 //! matches:    segments whose edge itself has one side's disparity with enough probability, most
 //!             probable first
-//! points:     pixels beside sides, most probable side first, then support points; each pixel once
+//! points:     pixels of bars and beside sides, most probable side first, or the support point that
+//!             outranks one there; then the other support points; each pixel once
 //! ```
 //!
 //! # Cost
@@ -17,7 +18,6 @@
 use crate::bars::{Bar, Edge};
 use crate::confidence::{Model, Models, Network};
 use crate::evidence::SegmentKind;
-use crate::image::Dims;
 use crate::lines::Segment;
 use crate::list::List;
 use crate::matching::consistency::{Neighbour, for_each_contradiction};
@@ -26,8 +26,8 @@ use crate::params::Params;
 use crate::result::{Counts, Match, Owner, Point, Rejection, Source, Techniques};
 use crate::side_pixels::{SidePixels, ValidPixels};
 use crate::sort::sort_by_key;
-use crate::support::Support;
-use crate::support::context::CONTEXT_EVIDENCE;
+use crate::support::context::{CONTEXT_EVIDENCE, Listing};
+use crate::support::{Likeness, Support};
 use crate::units::narrow;
 use crate::units::{Confidence, Disparity};
 use core::ops::Range;
@@ -167,11 +167,11 @@ impl<'r> Report<'r> {
         counts.matched = u16::try_from(matches.len()).unwrap_or(u16::MAX);
     }
 
-    /// Every point of a pair that is fit: those of bars, of segments, most probable sides first,
-    /// then support points.
+    /// Every point of a pair that is fit, in the order of [`Matched::points`](crate::Matched).
     pub(crate) fn points(
         mut self,
         is_fit: bool,
+        likeness: Likeness<'r>,
         network: &'r Network<CONTEXT_EVIDENCE>,
     ) -> Points<'r> {
         self.order.clear();
@@ -190,8 +190,7 @@ impl<'r> Report<'r> {
             least,
             models,
             views,
-            support,
-            network,
+            listing: Listing { support, likeness, network },
             marks,
             bars: if is_fit { bars } else { &[] },
             y: 0,
@@ -215,8 +214,7 @@ pub(crate) struct Points<'a> {
     least: u16,
     models: &'a Models,
     views: ValidPixels<'a>,
-    support: Support<'a>,
-    network: &'a Network<CONTEXT_EVIDENCE>,
+    listing: Listing<'a>,
     /// A bit for each pixel that is listed.
     marks: &'a mut [u32],
     /// Bars that are not listed yet; row of the first of them, the columns left there, and their
@@ -238,7 +236,35 @@ pub(crate) struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// The next pixel of a bar that is not listed as a support point.
+    /// Index of the word of a pixel's mark, and its bit there.
+    fn mark(&self, x: u16, y: u16) -> (usize, u32) {
+        let pixel = usize::from(y) * usize::from(self.views.dims().width) + usize::from(x);
+        (pixel >> 5, 1 << (pixel & 31))
+    }
+
+    fn is_listed(&self, x: u16, y: u16) -> bool {
+        let (word, bit) = self.mark(x, y);
+        self.marks.get(word).is_some_and(|word| word & bit != 0)
+    }
+
+    /// The support point with this index, which is listed at this pixel, if its pixels are valid.
+    fn support_point(&self, index: usize, (x, y): (u16, u16)) -> Option<Point> {
+        let disparity = self.listing.support.points.get(index)?.disparity();
+        if !self.views.allow(x.into(), y.into(), disparity.to_bits().into()) {
+            return None;
+        }
+        let confidence = Confidence::from_bits(self.listing.probability_q16(index, (x, y)));
+        Some(Point { x, y, disparity, confidence, source: Source::Support })
+    }
+
+    /// The support point that is listed at this pixel, if it is more probable than this.
+    fn surer_support_point(&self, (x, y): (u16, u16), probability: u16) -> Option<Point> {
+        let index = self.listing.support.listed_at(x, y)?;
+        self.support_point(index, (x, y)).filter(|point| point.confidence.to_bits() > probability)
+    }
+
+    /// The next pixel of a bar, or the support point that is listed there: it has the bar's
+    /// disparity.
     fn of_bar(&mut self) -> Option<Point> {
         loop {
             let (bar, rest) = self.bars.split_first()?;
@@ -255,18 +281,18 @@ impl Points<'_> {
                 continue;
             };
             let (y, d_q6) = (self.y - 1, self.row_q6);
-            // Support points there have the bar's disparity, and are listed as such.
-            let at = self.support.listed_at(x, y);
-            let is_support = at
-                .is_some_and(|at| self.support.listed_q16(at, (x, y), self.network) >= self.least);
-            if !is_support && self.views.allow(x.into(), y.into(), d_q6) {
+            if let Some(point) = self.surer_support_point((x, y), self.least.saturating_sub(1)) {
+                return Some(point);
+            }
+            if self.views.allow(x.into(), y.into(), d_q6) {
                 let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
                 return Some(Point { x, y, disparity, confidence, source: Source::Side });
             }
         }
     }
 
-    /// The next pixel beside a segment that no support point outranks, here or in the right image.
+    /// The next pixel beside a segment that no support point outranks in the right image, or the
+    /// support point that is listed there and outranks it.
     fn of_side(&mut self) -> Option<Point> {
         loop {
             let (ranked, rest) = self.order.split_first()?;
@@ -283,21 +309,16 @@ impl Points<'_> {
                 }
                 continue;
             };
-            if self.support.is_taken((x, y), d_q6, self.probability) {
+            if self.listing.support.is_taken((x, y), d_q6, self.probability) {
                 continue;
             }
-            let at = self.support.listed_at(x, y);
-            let is_surer =
-                |at| self.support.listed_q16(at, (x, y), self.network) > self.probability;
-            if !at.is_some_and(is_surer) {
-                return Some(Point {
-                    x,
-                    y,
-                    disparity: disparity_from_q6(d_q6),
-                    confidence: Confidence::from_bits(self.probability),
-                    source: candidate.listed.map_or(Source::Side, Source::Segment),
-                });
-            }
+            return Some(self.surer_support_point((x, y), self.probability).unwrap_or(Point {
+                x,
+                y,
+                disparity: disparity_from_q6(d_q6),
+                confidence: Confidence::from_bits(self.probability),
+                source: candidate.listed.map_or(Source::Side, Source::Segment),
+            }));
         }
     }
 
@@ -315,22 +336,18 @@ impl Points<'_> {
         }
     }
 
-    /// The next credible support point.
+    /// The next credible support point that is not listed yet.
     fn of_grid(&mut self) -> Option<Point> {
         loop {
-            let ((x, y), point) = self.support.listed(self.index)?;
+            let ((x, y), point) = self.listing.support.listed(self.index)?;
             let index = self.index;
             self.index += 1;
-            if !point.is_matched()
-                || !self.views.allow(x.into(), y.into(), point.disparity_q6.into())
+            if point.is_matched()
+                && !self.is_listed(x, y)
+                && let Some(point) = self.support_point(index, (x, y))
+                && point.confidence.to_bits() >= self.least
             {
-                continue;
-            }
-            let probability_q16 = self.support.listed_q16(index, (x, y), self.network);
-            if probability_q16 >= self.least {
-                let confidence = Confidence::from_bits(probability_q16);
-                let disparity = point.disparity();
-                return Some(Point { x, y, disparity, confidence, source: Source::Support });
+                return Some(point);
             }
         }
     }
@@ -343,7 +360,11 @@ impl Iterator for Points<'_> {
     fn next(&mut self) -> Option<Point> {
         loop {
             let point = self.of_bar().or_else(|| self.of_side()).or_else(|| self.of_grid())?;
-            if take(self.marks, self.views.dims(), point.x, point.y) {
+            let (word, bit) = self.mark(point.x, point.y);
+            if let Some(word) = self.marks.get_mut(word)
+                && *word & bit == 0
+            {
+                *word |= bit;
                 return Some(point);
             }
         }
@@ -356,16 +377,6 @@ impl Iterator for Points<'_> {
 /// it: `middlebury2006_half` 0, `middlebury2005_half` 6, a ramp 12 points.
 fn as_listed(probability_q16: u16) -> u16 {
     probability_q16.saturating_sub(LEFT_OVER_Q16.saturating_sub(probability_q16) / 2)
-}
-
-/// Marks a pixel; false when it was marked before.
-fn take(marks: &mut [u32], dims: Dims, x: u16, y: u16) -> bool {
-    let bit = usize::from(y) * usize::from(dims.width) + usize::from(x);
-    let Some(word) = marks.get_mut(bit >> 5) else { return false };
-    let mask = 1 << (bit & 31);
-    let free = *word & mask == 0;
-    *word |= mask;
-    free
 }
 
 /// Sets the probability of every side, at its first pixel, and of the edge itself.

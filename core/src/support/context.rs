@@ -14,7 +14,7 @@
 //! # Cost
 //! Some 3600 instructions a point on a Cortex-M7, 600 of them for the network.
 
-use super::{Grid, Support, SupportPoint};
+use super::{Grid, Likeness, Support, SupportPoint};
 use crate::confidence::{MOST_EVIDENCE_Q8, Network};
 use crate::evidence::{define_evidence, log2_mean_q8};
 use crate::ground::GroundPlane;
@@ -83,40 +83,38 @@ const MEAN_AGREES_Q6: i32 = 96;
 /// Largest difference of the two.
 const MOST_SLOPE_Q6: i32 = 256;
 
-impl Support<'_> {
+/// Rates the points of a grid as they are listed, once all are rated by their own evidence.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Listing<'a> {
+    pub(crate) support: Support<'a>,
+    pub(crate) likeness: Likeness<'a>,
+    pub(crate) network: &'a Network<CONTEXT_EVIDENCE>,
+}
+
+impl Listing<'_> {
     /// Probability with which the point at `index` is listed at this pixel, Q16.
-    pub(crate) fn listed_q16(
-        &self,
-        index: usize,
-        at: (u16, u16),
-        network: &Network<CONTEXT_EVIDENCE>,
-    ) -> u16 {
-        let Some(point) = self.points.get(index) else { return 0 };
+    pub(crate) fn probability_q16(&self, index: usize, at: (u16, u16)) -> u16 {
+        let Some(point) = self.support.points.get(index) else { return 0 };
         let own_q16 = point.probability_q16;
         if point.is_of_bar() {
             return own_q16;
         }
-        let Some(ContextEvidence(evidence)) = self.context_at(index, at) else { return 0 };
-        if self.is_fine() {
-            network.probability_beside_q16(&evidence, own_q16)
+        let Some(ContextEvidence(evidence)) = self.evidence(index, at) else { return 0 };
+        if self.support.is_fine() {
+            self.network.probability_beside_q16(&evidence, own_q16)
         } else {
-            network.probability_q16(&evidence)
+            self.network.probability_q16(&evidence)
         }
     }
 
-    /// The evidence of the point at `index` among its neighbours, once all are rated; `None`
-    /// without a disparity.
-    #[must_use]
-    pub fn context(&self, index: usize) -> Option<ContextEvidence> {
-        self.context_at(index, self.listed(index)?.0)
-    }
-
-    fn context_at(&self, index: usize, at: (u16, u16)) -> Option<ContextEvidence> {
-        let own = self.points.get(index).filter(|point| point.is_matched())?;
-        let along = self.plane.filter(|_| own.place.is_on_plane());
-        let around = Around::of(self.points, self.grid, along, (index, own));
-        let looks = self.views.map_or([0; 3], |views| views.compare(at, own.disparity_q6, along));
-        Some(ContextEvidence::of(own, &around, looks, (self.detail_q8, self.plane.is_some())))
+    /// Its evidence; `None` without a disparity.
+    pub(crate) fn evidence(&self, index: usize, at: (u16, u16)) -> Option<ContextEvidence> {
+        let Support { grid, detail_q8, plane, points } = self.support;
+        let own = points.get(index).filter(|point| point.is_matched())?;
+        let along = plane.filter(|_| own.place.is_on_plane());
+        let around = Around::of(points, grid, along, (index, own));
+        let alike = self.likeness.at(at, own.disparity_q6, along);
+        Some(ContextEvidence::of(own, &around, alike, (detail_q8, plane.is_some())))
     }
 }
 
@@ -274,8 +272,9 @@ impl ContextEvidence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::Dims;
+    use crate::image::{Dims, Gray};
     use crate::params::Params;
+    use crate::support::FITTED_SUPPORT;
 
     const DIMS: Dims = Dims { width: 24, height: 24 };
     /// The middle of three by three points.
@@ -285,10 +284,25 @@ mod tests {
         SupportPoint { disparity_q6, score_q8, uniqueness_q8: 64, ..SupportPoint::none() }
     }
 
-    /// One kind of evidence of a point.
+    /// Evidence of a point of blank images.
+    fn evidence(
+        dims: Dims,
+        points: &[SupportPoint],
+        index: usize,
+        detail_q8: i16,
+    ) -> Option<ContextEvidence> {
+        let image = Gray::new(&[0; 40 * 40], dims, dims.width.into()).unwrap();
+        let listing = Listing {
+            support: Support::new(&Params::default(), dims, points, detail_q8),
+            likeness: Likeness { images: [image; 2], row_offset: 0, brighter: 0 },
+            network: &FITTED_SUPPORT.context,
+        };
+        listing.evidence(index, (0, 0))
+    }
+
+    /// One kind of it.
     fn context(points: &[SupportPoint; 9], index: usize, kind: ContextKind) -> i32 {
-        let support = Support::new(&Params::default(), DIMS, points, 700);
-        support.context(index).unwrap().get(kind)
+        evidence(DIMS, points, index, 700).unwrap().get(kind)
     }
 
     #[test]
@@ -330,8 +344,7 @@ mod tests {
         points[at(2, -1)] = point(640 + 65, 2 << 8);
         points[at(0, -2)] = point(640 - 100, 6 << 8);
         points[at(0, 2)] = point(640 + 100, 0);
-        let support = Support::new(&Params::default(), WIDE, &points, 700);
-        let context = |index, kind| support.context(index).unwrap().get(kind);
+        let context = |index, kind| evidence(WIDE, &points, index, 700).unwrap().get(kind);
         assert_eq!(context(12, ContextKind::WideAgreeing), 4 * 256);
         assert_eq!(context(12, ContextKind::WideNearer), 128 + 64);
         assert_eq!(context(12, ContextKind::WideFarther), 256);
@@ -341,8 +354,7 @@ mod tests {
         assert_eq!(context(12, ContextKind::Agreeing), 0);
         assert_eq!(context(0, ContextKind::WideAgreeing), 0);
         points[at(2, 2)] = point(640, -2 << 8);
-        let support = Support::new(&Params::default(), WIDE, &points, 700);
-        let slope = support.context(12).unwrap().get(ContextKind::WideSlope);
+        let slope = evidence(WIDE, &points, 12, 700).unwrap().get(ContextKind::WideSlope);
         assert_eq!(slope, 128);
     }
 
@@ -356,8 +368,7 @@ mod tests {
                 ..point(i16::MAX, score_q8)
             };
             let points = [most; 25];
-            let support = Support::new(&Params::default(), WIDE, &points, detail_q8);
-            let ContextEvidence(evidence) = support.context(12).unwrap();
+            let ContextEvidence(evidence) = evidence(WIDE, &points, 12, detail_q8).unwrap();
             assert!(evidence.iter().all(|&value| i32::from(value).abs() <= MOST_EVIDENCE_Q8));
             assert_eq!(evidence[0].abs(), MOST_EVIDENCE_Q8 as i16);
         }
@@ -371,7 +382,6 @@ mod tests {
         }
         let mut points = points;
         points[MIDDLE] = SupportPoint::none();
-        let support = Support::new(&Params::default(), DIMS, &points, 700);
-        assert_eq!(support.context(MIDDLE), None);
+        assert_eq!(evidence(DIMS, &points, MIDDLE, 700), None);
     }
 }

@@ -21,9 +21,9 @@ const SIDE: usize = 2 * REACH as usize + 1;
 /// Pixels of the window.
 const PIXELS: i32 = (SIDE * SIDE) as i32;
 
-/// The pair that points were matched in.
+/// Compares both images of the pair that points were matched in.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Views<'a> {
+pub(crate) struct Likeness<'a> {
     pub(crate) images: [Gray<'a>; 2],
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
@@ -31,12 +31,12 @@ pub(crate) struct Views<'a> {
     pub(crate) brighter: i32,
 }
 
-impl Views<'_> {
+impl Likeness<'_> {
     /// Around a pixel with this disparity, 1/64 px, whose rows may move along the ground plane:
     /// log2(1 + grey levels), Q8, of the mean deviation of the differences between both images, of
     /// the mean difference, and of the mean deviation in the left image. At the border of an image
     /// columns are those inside it, and its last row is repeated.
-    pub(super) fn compare(
+    pub(super) fn at(
         &self,
         (x, y): (u16, u16),
         disparity_q6: i16,
@@ -120,8 +120,8 @@ mod tests {
         };
         let (left, right) = (image(0, 0, 0), image(disparity_q6, row_offset, 30));
         let view = |pixels| Gray::new(pixels, DIMS, 32).unwrap();
-        Views { images: [view(&left), view(&right)], row_offset, brighter: usual }
-            .compare(at, told_q6, None)
+        Likeness { images: [view(&left), view(&right)], row_offset, brighter: usual }
+            .at(at, told_q6, None)
     }
 
     #[test]
@@ -155,10 +155,10 @@ mod tests {
         };
         let (left, right) = (image(0, 0), image(32, 320));
         let view = |pixels| Gray::new(pixels, DIMS, 32).unwrap();
-        let views = Views { images: [view(&left), view(&right)], row_offset: 0, brighter: 0 };
+        let likeness = Likeness { images: [view(&left), view(&right)], row_offset: 0, brighter: 0 };
         let plane = GroundPlane { down_q16: 1 << 15, across_q16: 0, origin_q16: 0 };
-        assert_eq!(views.compare((8, 10), 320, Some(plane))[..2], [0, 0]);
-        assert!(views.compare((8, 10), 320, None)[0] > 2 << 8);
+        assert_eq!(likeness.at((8, 10), 320, Some(plane))[..2], [0, 0]);
+        assert!(likeness.at((8, 10), 320, None)[0] > 2 << 8);
     }
 
     #[test]

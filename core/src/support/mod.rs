@@ -55,7 +55,7 @@ mod unique;
 pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::Grid;
 pub(crate) use grid::most_support_points;
-pub(crate) use likeness::Views;
+pub(crate) use likeness::Likeness;
 pub use nearer::RangeCheck;
 pub(crate) use noise::Noise;
 pub use points::Support;

@@ -1,7 +1,7 @@
 //! The grid of support points of a run as later stages read it: by areas, around pixels, all.
 
 use super::evidence::{SupportEvidence, nearby};
-use super::{GUIDE_REACH, Grid, SupportPoint, UNIQUE_REACH, Views, place};
+use super::{GUIDE_REACH, Grid, SupportPoint, UNIQUE_REACH, place};
 use crate::area::Area;
 use crate::ground::GroundPlane;
 use crate::image::Dims;
@@ -18,8 +18,6 @@ pub struct Support<'a> {
     pub(crate) detail_q8: i16,
     pub(crate) plane: Option<GroundPlane>,
     pub(crate) points: &'a [SupportPoint],
-    /// The pair, where points are listed.
-    pub(crate) views: Option<Views<'a>>,
 }
 
 impl<'a> Support<'a> {
@@ -29,17 +27,12 @@ impl<'a> Support<'a> {
         points: &'a [SupportPoint],
         detail_q8: i16,
     ) -> Self {
-        Self { grid: Grid::new(params, dims), detail_q8, plane: None, points, views: None }
+        Self { grid: Grid::new(params, dims), detail_q8, plane: None, points }
     }
 
     /// The same of a pair with a ground plane, if there is one.
     pub(crate) fn with_plane(self, plane: Option<GroundPlane>) -> Self {
         Self { plane, ..self }
-    }
-
-    /// The same with the pair that points are listed of.
-    pub(crate) fn with_views(self, views: Views<'a>) -> Self {
-        Self { views: Some(views), ..self }
     }
 
     /// True when points were matched at half of the size first.

@@ -98,7 +98,8 @@ impl Counted {
                 let length = std::mem::take(&mut self.logged);
                 let block = Block { symbol: symbol.to_owned(), length, times: 0 };
                 if let Some(before) = self.blocks.insert(place, block) {
-                    *self.replaced.entry(before.symbol).or_default() += before.length * before.times;
+                    *self.replaced.entry(before.symbol).or_default() +=
+                        before.length * before.times;
                 }
             }
             if let Some(block) = self.blocks.get_mut(&place) {

@@ -3,7 +3,7 @@
 use linestereo::unstable::{
     Observer, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
 };
-use linestereo::{Params, results::Support};
+use linestereo::{Matched, Params};
 use linestereo_frames::Truth;
 use linestereo_sim::engine::Engine;
 
@@ -101,9 +101,9 @@ pub(crate) fn add_ground_samples(
     let support = matched.support();
     let kind =
         if support.is_fine() { SampleKind::FineSupport } else { SampleKind::SupportOfGround };
-    samples.samples.extend(support_samples(kind, support, log, truth));
+    samples.samples.extend(support_samples(kind, matched, log, truth));
     if support.plane().is_some() && !support.is_fine() {
-        samples.samples.extend(support_samples(SampleKind::Context, support, log, truth));
+        samples.samples.extend(support_samples(SampleKind::Context, matched, log, truth));
     }
 }
 
@@ -121,7 +121,7 @@ pub fn scene_samples(
     let mut samples = Vec::new();
     if !support.is_fine() {
         for kind in [SampleKind::Support, SampleKind::Context] {
-            samples.extend(support_samples(kind, support, log, truth));
+            samples.extend(support_samples(kind, matched, log, truth));
         }
     }
     for (candidate, logged) in candidates.iter().zip(&log.sides) {
@@ -174,17 +174,18 @@ fn what_it_shows(name: &str) -> String {
 /// run give their neighbours.
 fn support_samples(
     kind: SampleKind,
-    support: Support<'_>,
+    matched: &Matched<'_>,
     log: &EvidenceLog,
     truth: &Truth,
 ) -> impl Iterator<Item = (SampleKind, Sample)> {
+    let support = matched.support();
     log.support.iter().filter_map(move |&(place, evidence)| {
         let ((x, y), point) = support.listed(place)?;
         let errors =
             vec![(truth.disparity(x.into(), y.into())? - point.disparity().to_num::<f32>()).abs()];
         let sample = match kind {
             SampleKind::Context if point.is_of_bar() => return None,
-            SampleKind::Context => Sample::new(&support.context(place)?.0, errors),
+            SampleKind::Context => Sample::new(&matched.context(place)?.0, errors),
             _ => Sample::new(&support.with_nearby(place, evidence).0, errors),
         };
         Some((kind, sample))
