@@ -257,9 +257,10 @@ impl Points<'_> {
         Some(Point { x, y, disparity, confidence, source: Source::Support })
     }
 
-    /// The support point that is listed at this pixel, if it is more probable than this.
+    /// The support point of this pixel, if it is more probable than this and the pixel is not
+    /// listed yet: each point is rated once.
     fn surer_support_point(&self, (x, y): (u16, u16), probability: u16) -> Option<Point> {
-        let index = self.listing.support.listed_at(x, y)?;
+        let index = self.listing.support.listed_at(x, y).filter(|_| !self.is_listed(x, y))?;
         self.support_point(index, (x, y)).filter(|point| point.confidence.to_bits() > probability)
     }
 
