@@ -190,7 +190,7 @@ impl<'a> Matched<'a> {
     /// first, then support points. A support point that outranks one of these takes its place.
     ///
     /// # Cost
-    /// Some 280 instructions a point; 3700 a support point.
+    /// Some 280 instructions a point; 4200 a support point.
     pub fn points(&mut self) -> impl Iterator<Item = Point> + use<'_> {
         let (is_fit, likeness) = (self.is_fit(), self.likeness());
         let (report, _) = Report::new(&self.plan, self.images, &mut self.buffers, &self.summary);

@@ -12,7 +12,7 @@
 //! pairs more objects are wrong where this one weighs them.
 //!
 //! # Cost
-//! Some 3600 instructions a point on a Cortex-M7, 600 of them for the network.
+//! Some 3900 instructions a point on a Cortex-M7, 700 of them for the network.
 
 use super::{Grid, Likeness, Support, SupportPoint};
 use crate::confidence::{MOST_EVIDENCE_Q8, Network};

@@ -6,7 +6,7 @@
 //! pixel itself both images differ where it shows another surface.
 //!
 //! # Cost
-//! Some 1000 instructions a point on a Cortex-M7.
+//! Some 1200 instructions a point on a Cortex-M7.
 
 use crate::evidence::log2_mean_q8;
 use crate::ground::GroundPlane;
