@@ -6,7 +6,7 @@ use core::fmt::Write;
 use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_firmware::ports::NoClock;
 use linestereo_firmware::programs::rectify::{self, BuiltIn};
-use linestereo_frames::statistics::upper_median;
+use linestereo_frames::{GrayImage, statistics::upper_median};
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, BoardResult, Costs, Machine, qemu};
@@ -281,15 +281,22 @@ pub(crate) struct Cores {
     pub(crate) joins: u64,
 }
 
-/// Costs of every scene of [`captured`] on one core and on two.
-fn core_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Cores)>> {
-    let scenes = board::captured(folder, dims)?;
+/// The input of a program that matches scenes of [`board::captured`]: default parameters, then
+/// every pair.
+pub(crate) fn input(scenes: &[(String, (GrayImage, GrayImage))]) -> Result<Vec<u8>> {
     let mut input = Vec::new();
     let update = board::update(&Params::DEFAULT, None);
     board::push(&mut input, &Command { id: 0, request: Request::SetParams(update) })?;
-    for (_, (left, right)) in &scenes {
+    for (_, (left, right)) in scenes {
         board::push_pair(&mut input, 0, left, right)?;
     }
+    Ok(input)
+}
+
+/// Costs of every scene of [`captured`] on one core and on two.
+fn core_pairs(board: &Board, folder: &Path, dims: Dims) -> Result<Vec<(String, Cores)>> {
+    let scenes = board::captured(folder, dims)?;
+    let input = input(&scenes)?;
     let mut costs = Vec::new();
     for (line, (name, _)) in table_of(board, "cores", &input)?.lines().zip(scenes) {
         let ["cores", columns @ ..] = &line.split('\t').collect::<Vec<_>>()[..] else {

@@ -5,13 +5,13 @@
 //! again and be shorter, where one ended at an access to a device: the place of its translation
 //! tells them apart.
 
+use crate::bench;
 use anyhow::{Context, Result, bail};
-use linestereo::{Dims, Params};
+use linestereo::Dims;
 use linestereo_boards::Exit;
 use linestereo_sim::board::firmware::{self, Logs};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, qemu};
-use linestereo_wire::{Command, Request};
 use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -50,19 +50,13 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, count: usize) -> Resu
     Ok(())
 }
 
-/// The input of `replay`: default parameters, then every pair.
+/// The input of `replay`.
 fn input(frames: &Path) -> Result<Vec<u8>> {
     let scenes = board::captured(frames, DIMS)?;
     if scenes.is_empty() {
         bail!("no scene of {DIMS} or more below {}", frames.display());
     }
-    let mut input = Vec::new();
-    let request = Request::SetParams(board::update(&Params::DEFAULT, None));
-    board::push(&mut input, &Command { id: 0, request })?;
-    for (id, (_, (left, right))) in (1..).zip(scenes) {
-        board::push_pair(&mut input, id, &left, &right)?;
-    }
-    Ok(input)
+    bench::input(&scenes)
 }
 
 /// A block as it was translated.
@@ -95,7 +89,7 @@ impl Counted {
             let (Some(place), Some((_, symbol))) = (place, block.rsplit_once("] ")) else { return };
             // A block is executed once it is translated.
             if self.logged > 0 {
-                let length = std::mem::take(&mut self.logged);
+                let length = core::mem::take(&mut self.logged);
                 let block = Block { symbol: symbol.to_owned(), length, times: 0 };
                 if let Some(before) = self.blocks.insert(place, block) {
                     *self.replaced.entry(before.symbol).or_default() +=
