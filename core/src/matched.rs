@@ -22,7 +22,7 @@ use crate::query::{self, PixelDepth, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::side_pixels::ValidPixels;
-use crate::support::{Likeness, RangeCheck, Support};
+use crate::support::{Likeness, RangeCheck, Support, SupportPoint};
 #[cfg(feature = "unstable")]
 use crate::{
     matching::Candidate,
@@ -53,6 +53,11 @@ impl Summary {
     pub(crate) fn row_offset(&self) -> i32 {
         let offset_q5 = i32::from(self.row_offset_q5.unwrap_or(0));
         offset_q5.signum() * ((offset_q5.abs() + 32 - LEAST_OFFSET_Q5) >> 5)
+    }
+
+    /// The grid of support points of the run.
+    pub(crate) fn support<'p>(&self, plan: &Plan, points: &'p [SupportPoint]) -> Support<'p> {
+        Support::new(&plan.params, plan.dims, points, self.detail_q8).with_plane(self.plane)
     }
 }
 
@@ -141,9 +146,7 @@ impl<'a> Matched<'a> {
     /// The grid of support points.
     #[must_use]
     pub fn support(&self) -> Support<'_> {
-        let Plan { params, dims, .. } = &self.plan;
-        Support::new(params, *dims, &self.buffers.support, self.summary.detail_q8)
-            .with_plane(self.summary.plane)
+        self.summary.support(&self.plan, &self.buffers.support)
     }
 
     fn likeness(&self) -> Likeness<'a> {
@@ -214,8 +217,7 @@ impl<'a> Matched<'a> {
             &mut self.buffers;
         let Scratch { marks, rows, work, .. } = scratch;
         let Plan { params, dims, models, .. } = &self.plan;
-        let support = Support::new(params, *dims, support, self.summary.detail_q8)
-            .with_plane(self.summary.plane);
+        let support = self.summary.support(&self.plan, support);
         let query = ObjectQuery {
             candidates,
             support,
@@ -291,8 +293,7 @@ impl<'a> Matched<'a> {
             images: self.images,
             dims: *dims,
             candidates,
-            support: Support::new(params, *dims, support, self.summary.detail_q8)
-                .with_plane(self.summary.plane),
+            support: self.summary.support(&self.plan, support),
             row_offset: self.summary.row_offset(),
             rows,
             work,
@@ -357,8 +358,7 @@ impl<'r> Report<'r> {
             candidates,
             neighbours,
             order: order.lent(),
-            support: Support::new(&plan.params, plan.dims, support, summary.detail_q8)
-                .with_plane(summary.plane),
+            support: summary.support(plan, support),
             marks,
             bars,
         };

@@ -19,7 +19,7 @@ use crate::plan::Plan;
 use crate::report::Report;
 use crate::result::{Counts, Match, Rejection};
 use crate::segment_stage::{Part, SegmentStage};
-use crate::support::{self, Grid, Support};
+use crate::support::{self, Grid};
 
 /// Columns between two scans for the near-horizontal edges of the right image, not all of which are
 /// needed.
@@ -268,8 +268,8 @@ impl<'a> Run<'_, 'a> {
     ) {
         let Plan { params, dims, models, .. } = self.plan;
         let (row_offset, plane) = (summary.row_offset(), summary.plane);
+        let support = summary.support(self.plan, &m.support);
         let counts = &mut summary.counts;
-        let support = Support::new(params, *dims, &m.support, summary.detail_q8).with_plane(plane);
         let context = MatchContext::new(params, models, *dims, support);
         let extents = self.regions.extents(&m.left, self.plan.disparities());
         let mut full = FullSearches::new(self.regions.areas(), *dims, params.cell);
@@ -300,7 +300,7 @@ impl<'a> Run<'_, 'a> {
     #[inline(never)] // its variables are on the stack only while it runs
     fn place_bars(&self, summary: &Summary, m: &mut Buffers<'_>, observer: &mut dyn Observer) {
         let Plan { params, dims, .. } = self.plan;
-        let support = Support::new(params, *dims, &m.support, summary.detail_q8);
+        let support = summary.support(self.plan, &m.support);
         let least = params.min_confidence.max(bars::LEAST_BAR);
         bars::rate(&mut m.bars, support, least, |index, bar, nearby_q8| {
             observer.bar(index, bar, nearby_q8)

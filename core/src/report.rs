@@ -257,11 +257,10 @@ impl Points<'_> {
         Some(Point { x, y, disparity, confidence, source: Source::Support })
     }
 
-    /// The support point of this pixel, if it is more probable than this and the pixel is not
-    /// listed yet: each point is rated once.
-    fn surer_support_point(&self, (x, y): (u16, u16), probability: u16) -> Option<Point> {
+    /// The support point of a pixel that is not listed yet: each point is rated once.
+    fn support_point_at(&self, (x, y): (u16, u16)) -> Option<Point> {
         let index = self.listing.support.listed_at(x, y).filter(|_| !self.is_listed(x, y))?;
-        self.support_point(index, (x, y)).filter(|point| point.confidence.to_bits() > probability)
+        self.support_point(index, (x, y))
     }
 
     /// The next pixel of a bar, or the support point that is listed there: it has the bar's
@@ -282,8 +281,9 @@ impl Points<'_> {
                 continue;
             };
             let (y, d_q6) = (self.y - 1, self.row_q6);
-            if let Some(point) = self.surer_support_point((x, y), self.least.saturating_sub(1)) {
-                return Some(point);
+            let support = self.support_point_at((x, y));
+            if support.is_some_and(|point| point.confidence.to_bits() >= self.least) {
+                return support;
             }
             if self.views.allow(x.into(), y.into(), d_q6) {
                 let (disparity, confidence) = (disparity_from_q6(d_q6), bar.confidence());
@@ -313,13 +313,17 @@ impl Points<'_> {
             if self.listing.support.is_taken((x, y), d_q6, self.probability) {
                 continue;
             }
-            return Some(self.surer_support_point((x, y), self.probability).unwrap_or(Point {
+            let support = self.support_point_at((x, y));
+            if support.is_some_and(|point| point.confidence.to_bits() > self.probability) {
+                return support;
+            }
+            return Some(Point {
                 x,
                 y,
                 disparity: disparity_from_q6(d_q6),
                 confidence: Confidence::from_bits(self.probability),
                 source: candidate.listed.map_or(Source::Side, Source::Segment),
-            }));
+            });
         }
     }
 

@@ -64,11 +64,11 @@ struct Block {
     symbol: String,
     /// Number of instructions.
     length: u64,
-    /// How often it was executed.
+    /// Number of executions.
     times: u64,
 }
 
-/// What was executed.
+/// Instructions of the blocks of a log, each times its executions.
 #[derive(Default)]
 struct Counted {
     /// Blocks by the places of their translations.
