@@ -52,10 +52,10 @@ pub fn params(scene: &Scene) -> Params {
     Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }
 }
 
-/// The scenes are left out a fifth at a time.
-const FOLDS: usize = 5;
+/// The scenes are left out a third at a time.
+const FOLDS: usize = 3;
 
-/// Models for each of the scenes of [`qvga`], fitted without it and a fifth of the others; made
+/// Models for each of the scenes of [`qvga`], fitted without it and a third of the others; made
 /// once.
 ///
 /// # Panics

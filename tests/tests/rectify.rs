@@ -411,11 +411,8 @@ fn captured() -> Option<Captured> {
 }
 
 /// Raw position of a rectified pixel as OpenCV's documentation of `initUndistortRectifyMap` writes
-/// it; nothing of ours.
-fn opencv_source(xml: &str, eye: CameraSide, [x, y]: [f64; 2]) -> [f64; 2] {
-    let of =
-        |name: &str| matrix(xml, &format!("{name}{}", if eye == CameraSide::Left { 1 } else { 2 }));
-    let (m, d, r, p) = (of("M"), of("D"), of("R"), of("P"));
+/// it, by the camera's M, D, R and P; nothing of ours.
+fn opencv_source([m, d, r, p]: &[Vec<f64>; 4], [x, y]: [f64; 2]) -> [f64; 2] {
     let ray = [(x - p[2]) / p[0], (y - p[6]) / p[5], 1.0];
     // The inverse of a rotation: its columns.
     let turned = [0, 1, 2].map(|i| r[i] * ray[0] + r[3 + i] * ray[1] + r[6 + i] * ray[2]);
@@ -433,12 +430,14 @@ fn captured_pair_is_rectified_as_opencv_does() {
     let mut band = Box::new(LargeBand::new());
     for (eye, raw) in CameraSide::BOTH.into_iter().zip(&raw) {
         let mesh = mesh(&rectification, eye);
+        let number = if eye == CameraSide::Left { 1 } else { 2 };
+        let camera = ["M", "D", "R", "P"].map(|name| matrix(&xml, &format!("{name}{number}")));
         let frame = rectify(&mesh, &mut band, raw);
         let dims = mesh.dims();
         let (mut worst, mut pixels, mut off) = (0.0_f64, 0, 0);
         for y in 0..dims.height {
             let sources: Vec<_> = (0..dims.width)
-                .map(|x| opencv_source(&xml, eye, [f64::from(x), f64::from(y)]))
+                .map(|x| opencv_source(&camera, [f64::from(x), f64::from(y)]))
                 .collect();
             // The longest run of pixels that OpenCV finds well inside: all of them have a source
             // here.

@@ -566,9 +566,9 @@ LinestereoStatus linestereo_segment(LinestereoMatcher *matcher, size_t index, Li
 // there are.
 LinestereoStatus linestereo_bar(LinestereoMatcher *matcher, size_t index, LinestereoBar *bar);
 
-// Calls `each` with every point of the last pair, at most one per pixel: those of bars, those of
-// segments, most probable first, then support points. A support point that outranks one of these
-// takes its place. The callback must return, and not call the same matcher.
+// Calls `each` with every point of the last pair, at most one per pixel: support points, then
+// those of bars, then those of segments, most probable first. The callback must return, and not
+// call the same matcher.
 LinestereoStatus linestereo_points(LinestereoMatcher *matcher, LinestereoPointCallback each, void *context);
 
 // The same points as a list, for languages that have no callbacks: the first `capacity` of them,

@@ -305,9 +305,9 @@ pub unsafe extern "C" fn linestereo_bar(
     unsafe { with_room(matcher, bar, work) }
 }
 
-/// Calls `each` with every point of the last pair, at most one per pixel: those of bars, those of
-/// segments, most probable first, then support points. A support point that outranks one of these
-/// takes its place. The callback must return, and not call the same matcher.
+/// Calls `each` with every point of the last pair, at most one per pixel: support points, then
+/// those of bars, then those of segments, most probable first. The callback must return, and not
+/// call the same matcher.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_points(matcher: *mut Handle, each: PointCallback, context: *mut c_void) -> Status {
     let Some(each) = each else { return Status::Null };

@@ -177,15 +177,6 @@ impl Grid {
         [down, Axis { step: 1, pitch: self.pitch.into(), count: self.columns }]
     }
 
-    /// Index in the list of the point in whose square this pixel lies, if there is one, and how far
-    /// right of and below its place in the grid the pixel is, px.
-    pub(super) fn square(&self, x: u16, y: u16) -> Option<(usize, [i32; 2])> {
-        let column = usize::from(x.checked_div(self.pitch)?);
-        let row = usize::from(y / SUPPORT_PITCH);
-        let offset = [i32::from(x) - self.x(column), i32::from(y) - Self::y(row)];
-        (column < self.columns && row < self.rows).then(|| (row * self.columns + column, offset))
-    }
-
     /// Columns and rows of points around an area of pixels: those in it, and its surroundings on
     /// each side.
     pub(super) fn within(&self, area: Area) -> Area {

@@ -8,7 +8,7 @@
 //! the texture, which was matched.
 //!
 //! # Cost
-//! Some 300 instructions a point; 70 for a pixel that no point may be moved to.
+//! Some 300 instructions a point.
 
 use super::evidence::around;
 use super::{Support, SupportPoint};
@@ -32,19 +32,6 @@ impl<'a> Support<'a> {
         let point = self.points.get(index)?;
         let [dx, dy] = self.step_of(index, point);
         Some((self.grid.pixel(index, point.place.moved(dx, dy)), point))
-    }
-
-    /// The index of the matched point that is listed at this pixel, if there is one.
-    pub(crate) fn listed_at(&self, x: u16, y: u16) -> Option<usize> {
-        let (index, offset) = self.grid.square(x, y)?;
-        let point = self.points.get(index).filter(|point| point.is_matched())?;
-        // Few pixels need the votes of its neighbours.
-        if !point.place.may_reach(offset, STEP) {
-            return None;
-        }
-        let [dx, dy] = self.step_of(index, point);
-        let listed = point.place.moved(dx, dy);
-        ([listed.dx(), listed.dy()] == offset).then_some(index)
     }
 
     /// Distance to the right and downward that a point is moved by, px. A bar is too narrow for
@@ -90,14 +77,10 @@ mod tests {
         }
     }
 
-    /// Where the middle is listed, relative to its texture, and that it is found there alone.
+    /// Where the middle is listed, relative to its texture.
     fn moved(points: &[SupportPoint; 9]) -> (i32, i32) {
         let support = Support::new(&Params::default(), DIMS, points, 0);
         let (listed, _) = support.listed(MIDDLE).unwrap();
-        for (x, y) in (0..24).flat_map(|y| (0..24).map(move |x| (x, y))) {
-            let is_middle = support.listed_at(x, y) == Some(MIDDLE);
-            assert_eq!(is_middle, (x, y) == listed, "{x} {y}");
-        }
         let (x, y) = support.grid.pixel(MIDDLE, points[MIDDLE].place);
         (i32::from(listed.0) - i32::from(x), i32::from(listed.1) - i32::from(y))
     }

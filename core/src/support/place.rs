@@ -60,13 +60,6 @@ impl Place {
         Self(Self::new(self.dx() + dx, self.dy() + dy).0 | self.0 & ON_PLANE)
     }
 
-    /// True when it may be `moved` by nothing or `step` in each direction to this offset.
-    pub(super) fn may_reach(self, [x, y]: [i32; 2], step: i32) -> bool {
-        [(self.dx(), x), (self.dy(), y)].into_iter().all(|(from, to)| {
-            [from, (from + step).min(MOST), (from - step).max(LEAST)].contains(&to)
-        })
-    }
-
     /// To the right, px.
     pub(crate) fn dx(self) -> i32 {
         i32::from(self.0 & 7) + LEAST

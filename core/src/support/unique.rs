@@ -23,7 +23,7 @@
 //! # Source
 //! Marr, Poggio 1976.
 
-use super::{Grid, Support, SupportPoint, place};
+use super::{Grid, SUPPORT_PITCH, Support, SupportPoint, place};
 
 /// Points whose places in the right image differ by this match the same one, if their disparities
 /// differ by more, 1/64 px: points are 8 px apart.
@@ -92,8 +92,7 @@ impl Support<'_> {
         if !self.is_fine() {
             return false;
         }
-        let Some((index, _)) = self.grid.square(x, y) else { return false };
-        let start = index - index.checked_rem(self.grid.columns).unwrap_or(0);
+        let start = usize::from(y / SUPPORT_PITCH) * self.grid.columns;
         let row = self.points.get(start..start + self.grid.columns).unwrap_or_default();
         Claim { x: x.into(), disparity_q6, probability_q16 }.is_taken(row, self.grid)
     }

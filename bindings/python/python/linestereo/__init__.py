@@ -156,9 +156,8 @@ class Result:
     """A matched pair."""
 
     points: npt.NDArray[np.void]
-    """Structured array of dtype `POINT`, one a pixel at most: those of bars, those of segments,
-    most probable first, then support points. A support point that outranks one of these takes its
-    place."""
+    """Structured array of dtype `POINT`, one a pixel at most: support points, then those of bars,
+    then those of segments, most probable first."""
     segments: npt.NDArray[np.void]
     """Structured array of dtype `SEGMENT`, most confident first."""
     bars: npt.NDArray[np.void]
