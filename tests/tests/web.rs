@@ -416,7 +416,7 @@ fn a_visitor_without_mouse_or_eyes_gets_the_same() {
         json!({"settings": {"focal": RIG[0], "baseline": RIG[1]}}),
         json!({"files": [left]}),
         json!({"settings": {"both": true}, "changes": true}),
-        json!({"settings": {"both": false}}),
+        json!({"settings": {"both": false}, "changes": true}),
         json!({"files": [left, right]}),
         // The first key puts a box into the middle.
         json!({"keys": [["ArrowRight", 0], ["ArrowLeft", 0], ["ArrowUp", CTRL], ["ArrowDown", SHIFT], ["ArrowRight", SHIFT]]}),
