@@ -7,9 +7,8 @@
 //! Some 20 instructions a row (column) of the segment, at most 32.
 
 use crate::image::{Dims, Gray, Span};
+use crate::lines::Line;
 use crate::matching::Candidate;
-use crate::matching::feature::SteepLine;
-use crate::matching::near_horizontal::HorizontalLine;
 
 /// Additional distance of the first pixels beside a near-horizontal segment, px.
 const FLAT_OFFSET: i32 = 1;
@@ -55,51 +54,42 @@ impl<'a> ValidPixels<'a> {
     }
 }
 
-/// The pixels of a segment's edge, one a row, or a column of a near-horizontal one.
-#[derive(Debug)]
-enum EdgePixels {
-    Steep(SteepLine),
-    Flat(HorizontalLine),
-}
-
 /// Pixels at one distance from an edge, one after the other.
 #[derive(Debug)]
 pub(crate) struct SidePixels {
-    line: EdgePixels,
-    /// Row, or column of a near-horizontal segment: the first, the next, and the end.
-    from: i32,
+    near_horizontal: bool,
+    /// Row, or column of a near-horizontal segment: the next, and the end.
     at: i32,
     end: i32,
-    /// To the pixel from the edge, px.
-    offset: i32,
-    /// Disparity at the first one, 1/64 px, and its change, 1/64 px in Q8.
-    first_q6: i32,
-    step_q8: i32,
+    /// Column, or row, of the next pixel, px in Q17, and its change.
+    across_q17: i32,
+    slope_q17: i32,
+    /// Disparity of the next one, 1/64 px in Q8, and its change.
+    disparity_q14: i32,
+    step_q14: i32,
 }
 
 impl SidePixels {
     /// None.
     pub(crate) const NONE: Self = Self {
-        line: EdgePixels::Steep(SteepLine::NONE),
-        from: 0,
+        near_horizontal: false,
         at: 0,
         end: 0,
-        offset: 0,
-        first_q6: 0,
-        step_q8: 0,
+        across_q17: 0,
+        slope_q17: 0,
+        disparity_q14: 0,
+        step_q14: 0,
     };
 
     /// As [`Candidate::pixels`].
     #[inline(never)] // a loop that mostly ends at once: inlined, 13 instructions more a pixel
     pub(crate) fn next(&mut self, views: &ValidPixels<'_>) -> Option<(u16, u16, i32)> {
         while self.at < self.end {
-            let at = self.at;
+            let (at, across, d_q6) = (self.at, self.across_q17 >> 17, self.disparity_q14 >> 8);
             self.at += 1;
-            let (x, y) = match &self.line {
-                EdgePixels::Flat(line) => (at, line.row(at) + self.offset),
-                EdgePixels::Steep(line) => (line.column(at) + self.offset, at),
-            };
-            let d_q6 = self.first_q6 + (((at - self.from) * self.step_q8) >> 8);
+            self.across_q17 += self.slope_q17;
+            self.disparity_q14 += self.step_q14;
+            let (x, y) = if self.near_horizontal { (at, across) } else { (across, at) };
             if views.allow(x, y, d_q6)
                 && let (Ok(x), Ok(y)) = (u16::try_from(x), u16::try_from(y))
             {
@@ -125,24 +115,20 @@ impl Candidate {
 
     pub(crate) fn side_pixels(&self, side: usize, distance: u16) -> SidePixels {
         let Some(Some(owner)) = self.sides.get(side) else { return SidePixels::NONE };
-        let (line, (from, to), flat_offset) = if self.segment.near_horizontal {
-            let line = HorizontalLine::new(&self.segment);
-            let flat_offset = if distance == 0 { 0 } else { FLAT_OFFSET };
-            (EdgePixels::Flat(line), line.columns(), flat_offset)
-        } else {
-            let line = SteepLine::new(&self.segment);
-            (EdgePixels::Steep(line), line.rows(), 0)
-        };
+        let near_horizontal = self.segment.near_horizontal;
+        let line = Line::of(&self.segment);
+        let (from, to) = line.extent();
+        let flat_offset = if near_horizontal && distance > 0 { FLAT_OFFSET } else { 0 };
         let off = i32::from(distance) + flat_offset;
         let [d0, d1] = owner.disparity_q6.map(i32::from);
         SidePixels {
-            line,
-            from,
+            near_horizontal,
             at: from,
             end: to + 1,
-            offset: if side == 0 { -off } else { off },
-            first_q6: d0 + ((i32::from(owner.across_q10) * off) >> 4),
-            step_q8: ((d1 - d0) << 8) / (to - from).max(1),
+            across_q17: line.at_q17(from) + ((if side == 0 { -off } else { off }) << 17),
+            slope_q17: line.step_q17(),
+            disparity_q14: (d0 + ((i32::from(owner.across_q10) * off) >> 4)) << 8,
+            step_q14: ((d1 - d0) << 8) / (to - from).max(1),
         }
     }
 }

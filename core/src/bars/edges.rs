@@ -18,10 +18,9 @@ use super::keep::Found;
 use super::{Bar, LEFT_RISING, RIGHT_RISING};
 use crate::image::Gray;
 use crate::kernel::FLAT;
-use crate::lines::Segment;
+use crate::lines::{Line, Segment};
 use crate::matching::band::SampledRows;
 use crate::matching::codes::gradients;
-use crate::matching::feature::SteepLine;
 use crate::units::quotient;
 
 /// Most bars beside a segment.
@@ -103,8 +102,8 @@ pub(super) fn least_strength(segments: &[Segment]) -> u32 {
 
 /// Keeps every bar that this segment is an edge of, as far as it is one of the strongest.
 pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut dyn Found) {
-    let line = SteepLine::new(segment);
-    let (first, last) = line.rows();
+    let line = Line::upright(segment);
+    let (first, last) = line.extent();
     let slope_q12 = line.slope_q12();
     if last - first + 1 < LEAST_EXTENT || slope_q12.abs() > STEEPEST_Q12 {
         return;
@@ -128,7 +127,7 @@ pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut dyn Fou
             if at_q5.abs() > (31 * wide_q12) >> 8 {
                 continue; // 15.5 px
             }
-            let x_q5 = line.x_q5(first << 5) + at_q5.min(0);
+            let x_q5 = line.at_q5(first << 5) + at_q5.min(0);
             let (own, second) = (profile.sign, peak.same * profile.sign);
             let [left, right] = if side < 0 { [second, own] } else { [own, second] };
             let bar = Bar {
@@ -169,8 +168,8 @@ fn sign_of(segment: &Segment, slope_q12: i32) -> i32 {
 impl Profile {
     /// The profile beside the line of a segment, as far as a bar may be wide.
     pub(super) fn beside(image: Gray<'_>, segment: &Segment) -> Option<Self> {
-        let line = SteepLine::new(segment);
-        let rows = SampledRows::new(line.rows(), MOST_ROWS);
+        let line = Line::upright(segment);
+        let rows = SampledRows::new(line.extent(), MOST_ROWS);
         (line.slope_q12().abs() <= STEEPEST_Q12)
             .then(|| Self::of(image, (&line, rows, REACH), 1))
             .flatten()
@@ -179,8 +178,8 @@ impl Profile {
     /// The bar between the strongest edges at most `off` px from the line, and at most as far from
     /// `width` px to the right of it.
     pub(super) fn bar_between(&self, segment: &Segment, width: i32, off: i32) -> Option<Bar> {
-        let line = SteepLine::new(segment);
-        let (first, last) = line.rows();
+        let line = Line::upright(segment);
+        let (first, last) = line.extent();
         let strongest = |from: i32, to: i32| {
             let at =
                 (from..=to.min(self.reach)).max_by_key(|&at| (self.sum(at, 1).abs(), -at.abs()))?;
@@ -192,7 +191,7 @@ impl Profile {
         let [from, to] = [left, right].map(|peak| self.vertex_q5(&peak));
         let coherence = self.coherence_q8(&left).min(self.coherence_q8(&right));
         Some(Bar {
-            x_q5: u16::try_from(line.x_q5(first << 5) + from).ok()?,
+            x_q5: u16::try_from(line.at_q5(first << 5) + from).ok()?,
             rows: [first, last].map(|row| u16::try_from(row).unwrap_or(0)),
             slope_q12: crate::units::narrow(line.slope_q12()),
             width_q5: u16::try_from(to - from).ok()?,
@@ -208,7 +207,7 @@ impl Profile {
     #[inline(never)] // two calls
     fn of(
         image: Gray<'_>,
-        (line, rows, reach): (&SteepLine, SampledRows, i32),
+        (line, rows, reach): (&Line, SampledRows, i32),
         sign: i32,
     ) -> Option<Self> {
         if rows.count() < LEAST_ROWS {
@@ -224,8 +223,8 @@ impl Profile {
         };
         let columns = usize::try_from(2 * reach + 5).unwrap_or(0).min(COLUMNS);
         for (y, row) in rows.zip(&mut profile.gradients) {
-            let column = line.column(y);
-            profile.off_q5 += (column << 5) - line.x_q5(y << 5);
+            let column = line.at(y);
+            profile.off_q5 += (column << 5) - line.at_q5(y << 5);
             let start = column - reach - 2;
             gradients(image, y, start..start + columns as i32, row.get_mut(..columns)?);
         }

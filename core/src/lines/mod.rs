@@ -32,6 +32,7 @@
 mod budget;
 mod edges;
 mod fit;
+mod line;
 
 use crate::area::Area;
 use crate::cores::Cores;
@@ -45,6 +46,7 @@ use budget::Taken;
 use core::cmp::Reverse;
 pub(crate) use edges::SCAN_STEP;
 use edges::{Direction, Edges, STEP};
+pub(crate) use line::Line;
 
 /// Longest piece of a near-vertical segment, rows: the height of one window.
 pub(crate) const MAX_ROWS: i32 = 32;

@@ -15,51 +15,8 @@
 
 use super::band::{Band, SampledRows};
 use crate::kernel::{FLAT, STRIP};
-use crate::lines::Segment;
+use crate::lines::Line;
 use crate::units::quotient;
-
-/// A line x(y) in 1/32 px with its row range.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SteepLine {
-    x0: i32,
-    y0: i32,
-    y1: i32,
-    /// dx/dy, Q12.
-    slope_q12: i32,
-}
-
-impl SteepLine {
-    /// No line.
-    pub(crate) const NONE: Self = Self { x0: 0, y0: 0, y1: 0, slope_q12: 0 };
-
-    pub(crate) fn new(segment: &Segment) -> Self {
-        let (mut x0, mut y0, mut x1, mut y1) = segment.ends_q5();
-        if y0 > y1 {
-            (x0, y0, x1, y1) = (x1, y1, x0, y0);
-        }
-        let slope_q12 = quotient((x1 - x0) << 12, y1 - y0).clamp(-(8 << 12), 8 << 12);
-        Self { x0, y0, y1, slope_q12 }
-    }
-
-    pub(crate) fn slope_q12(&self) -> i32 {
-        self.slope_q12
-    }
-
-    /// First and last whole row.
-    pub(crate) fn rows(&self) -> (i32, i32) {
-        ((self.y0 + 31) >> 5, self.y1 >> 5)
-    }
-
-    /// x at a row given in 1/32 px, in 1/32 px.
-    pub(crate) fn x_q5(&self, y_q5: i32) -> i32 {
-        self.x0 + (((y_q5 - self.y0) * self.slope_q12 + 2048) >> 12)
-    }
-
-    /// Nearest column at a whole row.
-    pub(crate) fn column(&self, y: i32) -> i32 {
-        (self.x_q5(y << 5) + 16) >> 5
-    }
-}
 
 /// Most rows of the band that are evaluated.
 const FEATURE_ROWS: i32 = 4;
@@ -69,8 +26,8 @@ const FEATURE_REACH: usize = 2;
 /// Disparity, 1/64 px, mean of the rows, of the edge in the right image that corresponds to the
 /// left one: within [`FEATURE_REACH`] of `disparity`, with the same sign and at least half of the
 /// gradient, in at least half of the rows. `None` where there is none.
-pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'_>) -> Option<i32> {
-    let rows = SampledRows::new(line.rows(), FEATURE_ROWS);
+pub(crate) fn find(line: &Line, rising: bool, disparity: i32, band: &Band<'_>) -> Option<i32> {
+    let rows = SampledRows::new(line.extent(), FEATURE_ROWS);
     let sign = |gradient: u8| {
         let gradient = i32::from(gradient) - i32::from(FLAT);
         if rising { gradient } else { -gradient }
@@ -79,7 +36,7 @@ pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'
     for y in rows {
         // The strip's middle is the edge; the expected edge of the other row lies in the middle of
         // the search range.
-        let x = line.column(y);
+        let x = line.at(y);
         let Some(strip) = band.strip(x - 4, y, disparity - FEATURE_REACH as i32) else { continue };
         let [_, _, _, left, ..] = strip.reference;
         let Some(near) = strip.other.get(2..).and_then(|other| other.first_chunk::<7>()) else {
@@ -101,7 +58,7 @@ pub(crate) fn find(line: &SteepLine, rising: bool, disparity: i32, band: &Band<'
         if gradient > 2 && 2 * gradient >= sign(left) {
             let off_q6 = ((index - FEATURE_REACH as i32) << 6) + shift_q6;
             // Distance of the left edge's line from its whole column.
-            let own_q6 = (line.x_q5(y << 5) << 1) - (x << 6);
+            let own_q6 = (line.at_q5(y << 5) << 1) - (x << 6);
             sum_q6 += own_q6 + off_q6;
             found += 1;
         }
@@ -118,7 +75,7 @@ const STRIP_ENDS: core::ops::Range<usize> = 2..6;
 /// of the other sign with a third of the gradient in the left image, but not half of that in the
 /// right.
 pub(crate) fn lacks_other_edge(
-    line: &SteepLine,
+    line: &Line,
     rising: bool,
     sign: i32,
     line_q6: [i32; 2],
@@ -128,13 +85,13 @@ pub(crate) fn lacks_other_edge(
         let gradient = i32::from(gradient) - i32::from(FLAT);
         if rising { -gradient } else { gradient }
     };
-    let (first, last) = line.rows();
+    let (first, last) = line.extent();
     let [from_q6, to_q6] = line_q6;
     let mut own = 0;
     // At each distance: left, and right at one disparity less, the same, one more.
     let mut ends = [[0; 4]; STRIP_ENDS.end];
     for y in SampledRows::new((first, last), FEATURE_ROWS) {
-        let x = line.column(y);
+        let x = line.at(y);
         let d_q6 = from_q6 + quotient((to_q6 - from_q6) * (y - first), last - first);
         let start = if sign < 0 { x - STRIP as i32 + 1 } else { x };
         let Some(strip) = band.strip(start, y, ((d_q6 + 32) >> 6) - 1) else { continue };

@@ -30,7 +30,7 @@ use super::{
 use crate::curve::{Curve, Minimum, ratio_q8};
 use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
 use crate::kernel::{STRIP, Strip, hamming_curve, sad_curve};
-use crate::lines::{MAX_COLUMNS, Segment};
+use crate::lines::{Line, MAX_COLUMNS, Segment};
 use crate::result::Rejection;
 use crate::support::Support;
 use crate::units::{narrow, quotient};
@@ -52,39 +52,6 @@ const CENSUS_ROWS: [[i32; 2]; 2] = [[-4, -2], [2, 4]];
 const BESIDE: i32 = 14;
 /// Search range of a half around the whole side's disparity, px.
 const HALF_REACH: i32 = 2;
-
-/// A line y(x) in 1/32 px with its column range.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HorizontalLine {
-    x0: i32,
-    y0: i32,
-    x1: i32,
-    /// dy/dx, Q12.
-    slope_q12: i32,
-}
-
-impl HorizontalLine {
-    pub(crate) fn new(segment: &Segment) -> Self {
-        let (x0, y0, x1, y1) = segment.ends_q5();
-        let slope_q12 = quotient((y1 - y0) << 12, x1 - x0).clamp(-(8 << 12), 8 << 12);
-        Self { x0, y0, x1, slope_q12 }
-    }
-
-    /// First and last whole column.
-    pub(crate) fn columns(&self) -> (i32, i32) {
-        ((self.x0 + 31) >> 5, self.x1 >> 5)
-    }
-
-    /// Row at a column, both in 1/32 px.
-    fn y_q5(&self, x_q5: i32) -> i32 {
-        self.y0 + (((x_q5 - self.x0) * self.slope_q12 + 2048) >> 12)
-    }
-
-    /// Nearest row at a whole column.
-    pub(crate) fn row(&self, x: i32) -> i32 {
-        (self.y_q5(x << 5) + 16) >> 5
-    }
-}
 
 /// Rows of the image beside a line, moved by the change of the ground's disparity from the line to
 /// each of them where a side shows the ground: curves are of the disparity at the line.
@@ -108,7 +75,7 @@ impl Shear {
 
     /// For one side, -1 above and 1 below: along the ground where most of the unique support points
     /// on it were found beside the plane.
-    fn of_side(segment: &Segment, line: &HorizontalLine, sign: i32, support: Support<'_>) -> Self {
+    fn of_side(segment: &Segment, line: &Line, sign: i32, support: Support<'_>) -> Self {
         let Some(plane) = support.plane().filter(|p| p.down_q16.abs() <= Self::STEEPEST_Q16) else {
             return Self::NONE;
         };
@@ -118,7 +85,7 @@ impl Shear {
         let columns = (i32::from(area.left), i32::from(area.right));
         let (mut on_plane, mut all) = (0, 0);
         for (x, y, point) in support.between(columns, rows) {
-            let is_beside = (y - line.row(x)) * sign > 0;
+            let is_beside = (y - line.at(x)) * sign > 0;
             if is_beside && point.is_unique() {
                 all += 1;
                 on_plane += i32::from(point.is_beside_ground());
@@ -170,17 +137,17 @@ pub(crate) fn match_near_horizontal(
     band: &Band<'_>,
     work: &mut Workspace,
 ) -> Result<Candidate, Rejection> {
-    let line = HorizontalLine::new(segment);
-    let columns = line.columns();
+    let line = Line::level(segment);
+    let columns = line.extent();
     let count = columns.1 - columns.0 + 1;
-    let row = line.row((columns.0 + columns.1) / 2);
+    let row = line.at((columns.0 + columns.1) / 2);
     let range = context.range_before(columns.0, band.right_columns(row))?;
     if count < 3 {
         return Err(Rejection::NearBorder);
     }
     let mut shared = SegmentEvidence::new();
     shared.set(SegmentKind::Length, log2_mean_q8(count.unsigned_abs(), 1));
-    shared.set(SegmentKind::Lean, line.slope_q12.abs() >> 4);
+    shared.set(SegmentKind::Lean, line.slope_q12().abs() >> 4);
     shared.set(SegmentKind::Range, log2_mean_q8(range.1.unsigned_abs(), 1));
     shared.set(SegmentKind::Detail, context.detail_q8());
     shared.set(SegmentKind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
@@ -245,8 +212,8 @@ pub(crate) fn match_near_horizontal(
 }
 
 /// Rows of the windows above and below, relative to the line.
-fn side_rows(line: &HorizontalLine) -> [[i32; 2]; 2] {
-    let away = (line.slope_q12.abs() * RISE_Q1) >> 14;
+fn side_rows(line: &Line) -> [[i32; 2]; 2] {
+    let away = (line.slope_q12().abs() * RISE_Q1) >> 14;
     let [above, below] = SIDE_ROWS;
     [above.map(|row| row - away), below.map(|row| row + away)]
 }
@@ -254,7 +221,7 @@ fn side_rows(line: &HorizontalLine) -> [[i32; 2]; 2] {
 impl<'w> SideWindows<'w> {
     fn new(
         [near_a, near_b, a, b, whole]: [&'w mut Curve; 5],
-        line: &HorizontalLine,
+        line: &Line,
         (first, last): (i32, i32),
         ([near_row, far_row], shear): ([i32; 2], Shear),
         range: (i32, i32),
@@ -315,7 +282,7 @@ fn ratio_near_q8(curve: &Curve, at: i32, reach: i32) -> i32 {
 /// Adds the cost of one row beside the edge over `columns`, in blocks of eight that follow the
 /// line, from disparity `first` on; returns the pixels compared.
 fn add_blocks(
-    line: &HorizontalLine,
+    line: &Line,
     (from, to): (i32, i32),
     (row, shear, rest): (i32, Shear, &mut Rest),
     first: i32,
@@ -330,7 +297,7 @@ fn add_blocks(
     for block in 0..blocks {
         // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
         let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
-        let line_q5 = line.y_q5((start << 5) + 112);
+        let line_q5 = line.at_q5((start << 5) + 112);
         let y = on_band(((line_q5 + 16) >> 5) + row);
         let first = first + shear.over((y << 5) - line_q5, rest);
         if let Some(strip) = band.strip(start, y, first) {
@@ -343,7 +310,7 @@ fn add_blocks(
 
 /// Census curve of one side; returns its points, and what moved rows leave.
 fn census_curve(
-    line: &HorizontalLine,
+    line: &Line,
     (from, to): (i32, i32),
     (rows, shear): ([i32; 2], Shear),
     range: (i32, i32),
@@ -356,7 +323,7 @@ fn census_curve(
     let mut points: Vec<(u8, &[u8]), MOST> = Vec::new();
     let (mut x, mut rest) = (from, Rest::default());
     while x <= to {
-        let line_q5 = line.y_q5(x << 5);
+        let line_q5 = line.at_q5(x << 5);
         for row in rows {
             let y = on_band(((line_q5 + 16) >> 5) + row);
             let first = range.0 + shear.over((y << 5) - line_q5, &mut rest);
@@ -386,7 +353,7 @@ impl MatchedSide {
 
 /// Matches one side by its window, census and the halves of the window.
 fn match_side(
-    line: &HorizontalLine,
+    line: &Line,
     (own, census_rows): (&mut SideWindows<'_>, [i32; 2]),
     other: &SideWindows<'_>,
     shared: SegmentEvidence,
@@ -395,8 +362,8 @@ fn match_side(
     census: &mut Curve,
 ) -> Result<MatchedSide, Rejection> {
     let at = own.best.at;
-    let columns = line.columns();
-    let row = line.row((columns.0 + columns.1) / 2);
+    let columns = line.extent();
+    let row = line.at((columns.0 + columns.1) / 2);
     let range = context.range_before(columns.0, band.right_columns(row))?;
     if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 || context.is_end(at, range) {
         return Err(Rejection::WindowNotUnique);

@@ -26,7 +26,7 @@
 
 use super::aggregate::join_sides;
 use super::band::{Band, SampledRows};
-use super::feature::{self, SteepLine};
+use super::feature;
 use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8,
     MatchContext, Workspace, repetition,
@@ -34,7 +34,7 @@ use super::{
 use crate::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
 use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};
 use crate::kernel::{Strip, hamming_curve, sad_curve};
-use crate::lines::Segment;
+use crate::lines::{Line, Segment};
 use crate::result::Rejection;
 use crate::units::quotient;
 use heapless::Vec;
@@ -58,7 +58,7 @@ const HALF_REACH: i32 = 4;
 
 /// The segment on whole pixels.
 struct Extent {
-    line: SteepLine,
+    line: Line,
     /// First and last row.
     rows: (i32, i32),
     /// Smallest and largest column of the line.
@@ -171,9 +171,9 @@ pub(crate) fn match_near_vertical(
 
 impl Extent {
     fn new(segment: &Segment) -> Self {
-        let line = SteepLine::new(segment);
-        let rows = line.rows();
-        let (a, b) = (line.column(rows.0), line.column(rows.1));
+        let line = Line::upright(segment);
+        let rows = line.extent();
+        let (a, b) = (line.at(rows.0), line.at(rows.1));
         Self { line, rows, columns: (a.min(b), a.max(b)) }
     }
 
@@ -296,7 +296,7 @@ const STRIPS: usize = HALF_ROWS as usize;
 /// Lists strips of eight columns that follow the line over `rows`, one list per offset from it in
 /// `columns`, searched from disparity `first` on.
 fn gather<'b>(
-    line: &SteepLine,
+    line: &Line,
     rows: SampledRows,
     columns: [i32; 3],
     first: i32,
@@ -304,7 +304,7 @@ fn gather<'b>(
     lists: &mut [Vec<Strip<'b>, STRIPS>; 3],
 ) {
     for y in rows {
-        let edge = line.column(y);
+        let edge = line.at(y);
         if let Some(strips) = band.strips(columns.map(|column| edge + column), y, first) {
             for (list, strip) in lists.iter_mut().zip(strips) {
                 let _ = list.push(strip); // at most STRIPS rows are sampled
@@ -330,7 +330,7 @@ fn match_census(
     for (curve, columns) in [&mut *left, &mut *right].into_iter().zip(CENSUS_COLUMNS) {
         let mut points: Vec<(u8, &[u8]), MOST> = Vec::new();
         for y in rows {
-            let edge = extent.line.column(y);
+            let edge = extent.line.at(y);
             for column in columns {
                 if let Some(point) = band.census(edge + column, y, range.0) {
                     let _ = points.push(point); // at most CENSUS_ROWS rows

@@ -17,9 +17,9 @@
 //! Three strips over 193 places, and runs among them: 7000 instructions.
 
 use super::band::{Band, REPEAT_REACH as REACH, SampledRows};
-use super::feature::SteepLine;
 use crate::curve::{Curve, low_of};
 use crate::kernel::{FLAT, STRIP, Strip, sad_curve};
+use crate::lines::Line;
 use crate::row_memory::PAD;
 use heapless::Vec;
 
@@ -42,20 +42,15 @@ const REPEATING: [(u32, i32); 2] = [(102, 4), (204, 6)];
 const TOLERANCE: i32 = 2;
 
 /// True where the left image repeats an edge over these rows.
-pub(super) fn repeats(
-    line: &SteepLine,
-    rows: (i32, i32),
-    band: &Band<'_>,
-    curve: &mut Curve,
-) -> bool {
-    let (top, bottom) = (line.column(rows.0), line.column(rows.1));
+pub(super) fn repeats(line: &Line, rows: (i32, i32), band: &Band<'_>, curve: &mut Curve) -> bool {
+    let (top, bottom) = (line.at(rows.0), line.at(rows.1));
     let (left, right) = (top.min(bottom) + FIRST_COLUMN, top.max(bottom) + FIRST_COLUMN);
     let first = (-REACH).max(2 - left);
     let last = REACH.min(band.width() - 2 - STRIP as i32 - right);
     let mut strips: Vec<Strip<'_>, { ROWS as usize }> = Vec::new();
     let mut energy = 0;
     for y in SampledRows::new(rows, ROWS) {
-        if let Some(strip) = strip(line.column(y) + FIRST_COLUMN, y, first, band) {
+        if let Some(strip) = strip(line.at(y) + FIRST_COLUMN, y, first, band) {
             energy += strip.reference.iter().map(|g| u32::from(g.abs_diff(FLAT))).sum::<u32>();
             let _ = strips.push(strip); // at most ROWS rows are sampled
         }

@@ -24,9 +24,7 @@
 //! each within reach.
 
 use crate::evidence::log2_mean_q8;
-use crate::lines::MAX_ROWS;
-use crate::matching::feature::SteepLine;
-use crate::matching::near_horizontal::HorizontalLine;
+use crate::lines::{Line, MAX_ROWS};
 use crate::matching::{Candidate, Side};
 use crate::objects::Region;
 use crate::support::{Support, SupportPoint};
@@ -109,17 +107,12 @@ struct Foot {
 
 impl Foot {
     fn new(candidate: &Candidate, x: i32, y: i32) -> Self {
-        if candidate.segment.near_horizontal {
-            let line = HorizontalLine::new(&candidate.segment);
-            let (from, to) = line.columns();
-            let column = x.max(from).min(to);
-            Self { x: column, y: line.row(column), along: column - from, length: to - from }
-        } else {
-            let line = SteepLine::new(&candidate.segment);
-            let (from, to) = line.rows();
-            let row = y.max(from).min(to);
-            Self { x: line.column(row), y: row, along: row - from, length: to - from }
-        }
+        let line = Line::of(&candidate.segment);
+        let (from, to) = line.extent();
+        let flat = candidate.segment.near_horizontal;
+        let at = if flat { x } else { y }.max(from).min(to);
+        let (x, y) = if flat { (at, line.at(at)) } else { (line.at(at), at) };
+        Self { x, y, along: at - from, length: to - from }
     }
 }
 
