@@ -58,7 +58,7 @@
 //! # Results
 //!
 //! - [`Matched::health`]: faults of the pair by name. A pair that is not fit knows no depths.
-//! - [`Matched::segments`] and [`Matched::points`]: everything credible, most probable first.
+//! - [`Matched::segments`], most probable first, and [`Matched::points`]: everything credible.
 //! - [`Matched::bars`]: poles and legs, in front of what is around them.
 //! - [`Matched::object`]: the depth of a box or a mask ([`objects`]).
 //! - [`Matched::pixel`]: the depth of one pixel.

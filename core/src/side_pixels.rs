@@ -4,7 +4,7 @@
 //! (column, when near-horizontal) of the segment.
 //!
 //! # Cost
-//! Some 20 instructions a row (column) of the segment, at most 32.
+//! Some 80 instructions a row (column) of the segment, at most 32.
 
 use crate::image::{Dims, Gray, Span};
 use crate::lines::Line;

@@ -21,7 +21,7 @@ const EXCHANGE: (f64, u16, u16) = (0.25, 2, 20);
 pub struct FrameResult {
     /// Matched segments, most confident first.
     pub matches: Vec<Match>,
-    /// Points, most confident first, one per pixel at most.
+    /// Points in the order of [`Matched::points`], one per pixel at most.
     pub points: Vec<Point>,
     /// Thin things in front of what is around them.
     pub bars: Vec<Bar>,
