@@ -19,7 +19,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// x by y.
+    /// x by y, whichever end is the upper one.
     pub(crate) fn upright(segment: &Segment) -> Self {
         let (x0, y0, x1, y1) = segment.ends_q5();
         if y0 > y1 { Self::between((y1, x1), (y0, x0)) } else { Self::between((y0, x0), (y1, x1)) }
@@ -53,7 +53,7 @@ impl Line {
 
     /// Across, 1/32 px, at a place along, 1/32 px.
     pub(crate) fn at_q5(&self, along_q5: i32) -> i32 {
-        self.across + (((along_q5 - self.first) * self.slope_q12 + 2048) >> 12)
+        self.rounded_q17(along_q5) >> 12
     }
 
     /// Nearest whole column at a whole row, or row at a column.
@@ -61,14 +61,19 @@ impl Line {
         self.at_q17(along) >> 17
     }
 
-    /// The same in Q17, below 2^29; it grows by [`Line::step_q17`] from one row, or column, to the
-    /// next.
+    /// The same before it is cut to whole pixels, px in Q17.
     pub(crate) fn at_q17(&self, along: i32) -> i32 {
-        ((self.across + 16) << 12) + ((along << 5) - self.first) * self.slope_q12 + 2048
+        self.rounded_q17(along << 5) + (1 << 16)
     }
 
+    /// Change of [`Line::at_q17`] from one row, or column, to the next.
     pub(crate) fn step_q17(&self) -> i32 {
         self.slope_q12 << 5
+    }
+
+    /// Across, px in Q17, and half of 1/32 px: of either sign below 2^29 between its ends.
+    fn rounded_q17(&self, along_q5: i32) -> i32 {
+        (self.across << 12) + (along_q5 - self.first) * self.slope_q12 + 2048
     }
 }
 

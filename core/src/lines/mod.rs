@@ -13,6 +13,8 @@
 //! Only every sixth row and column is scanned; elsewhere gradients are computed where an edge
 //! passes, and no gradient image is stored.
 //!
+//! Later stages read whole pixels along a segment by its `line`.
+//!
 //! # Bounds
 //! A position is drawn at most once per direction; memory is a bit per pixel, one position per two
 //! rows or columns of the longer side, and the list.
