@@ -1,5 +1,5 @@
-//! Written by `linestereo-lab thin` from 420 pairs with poles in scenes of qvga, and what
-//! repeats: do not edit.
+//! Written by `linestereo-lab thin` from 1500 pairs with poles in scenes of qvga, robot_world, and
+//! what repeats: do not edit.
 
 use super::evidence::BAR_EVIDENCE;
 use crate::confidence::{Model, SigmaModel};
@@ -8,37 +8,37 @@ use crate::confidence::{Model, SigmaModel};
 #[rustfmt::skip]
 pub const FITTED_BAR: SigmaModel<BAR_EVIDENCE> = SigmaModel {
     model: Model {
-        bias_q12: -32727,
+        bias_q12: -38895,
         coefficients_q12: [
-            1031, // log2 of the lowest cost elsewhere / the cost
-            20510, // the lowest cost elsewhere / the bar's own gradients
-            -26377, // the cost / the bar's own gradients
-            -11394, // share of rows with the left edge in the right image
-            -14233, // share of rows with the right edge in the right image
-            26281, // the lesser of both
-            11573, // the cost of the most similar place of the left image / the bar's own gradients
-            -1221, // log2(1 + width)
-            600, // log2(1 + rows)
-            3695, // log2(1 + gradient of the weaker edge)
-            7180, // sum of the second edge's gradients / sum of their magnitudes
-            -841, // |difference of the halves' disparities|, px
-            2511, // 1 if both edges have the same sign
-            3328, // log2(1 + disparities compared)
-            -6346, // share of the support points around it that agree
-            -22672, // share of those that are farther
-            -5390, // share of those that are nearer
-            6793, // 1 if there is none
+            2944, // log2 of the lowest cost elsewhere / the cost
+            3259, // the lowest cost elsewhere / the bar's own gradients
+            -466, // the cost / the bar's own gradients
+            -23678, // share of rows with the left edge in the right image
+            -21236, // share of rows with the right edge in the right image
+            45773, // the lesser of both
+            2866, // the cost of the most similar place of the left image / the bar's own gradients
+            5977, // log2(1 + width)
+            -1201, // log2(1 + rows)
+            5834, // log2(1 + gradient of the weaker edge)
+            -2417, // sum of the second edge's gradients / sum of their magnitudes
+            6051, // |difference of the halves' disparities|, px
+            7170, // 1 if both edges have the same sign
+            1389, // log2(1 + disparities compared)
+            5437, // share of the support points around it that agree
+            -2195, // share of those that are farther
+            746, // share of those that are nearer
+            16056, // 1 if there is none
         ],
         probability_q16: [
-            1741, 3482, 5224, 6965, 8706, 10447, 12189, 13930, 15671, 17412, 19154,
-            20895, 22636, 24377, 24780, 25283, 35569, 42015, 46070, 53523, 53525, 55750,
-            59586, 62564, 64184, 64458, 64695, 64696, 65036, 65271, 65273, 65468, 65533,
+            225, 451, 676, 901, 1127, 1352, 1577, 1803, 2028, 2253, 2479,
+            2704, 2929, 8985, 20351, 25274, 25883, 40328, 53727, 56303, 57687, 58806,
+            60996, 62511, 63609, 64287, 64289, 64291, 64293, 64295, 65310, 65457, 65533,
         ],
     },
     sigma_q6: [
-        512, 512, 512, 512, 512, 512, 512, 512, 512, 26, 26,
-        26, 26, 22, 19, 19, 19, 19, 19, 15, 14, 13,
-        12, 10, 10, 9, 8, 7, 7, 7, 6, 6, 6,
+        512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
+        512, 512, 263, 255, 251, 158, 31, 13, 12, 12, 11,
+        10, 10, 9, 9, 9, 8, 8, 8, 8, 8, 7,
     ],
 };
 
@@ -46,36 +46,36 @@ pub const FITTED_BAR: SigmaModel<BAR_EVIDENCE> = SigmaModel {
 #[rustfmt::skip]
 pub const FITTED_LEVEL_BAR: SigmaModel<BAR_EVIDENCE> = SigmaModel {
     model: Model {
-        bias_q12: 42486,
+        bias_q12: 24872,
         coefficients_q12: [
-            3518, // log2 of the lowest cost elsewhere / the cost
-            -636, // the lowest cost elsewhere / the bar's own gradients
-            -15029, // the cost / the bar's own gradients
-            -28509, // share of rows with the left edge in the right image
-            -26746, // share of rows with the right edge in the right image
-            33685, // the lesser of both
-            1576, // the cost of the most similar place of the left image / the bar's own gradients
-            742, // log2(1 + width)
-            -3104, // log2(1 + rows)
-            -850, // log2(1 + gradient of the weaker edge)
-            -9698, // sum of the second edge's gradients / sum of their magnitudes
-            -4485, // |difference of the halves' disparities|, px
-            193, // 1 if both edges have the same sign
-            -487, // log2(1 + disparities compared)
-            19491, // share of the support points around it that agree
-            19844, // share of those that are farther
-            1667, // share of those that are nearer
+            490, // log2 of the lowest cost elsewhere / the cost
+            3867, // the lowest cost elsewhere / the bar's own gradients
+            -33335, // the cost / the bar's own gradients
+            -38835, // share of rows with the left edge in the right image
+            -33069, // share of rows with the right edge in the right image
+            52623, // the lesser of both
+            7176, // the cost of the most similar place of the left image / the bar's own gradients
+            1024, // log2(1 + width)
+            -2268, // log2(1 + rows)
+            -3313, // log2(1 + gradient of the weaker edge)
+            14254, // sum of the second edge's gradients / sum of their magnitudes
+            -3774, // |difference of the halves' disparities|, px
+            3139, // 1 if both edges have the same sign
+            -413, // log2(1 + disparities compared)
+            20147, // share of the support points around it that agree
+            20147, // share of those that are farther
+            3268, // share of those that are nearer
             0, // 1 if there is none
         ],
         probability_q16: [
-            3379, 6757, 10136, 13514, 16893, 20271, 23650, 27028, 30407, 33786, 37164,
-            40543, 43921, 47300, 50678, 54057, 54059, 54061, 54063, 55929, 58147, 60010,
-            61704, 62342, 62738, 63439, 63689, 64338, 64614, 64806, 65051, 65053, 65055,
+            2681, 5362, 8043, 10724, 13405, 16086, 18768, 21449, 24130, 26811, 29492,
+            32173, 34854, 37535, 38215, 38217, 45165, 48421, 51083, 55339, 56359, 58172,
+            60220, 62124, 63980, 64255, 64488, 64561, 64743, 64945, 64947, 64948, 64974,
         ],
     },
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 26, 22, 21, 21, 21, 21, 21, 21, 19, 17,
-        16, 14, 11, 9, 8, 7, 6, 5, 5, 5, 5,
+        299, 131, 66, 66, 66, 52, 50, 42, 33, 23, 19,
+        15, 13, 10, 8, 6, 6, 5, 5, 4, 4, 4,
     ],
 };

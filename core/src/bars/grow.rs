@@ -42,8 +42,7 @@ const LEAST_EDGE_Q3: i32 = 20;
 /// Probability less than that of the bar, Q16: 0.02.
 const LESS_Q16: u16 = 1311;
 
-/// Adds the parts that bars in front go on by, as far as there is room. Parts of level ones make
-/// more answers wrong (`docs/experiments.md`).
+/// Adds the parts that bars go on by, those in front first, as far as there is room.
 #[inline(never)] // its variables are on the stack only while it runs
 pub(crate) fn grow(
     bars: &mut List<'_, Bar>,
@@ -51,17 +50,21 @@ pub(crate) fn grow(
     row_offset: i32,
     least: Confidence,
 ) {
-    for index in 0..bars.len() {
-        for step in [-STEP, STEP] {
-            let Some(&bar) = bars.get(index).filter(|bar| bar.is_in_front()) else { continue };
+    let found = bars.len();
+    for is_in_front in [true, false] {
+        let is_next = |bar: &&Bar| bar.is_prominent() && bar.is_in_front() == is_in_front;
+        for index in 0..found {
+            let Some(&bar) = bars.get(index).filter(is_next) else { continue };
             let probability_q16 = bar.probability_q16.saturating_sub(LESS_Q16);
             if probability_q16 < least.to_bits() {
                 continue;
             }
-            if let Some(part) = (Walk { bar: &bar, images, row_offset, step }).part() {
-                let flags = bar.flags | GROWN;
-                // As far as there is room.
-                let _ = bars.push(Bar { probability_q16, flags, ..part });
+            for step in [-STEP, STEP] {
+                if let Some(part) = (Walk { bar: &bar, images, row_offset, step }).part() {
+                    let flags = bar.flags | GROWN;
+                    // As far as there is room.
+                    let _ = bars.push(Bar { probability_q16, flags, ..part });
+                }
             }
         }
     }
@@ -133,17 +136,17 @@ impl Walk<'_> {
         let (mut own, mut there) = ([FLAT; COLUMNS], [FLAT; COLUMNS]);
         let count = usize::try_from(b - a + 1 + 2 * BESIDE).ok()?;
         gradients(left, y, a - BESIDE..b + BESIDE + 1, own.get_mut(..count)?);
+        let [weak, weaker] = bar.strengths_q3.map(i32::from);
+        let least_q3 = (weak.min(weaker) * 3 / 10).max(LEAST_EDGE_Q3);
+        let [sign_a, sign_b] = bar.signs();
+        let move_a = strongest(&own, BESIDE, sign_a, least_q3)?;
+        let move_b = strongest(&own, BESIDE + b - a, sign_b, least_q3)?;
         gradients(
             right,
             y + self.row_offset,
             a - d - BESIDE..b - d + BESIDE + 1,
             there.get_mut(..count)?,
         );
-        let [weak, weaker] = bar.strengths_q3.map(i32::from);
-        let least_q3 = (weak.min(weaker) * 3 / 10).max(LEAST_EDGE_Q3);
-        let [sign_a, sign_b] = bar.signs();
-        let move_a = strongest(&own, BESIDE, sign_a, least_q3)?;
-        let move_b = strongest(&own, BESIDE + b - a, sign_b, least_q3)?;
         let turn = self.lowest(&own, &there, b - a)?;
         off.shift_q5 += ((move_a + move_b) << 4) / 5;
         let off_q6 = ((d + turn) << 6) - d_q6;

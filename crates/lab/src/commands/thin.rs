@@ -18,8 +18,8 @@ const EXAMPLES: &str = "\
 Examples:
   linestereo-lab thin frames/middlebury2006_third
       poles pasted into these scenes and before drawn walls, and what must be refused
-  linestereo-lab thin frames/qvga --seed 11 --fit core/src
-      the model of bars, fitted on poles pasted into these scenes
+  linestereo-lab thin frames/qvga frames/robot_world --count 1500 --seed 11 --fit core/src
+      the models of bars, fitted on poles pasted into these scenes and on what is in them
 
 Columns:
   rows      of each pole's rows, %: within 1 px / given what is behind / else wrong, at p >= 0.9
