@@ -11,7 +11,8 @@
 //! match:   as every bar
 //! answer:  a piece in front of what is around it that another piece agrees with, or half of them
 //!          where it is less probable than bars have to be; a piece level with what is around it,
-//!          which is not all of one disparity, that two thirds agree with
+//!          which is not all of one disparity, that two thirds agree with; none where another
+//!          credible piece is 2 px off it, or 1 px off a level one
 //! ```
 //! One piece alone is wrong as often as its probability says. Pieces are matched one by one, so
 //! that those that agree confirm each other. Legs of a chair are pieces side by side.
@@ -138,8 +139,9 @@ fn answer(pieces: &[Piece], all: i32, row: i32) -> Option<(Bar, i32)> {
         .iter()
         .filter(is_confirmed)
         .min_by_key(|piece| (piece.bar.middle_row() - row).abs())?;
+    let most_q6 = if nearest.bar.is_in_front() { ONE_THING_Q6 } else { AGREES_Q6 };
     let contradicts = |other: &Piece| {
-        other.bar.confidence() >= LEAST_BAR && off_q6(&other.bar, &nearest.bar) > ONE_THING_Q6
+        other.bar.confidence() >= LEAST_BAR && off_q6(&other.bar, &nearest.bar) > most_q6
     };
     let [first, last] = nearest.bar.first_and_last();
     let d_q6 = nearest.bar.disparity_at_q6(row.max(first).min(last));

@@ -24,8 +24,8 @@
 //! 2^14.
 //!
 //! # Cost
-//! 1.5 M instructions of the 13.6 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU):
-//! 0.7 M to find them, 0.8 M to match them, the rest to place, grow and list them.
+//! 1.7 M instructions of the 13.9 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU):
+//! 0.7 M to find them, 0.8 M to match them, 0.1 M to grow them, the rest to place and list them.
 //!
 //! # Source
 //! Opposite edges as one feature: antiparallel lines (Nevatia, Babu 1980). Its own.
@@ -93,11 +93,11 @@ const WIDE_Q5: i32 = 128;
 const WIDE_INNER_Q5: i32 = 24;
 
 /// Fewest rows of a bar level with what is around it, for all of its pixels to be points and for it
-/// to be grown. Chosen on `robot_world` and `qvga`: with all of them, and from 10, 14 and 20 rows
-/// on, 41.6, 41.5, 41.4 and 41.0 % of the cells of thin things are seen, 2.4, 2.4, 2.2 and 2.3 % of
-/// these wrong (with none 38.4 and 1.9), and 1.46, 1.44, 1.41 and 1.39 % of the answers on `qvga`
-/// (1.42). Rooms that did not choose it (`robot_sequences`, `robot_world_640`): thin things seen 56.0
-/// instead of 50.0 %, 1.3 % of these wrong as before.
+/// to be grown. Chosen on `robot_world` and `qvga`, by models fitted on `qvga` alone: with all of
+/// them, and from 10, 14 and 20 rows on, 41.6, 41.5, 41.4 and 41.0 % of the cells of thin things
+/// are seen, 2.4, 2.4, 2.2 and 2.3 % of these wrong (with none 38.4 and 1.9), and 1.46, 1.44, 1.41
+/// and 1.39 % of the answers on `qvga` (1.42). Rooms that did not choose it (`robot_sequences`,
+/// `robot_world_640`): thin things seen 56.0 instead of 50.0 %, 1.3 % of these wrong as before.
 const LEAST_LEVEL_ROWS: i32 = 14;
 
 /// A thin thing of the left image, between two edges.
