@@ -101,7 +101,7 @@ fn a_larger_range_keeps_a_disparity_or_refuses_it() {
     for pair in pairs() {
         let pair = moved(&pair, |x, y| (x, y));
         let (matches, points) = run(&pair, 48);
-        // A bar that a larger range shows elsewhere as well is refused with all of its pixels.
+        // A bar that is doubtful in a larger range is refused with all of its pixels.
         let of_bars = |point: &&Point| point.source == Source::Side;
         let others: Vec<Point> = points.iter().filter(|point| !of_bars(point)).copied().collect();
         for range in [49, 64, 96] {
