@@ -11,8 +11,8 @@
 //! match:   as every bar
 //! answer:  a piece in front of what is around it that another piece agrees with, or half of them
 //!          where it is less probable than bars have to be; a piece level with what is around it,
-//!          which is not all of one disparity, that two thirds agree with; none where another
-//!          credible piece is 2 px off it, or 1 px off a level one
+//!          which is not all of one disparity, that two thirds agree with; none where another, as
+//!          probable as bars have to be, lies 2 px off it, or 1 px off a level one
 //! ```
 //! One piece alone is wrong as often as its probability says. Pieces are matched one by one, so
 //! that those that agree confirm each other. Legs of a chair are pieces side by side.
