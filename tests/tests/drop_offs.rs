@@ -106,14 +106,20 @@ fn a_drop_off_is_kept_and_its_sector_not_free() {
     assert_eq!(obstacles.drop_off(&plan, 255, 0), None);
 }
 
-/// A floor that ends at `edge_m` and goes on 0.3 m lower.
+/// A floor that ends at `edge_m`, and another one 0.3 m lower behind it. With one texture across
+/// the edge it would be a torn image.
 pub(crate) fn pair(edge_m: Option<f64>, seed: u64) -> [GrayImage; 2] {
     let edge_row = edge_m.map_or(HORIZON, |edge_m| HORIZON + FOCAL * BASELINE / edge_m / DOWN);
-    let disparity = |y: f64| match y.max(HORIZON + 8.0) {
-        y if y >= edge_row => DOWN * (y - HORIZON),
-        y => DOWN * (y - HORIZON) * HEIGHT / (HEIGHT + 0.3),
+    let floor = |seed: u64, height: f64| {
+        let down = DOWN * HEIGHT / height;
+        surface(DIMS, seed, |y| down * (y.max(HORIZON + 8.0) - HORIZON), 0.0)
     };
-    surface(DIMS, seed, disparity, 0.0)
+    let mut pair = floor(seed, HEIGHT);
+    let behind = edge_row.ceil() as usize * usize::from(DIMS.width);
+    for (image, lower) in pair.iter_mut().zip(floor(seed + 100, HEIGHT + 0.3)) {
+        image.pixels[..behind].copy_from_slice(&lower.pixels[..behind]);
+    }
+    pair
 }
 
 /// Directions of a result.
