@@ -16,10 +16,10 @@
 //! Constants were chosen on `robot_world` and `qvga`. Sets that did not choose them, the lower half
 //! of the right image moved by 8, 4, -4 and 2 px (`linestereo-lab faults`): of 60 pairs each of
 //! `robot_sequences` 39, 27, 31 and 22 are found, of 25 of `kitti2012_640` 25, 23, 24 and 19; none
-//! in whole pairs. A camera whose rows are one colour, as of a blank wall, shows none.
+//! in whole pairs. Rows of a blank wall, or of a floor without detail, show none.
 //!
 //! # Cost
-//! Some 190 000 instructions of a QVGA pair, and 9000 for every row that stands out, at most
+//! Some 210 000 instructions of a QVGA pair, and 13 000 for every row that stands out, at most
 //! [`MOST`] an image.
 
 use crate::image::Gray;
