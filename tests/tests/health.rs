@@ -270,6 +270,25 @@ fn what_is_the_same_in_both_images_or_torn_is_named() {
     }
 }
 
+/// Rooms with bare walls and floors, seen while driving and flying.
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn half_of_the_torn_pairs_of_drives_are_named_and_no_whole_one() {
+    let Some(drives) = captured::folder("robot_sequences") else { return };
+    let (mut pairs, mut named) = (0, 0);
+    for path in find_scenes(&drives).unwrap() {
+        let scene = load_scene(&path, None).unwrap();
+        let is_torn = |damage: Damage| {
+            let [left, right] = damaged(&scene, damage);
+            alone(&left, &right, scene.max_disparity).flags.contains(HealthFlags::TORN)
+        };
+        assert!(!is_torn(Damage::None), "{}", path.display());
+        pairs += 1;
+        named += u32::from(is_torn(Damage::Torn(8.0)));
+    }
+    assert!(pairs >= 40 && 2 * named >= pairs, "{named} of {pairs}");
+}
+
 #[test]
 fn what_cannot_tell_its_rows_says_nothing() {
     let image = |paint: &dyn Fn(u16, u16) -> u8| painted(320, 240, paint);

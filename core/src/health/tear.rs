@@ -259,7 +259,7 @@ mod tests {
         // Steps of 4, 6, 8 ... grey levels, three rows from each other.
         let dims = Dims { width: 320, height: 64 };
         let level = |row: i32| {
-            let steps = (1 + (row - 10).div_euclid(3)).max(0).min(10);
+            let steps = (1 + (row - 10).div_euclid(3)).clamp(0, 10);
             steps * (3 + steps)
         };
         let pixels: [u8; 320 * 64] = core::array::from_fn(|i| level(i as i32 / 320) as u8);
