@@ -99,7 +99,7 @@ pub const QVGA: [Digests; 22] = [
     // checkerboard_128x96
     [
         0x811c_9dc5, 0x811c_9dc5, 0x4b95_f515, 0x5579_25c5, 0x811c_9dc5, 0x811c_9dc5, 0x5579_25c5,
-        0x811c_9dc5, 0x47c5_54f0, 0xde65_d3d8,
+        0x811c_9dc5, 0xd465_6df7, 0x8aad_8695,
     ],
     // columns_128x96
     [
@@ -159,7 +159,7 @@ pub const QQVGA: [Digests; 22] = [
     // checkerboard_160x120
     [
         0x811c_9dc5, 0x811c_9dc5, 0x4b95_f515, 0x9006_5245, 0x811c_9dc5, 0x811c_9dc5, 0x9006_5245,
-        0x811c_9dc5, 0x5eac_da8f, 0x88f7_ecea,
+        0x811c_9dc5, 0x463e_e30c, 0x43af_cb0c,
     ],
     // columns_160x120
     [
@@ -214,7 +214,7 @@ pub const QQVGA: [Digests; 22] = [
     // checkerboard_128x96
     [
         0x811c_9dc5, 0x811c_9dc5, 0x4b95_f515, 0x5579_25c5, 0x811c_9dc5, 0x811c_9dc5, 0x5579_25c5,
-        0x811c_9dc5, 0x47c5_54f0, 0xde65_d3d8,
+        0x811c_9dc5, 0xd465_6df7, 0x8aad_8695,
     ],
     // columns_128x96
     [
