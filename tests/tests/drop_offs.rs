@@ -109,12 +109,13 @@ fn a_drop_off_is_kept_and_its_sector_not_free() {
 /// A floor that ends at `edge_m`, and another one 0.3 m lower behind it. With one texture across
 /// the edge it would be a torn image.
 pub(crate) fn pair(edge_m: Option<f64>, seed: u64) -> [GrayImage; 2] {
-    let edge_row = edge_m.map_or(HORIZON, |edge_m| HORIZON + FOCAL * BASELINE / edge_m / DOWN);
     let floor = |seed: u64, height: f64| {
         let down = DOWN * HEIGHT / height;
         surface(DIMS, seed, |y| down * (y.max(HORIZON + 8.0) - HORIZON), 0.0)
     };
     let mut pair = floor(seed, HEIGHT);
+    let Some(edge_m) = edge_m else { return pair };
+    let edge_row = HORIZON + FOCAL * BASELINE / edge_m / DOWN;
     let behind = edge_row.ceil() as usize * usize::from(DIMS.width);
     for (image, lower) in pair.iter_mut().zip(floor(seed + 100, HEIGHT + 0.3)) {
         image.pixels[..behind].copy_from_slice(&lower.pixels[..behind]);
