@@ -166,18 +166,24 @@ impl Facing {
         }
     }
 
-    /// Depth and surface coordinates where the ray of slopes `x/z`, `y/z` meets the surface in
-    /// front of the eye.
+    /// Depths and surface coordinates where rays of slopes `x/z` and `y/z` meet the surface in front
+    /// of the eye; infinite depths where they do not.
     #[inline]
-    pub(super) fn hit(&self, ray: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        let direction = [ray[0], ray[1], 1.0];
-        let depth = self.height / dot(self.normal, direction);
-        if !(depth > 0.0 && depth < f64::INFINITY) {
-            return None; // parallel or behind
+    pub(super) fn hits<const N: usize>(&self, rays: &[[f64; N]; 2]) -> ([f64; N], [[f64; N]; 2]) {
+        let (mut depths, mut at) = ([f64::INFINITY; N], [[0.0; N]; 2]);
+        let [us, vs] = &mut at;
+        let rays = rays[0].iter().zip(&rays[1]);
+        for (((&x, &y), depth), (u, v)) in rays.zip(&mut depths).zip(us.iter_mut().zip(vs)) {
+            let direction = [x, y, 1.0];
+            let along_ray = self.height / dot(self.normal, direction);
+            [*u, *v] =
+                [0, 1].map(|axis| self.foot[axis] + along_ray * dot(self.axes[axis], direction));
+            let inside = |value: f64, [low, high]: [f64; 2]| (value >= low) & (value <= high);
+            // Parallel or behind it is infinite, no number, or negative.
+            let is_hit =
+                (along_ray > 0.0) & inside(*u, self.extent[0]) & inside(*v, self.extent[1]);
+            *depth = if is_hit { along_ray } else { f64::INFINITY };
         }
-        let at = |axis: usize| self.foot[axis] + depth * dot(self.axes[axis], direction);
-        let (u, v) = (at(0), at(1));
-        let inside = |value: f64, [low, high]: [f64; 2]| value >= low && value <= high;
-        (inside(u, self.extent[0]) && inside(v, self.extent[1])).then_some((depth, [u, v]))
+        (depths, at)
     }
 }

@@ -6,7 +6,7 @@
 
 use super::Scene;
 use super::geometry::{Facing, Surface, Vector, along};
-use super::texture::{Grain, hash, unit_from};
+use super::texture::{Cells, choose, hash, unit_from};
 use linestereo::Dims;
 use linestereo_frames::GrayImage;
 
@@ -90,14 +90,17 @@ impl Camera {
         [(x - self.centre[0]) / self.focal, (y - self.centre[1]) / self.focal]
     }
 
-    /// The surface nearest to the camera along a ray: its number, depth and surface coordinates.
-    fn nearest(&self, candidates: &[usize], ray: [f64; 2]) -> Option<(usize, f64, [f64; 2])> {
-        let mut best: Option<(usize, f64, [f64; 2])> = None;
+    /// The surfaces nearest to the camera along rays.
+    fn nearest<const N: usize>(&self, candidates: &[usize], rays: &[[f64; N]; 2]) -> Nearest<N> {
+        let mut best = Nearest { surfaces: [0; N], depths: [f64::INFINITY; N], at: [[0.0; N]; 2] };
         for &number in candidates {
-            if let Some((depth, at)) = self.facings[number].hit(ray)
-                && best.is_none_or(|(_, nearest, _)| depth < nearest)
-            {
-                best = Some((number, depth, at));
+            let (depths, at) = self.facings[number].hits(rays);
+            for i in 0..N {
+                let is_nearer = depths[i] < best.depths[i];
+                best.surfaces[i] = if is_nearer { number } else { best.surfaces[i] };
+                best.depths[i] = choose(is_nearer, depths[i], best.depths[i]);
+                best.at[0][i] = choose(is_nearer, at[0][i], best.at[0][i]);
+                best.at[1][i] = choose(is_nearer, at[1][i], best.at[1][i]);
             }
         }
         best
@@ -133,23 +136,40 @@ impl Camera {
 
     /// Mean grey over every pixel's area, unrounded.
     fn image(&self, dims: Dims, surfaces: &[Surface]) -> Vec<f64> {
-        let (count, step) = LATTICE;
-        let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(count) - 0.5;
-        let lattice: Vec<[f64; 2]> =
-            (0..count).map(|i| [offset(i), offset(i * step % count)]).collect();
+        const COUNT: usize = LATTICE.0 as usize;
+        let offset = |index: u32| (f64::from(index) + 0.5) / f64::from(LATTICE.0) - 0.5;
+        let lattice: [[f64; 2]; COUNT] =
+            core::array::from_fn(|i| [i as u32, i as u32 * LATTICE.1 % LATTICE.0].map(offset));
         let mut greys = Vec::with_capacity(usize::from(dims.width) * usize::from(dims.height));
-        let mut grain = Grain::default();
+        let mut cells: Vec<Cells> = surfaces.iter().map(|_| Cells::default()).collect();
         self.for_each_pixel(dims, |x, y, candidates| {
-            let grey = |&[dx, dy]: &[f64; 2]| {
-                self.nearest(candidates, self.ray(x + dx, y + dy))
-                    .map_or(0.0, |(number, _, [u, v])| {
-                        surfaces[number].texture.grey_near(&mut grain, u, v)
-                    })
-            };
-            greys.push(lattice.iter().map(grey).sum::<f64>() / f64::from(count));
+            let mut rays = [[0.0; COUNT]; 2];
+            for (i, [dx, dy]) in lattice.iter().enumerate() {
+                [rays[0][i], rays[1][i]] = self.ray(x + dx, y + dy);
+            }
+            let Nearest { surfaces: seen, depths, at } = self.nearest(candidates, &rays);
+            let mut of_lattice = [0.0; COUNT];
+            let is_hit = |i: usize| depths[i] < f64::INFINITY;
+            if (0..COUNT).all(|i| is_hit(i) && seen[i] == seen[0]) {
+                of_lattice = surfaces[seen[0]].texture.greys(&mut cells[seen[0]], &at);
+            } else {
+                for i in (0..COUNT).filter(|&i| is_hit(i)) {
+                    let at = [[at[0][i]], [at[1][i]]];
+                    [of_lattice[i]] = surfaces[seen[i]].texture.greys(&mut cells[seen[i]], &at);
+                }
+            }
+            greys.push(of_lattice.iter().sum::<f64>() / f64::from(LATTICE.0));
         });
         greys
     }
+}
+
+/// What rays meet first: depths, infinite where there is nothing, the surfaces' numbers and both
+/// coordinates there.
+struct Nearest<const N: usize> {
+    surfaces: [usize; N],
+    depths: [f64; N],
+    at: [[f64; N]; 2],
 }
 
 /// The pair that the cameras of a scene see, and its truth.
@@ -180,9 +200,11 @@ pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
     let all: Vec<usize> = (0..surfaces.len()).collect();
     left.for_each_pixel(dims, |x, y, candidates| {
         let ray = left.ray(x, y);
-        let Some((number, depth, _)) = left.nearest(candidates, ray) else {
+        let Nearest { surfaces: [number], depths: [depth], .. } =
+            left.nearest(candidates, &ray.map(|slope| [slope]));
+        if depth == f64::INFINITY {
             return rendering.push(f32::NAN, false, 0);
-        };
+        }
         let point = along([ray[0] * depth, ray[1] * depth, depth], -1.0, eye);
         let seen = [point[0] / depth, point[1] / depth];
         let in_image = |axis: usize, side: u16| {
@@ -190,8 +212,8 @@ pub fn render(scene: &Scene, dims: Dims, sensor: &Sensor) -> Rendering {
             position >= -0.5 && position <= f64::from(side) - 0.5
         };
         // Another surface hides the point only if it is nearer by more than rounding.
-        let free =
-            right.nearest(&all, seen).is_none_or(|(_, nearest, _)| nearest > depth * (1.0 - 1e-9));
+        let Nearest { depths: [nearest], .. } = right.nearest(&all, &seen.map(|slope| [slope]));
+        let free = nearest > depth * (1.0 - 1e-9);
         let visible = in_image(0, dims.width) && in_image(1, dims.height) && free;
         rendering.push(pair.disparity(depth) as f32, visible, surfaces[number].label);
     });

@@ -62,71 +62,169 @@ impl Texture {
         Self { pattern, grain, grain_size, seed }
     }
 
-    /// The grey at `u, v` metres from the surface's origin. Positions close to each other share
-    /// what they have in common where they are asked for one after the other with the same `grain`.
-    pub(super) fn grey_near(&self, grain: &mut Grain, u: f64, v: f64) -> f64 {
-        let base = match self.pattern {
-            Pattern::Blank(grey) => grey,
-            Pattern::Stripes { greys, period } => greys[usize::from(is_odd(2.0 * u / period))],
-            Pattern::Checker { greys, side } => {
-                greys[usize::from(is_odd(u / side) != is_odd(v / side))]
-            }
-            Pattern::Mosaic { greys, cell } => {
-                let unit = unit_from(hash(self.seed, floor(u / cell[0]), floor(v / cell[1])));
-                greys[0] + (greys[1] - greys[0]) * unit
-            }
-            Pattern::Edge(greys) => greys[usize::from(v >= 0.0)],
-            Pattern::Band { greys, width } => greys[usize::from(v.abs() < 0.5 * width)],
-        };
-        if self.grain == 0.0 {
-            return base;
-        }
-        let [coarse, middle, fine] = &mut grain.0;
-        let octave = |cell: &mut NoiseCell, scale: f64, seed: u64| {
-            cell.value(seed, u * scale / self.grain_size, v * scale / self.grain_size)
-        };
-        let noise = 0.5 * octave(coarse, 1.0, self.seed ^ 1)
-            + 0.3 * octave(middle, 2.0, self.seed ^ 2)
-            + 0.2 * octave(fine, 4.0, self.seed ^ 3);
-        base + self.grain * noise
-    }
-
     /// The grey at `u, v` metres from the surface's origin.
     pub fn grey(&self, u: f64, v: f64) -> f64 {
-        self.grey_near(&mut Grain::default(), u, v)
+        let [grey] = self.greys(&mut Cells::default(), &[[u], [v]]);
+        grey
     }
-}
 
-/// The cells of the grain's three octaves in which the last grey lay.
-#[derive(Default)]
-pub(super) struct Grain([NoiseCell; 3]);
-
-/// A unit square of smooth noise.
-#[derive(Default)]
-struct NoiseCell {
-    /// Seed, column and row, once it is known.
-    place: Option<(u64, f64, f64)>,
-    /// Values at its corners, -1 ..= 1: two above, two below.
-    corners: [f64; 4],
-}
-
-impl NoiseCell {
-    /// Smooth noise in -1 ..= 1 with one independent value per unit square.
-    fn value(&mut self, seed: u64, x: f64, y: f64) -> f64 {
-        let (column, row) = (floor(x), floor(y));
-        if self.place != Some((seed, column, row)) {
-            let at = |dx: f64, dy: f64| 2.0 * unit_from(hash(seed, column + dx, row + dy)) - 1.0;
-            *self = Self {
-                place: Some((seed, column, row)),
-                corners: [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)],
-            };
+    /// The greys at positions close to each other: all first coordinates, all second ones. Calls
+    /// for the same texture share `cells`.
+    pub(super) fn greys<const N: usize>(&self, cells: &mut Cells, at: &[[f64; N]; 2]) -> [f64; N] {
+        let mut greys = self.pattern.greys(self.seed, &mut cells.pattern, at);
+        if self.grain == 0.0 {
+            return greys;
         }
-        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
-        let (fx, fy) = (smooth(x - column), smooth(y - row));
-        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-        let [a, b, c, d] = self.corners;
-        mix(mix(a, b, fx), mix(c, d, fx), fy)
+        let coarse = at.each_ref().map(|axis| of_all(axis, |position| position / self.grain_size));
+        let mut noise = [0.0; N];
+        for (cell, (scale, weight, seed)) in
+            cells.grain.iter_mut().zip([(1.0, 0.5, 1), (2.0, 0.3, 2), (4.0, 0.2, 3)])
+        {
+            let at = coarse.each_ref().map(|axis| of_all(axis, |position| position * scale));
+            let values = cell.smooth_noise(self.seed ^ seed, &at);
+            noise.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+        }
+        greys.iter_mut().zip(noise).for_each(|(grey, noise)| *grey += self.grain * noise);
+        greys
     }
+}
+
+impl Pattern {
+    fn greys<const N: usize>(&self, seed: u64, cells: &mut Patch, at: &[[f64; N]; 2]) -> [f64; N] {
+        let [us, vs] = at;
+        let in_cells = |size: [f64; 2]| [of_all(us, |u| u / size[0]), of_all(vs, |v| v / size[1])];
+        match *self {
+            Self::Blank(grey) => [grey; N],
+            Self::Stripes { greys, period } => {
+                of_all(us, |u| greys[usize::from(is_odd(2.0 * u / period))])
+            }
+            Self::Checker { greys, side } => cells.of_cells(&in_cells([side; 2]), |column, row| {
+                greys[usize::from(is_odd(column) != is_odd(row))]
+            }),
+            Self::Mosaic { greys, cell } => cells.of_cells(&in_cells(cell), |column, row| {
+                greys[0] + (greys[1] - greys[0]) * unit_from(hash(seed, column, row))
+            }),
+            Self::Edge(greys) => of_all(vs, |v| greys[usize::from(v >= 0.0)]),
+            Self::Band { greys, width } => {
+                of_all(vs, |v| greys[usize::from(v.abs() < 0.5 * width)])
+            }
+        }
+    }
+}
+
+/// What a texture has around the last positions: its pattern, and its grain's three octaves.
+#[derive(Default)]
+pub(super) struct Cells {
+    pattern: Patch,
+    grain: [Patch; 3],
+}
+
+/// Two by two cells of a grid of numbers, and the values of these and of those behind them: a pixel
+/// seldom reaches more.
+struct Patch {
+    /// Its first column and row; NaN, so that it holds nothing, until it is somewhere.
+    first: [f64; 2],
+    /// Row by row.
+    values: [[f64; 3]; 3],
+}
+
+impl Default for Patch {
+    fn default() -> Self {
+        Self { first: [f64::NAN; 2], values: [[0.0; 3]; 3] }
+    }
+}
+
+impl Patch {
+    /// The value of the cell that each position lies in.
+    fn of_cells<const N: usize>(
+        &mut self,
+        at: &[[f64; N]; 2],
+        of: impl Fn(f64, f64) -> f64,
+    ) -> [f64; N] {
+        self.of_positions(at, &of, |values, _, is_second| {
+            let [above, below, _] =
+                values.map(|[left, right, _]| choose(is_second[0], right, left));
+            choose(is_second[1], below, above)
+        })
+    }
+
+    /// Smooth noise in -1 ..= 1 with one independent value per corner of the cells.
+    fn smooth_noise<const N: usize>(&mut self, seed: u64, at: &[[f64; N]; 2]) -> [f64; N] {
+        let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+        let of = |column, row| 2.0 * unit_from(hash(seed, column, row)) - 1.0;
+        self.of_positions(at, &of, |values, offset, is_second| {
+            let [fx, fy] = offset.map(smooth);
+            let [above, middle, below] = values.map(|[left, middle, right]| {
+                mix(choose(is_second[0], middle, left), choose(is_second[0], right, middle), fx)
+            });
+            mix(choose(is_second[1], middle, above), choose(is_second[1], below, middle), fy)
+        })
+    }
+
+    /// Values by those of the cells, which `of` gives for a column and a row, by how far into its
+    /// cell a position lies, and if that is the second column and row of the patch.
+    fn of_positions<const N: usize>(
+        &mut self,
+        at: &[[f64; N]; 2],
+        of: &impl Fn(f64, f64) -> f64,
+        value: impl Fn(&[[f64; 3]; 3], [f64; 2], [bool; 2]) -> f64 + Copy,
+    ) -> [f64; N] {
+        let mut found = [0.0; N];
+        let [xs, ys] = at;
+        let places = found.iter_mut().zip(xs.iter().zip(ys));
+        if self.holds(at) || self.move_to(at, of) {
+            let Self { first: [column, row], values } = *self;
+            for (found, (&x, &y)) in places {
+                let is_second = [x >= column + 1.0, y >= row + 1.0];
+                let of_cell = [
+                    choose(is_second[0], column + 1.0, column),
+                    choose(is_second[1], row + 1.0, row),
+                ];
+                *found = value(&values, [x - of_cell[0], y - of_cell[1]], is_second);
+            }
+        } else {
+            for (found, (&x, &y)) in places {
+                [*found] = self.of_positions(&[[x], [y]], of, value);
+            }
+        }
+        found
+    }
+
+    fn holds<const N: usize>(&self, at: &[[f64; N]; 2]) -> bool {
+        let is_within = |(axis, first): (&[f64; N], f64)| {
+            axis.iter().fold(true, |all, &at| all & (at >= first) & (at < first + 2.0))
+        };
+        at.iter().zip(self.first).all(is_within)
+    }
+
+    /// Moves to the first cells of these positions; true if it holds all of them.
+    fn move_to<const N: usize>(
+        &mut self,
+        at: &[[f64; N]; 2],
+        of: &impl Fn(f64, f64) -> f64,
+    ) -> bool {
+        let least = |axis: &[f64; N]| {
+            axis.iter().fold(f64::INFINITY, |least, &at| choose(at < least, at, least))
+        };
+        let first = at.each_ref().map(|axis| floor(least(axis)));
+        let ahead = [0.0, 1.0, 2.0];
+        let values = ahead.map(|down| ahead.map(|right| of(first[0] + right, first[1] + down)));
+        *self = Self { first, values };
+        self.holds(at)
+    }
+}
+
+/// A branch would keep a compiler from doing several at once.
+pub(super) fn choose(is_first: bool, first: f64, second: f64) -> f64 {
+    if is_first { first } else { second }
+}
+
+/// What `array::map` gives, which a compiler makes calls of where an array is long.
+fn of_all<const N: usize>(values: &[f64; N], of: impl Fn(f64) -> f64) -> [f64; N] {
+    let mut found = [0.0; N];
+    found.iter_mut().zip(values).for_each(|(found, &value)| *found = of(value));
+    found
 }
 
 /// The same as `f64::floor`, which is a call of a library for the oldest processors of a PC.
