@@ -166,8 +166,8 @@ impl Facing {
         }
     }
 
-    /// Depths and surface coordinates where rays of slopes `x/z` and `y/z` meet the surface in front
-    /// of the eye; infinite depths where they do not.
+    /// Depths and surface coordinates where rays of slopes `x/z` and `y/z` meet the surface in
+    /// front of the eye; infinite depths where they do not.
     #[inline]
     pub(super) fn hits<const N: usize>(&self, rays: &[[f64; N]; 2]) -> ([f64; N], [[f64; N]; 2]) {
         let (mut depths, mut at) = ([f64::INFINITY; N], [[0.0; N]; 2]);
