@@ -56,12 +56,14 @@ pub(super) fn text(pair: [GrayImage; 2], lines: usize, seed: u64) -> [GrayImage;
         let mut random = SplitMix64(seed);
         let (width, height) = (usize::from(image.dims.width), usize::from(image.dims.height));
         for line in 0..lines {
-            let top = height * (2 * line + 1) / (2 * lines) - 4;
+            let middle = height * (2 * line + 1) / (2 * lines);
             for letter in 0..width / 6 {
                 let strokes = LETTERS[(random.bits() % 8) as usize];
-                for (y, row) in strokes.iter().enumerate() {
-                    for x in (0..5).filter(|x| row >> (4 - x) & 1 == 1) {
-                        image.pixels[(top + y) * width + 6 * letter + x] = 250;
+                for (down, strokes) in strokes.iter().enumerate() {
+                    let y = (middle + down).checked_sub(4).filter(|&y| y < height);
+                    let Some(y) = y else { continue }; // lines of small images reach beyond them
+                    for x in (0..5).filter(|x| strokes >> (4 - x) & 1 == 1) {
+                        image.pixels[y * width + 6 * letter + x] = 250;
                     }
                 }
             }
@@ -146,4 +148,22 @@ pub(super) fn covered(mut image: GrayImage, percent: f64) -> GrayImage {
         }
     }
     image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::Dims;
+
+    #[test]
+    fn lines_of_text_end_with_the_image() {
+        for (height, lines) in [(240, 12), (86, 12), (20, 12), (6, 1)] {
+            let dims = Dims { width: 64, height };
+            let dark = GrayImage { dims, pixels: vec![0; 64 * usize::from(height)] };
+            let [left, right] = text([dark.clone(), dark], lines, 1);
+            assert_eq!(left.pixels, right.pixels);
+            let drawn = left.pixels.iter().filter(|&&grey| grey == 250).count();
+            assert!(drawn > 20 && drawn < left.pixels.len(), "{height}: {drawn}");
+        }
+    }
 }
