@@ -1,5 +1,5 @@
 //! Heap sort: in place, no recursion, no panic path (the standard library's sorts carry one for
-//! inconsistent orders).
+//! inconsistent orders). The largest of a few.
 
 /// Sorts by `key`, smallest first; equal keys may change places, so keys should be distinct where
 /// order matters.
@@ -48,5 +48,15 @@ pub(crate) fn sift_down<T: Copy, K: Ord>(heap: &mut [T], mut root: usize, key: &
     }
     if let Some(slot) = heap.get_mut(root) {
         *slot = item;
+    }
+}
+
+/// Puts a value into a list of the largest, largest first, whose least goes.
+#[inline(never)] // once for lists of each length
+pub(crate) fn keep_largest<T: Ord>(largest: &mut [T], mut value: T) {
+    for slot in largest {
+        if value > *slot {
+            core::mem::swap(slot, &mut value);
+        }
     }
 }

@@ -50,10 +50,12 @@ mod tear;
 use crate::cores::{Cores, join};
 use crate::image::{Dims, Gray};
 use crate::result::{Counts, Match, Rejection};
+use crate::sort::keep_largest;
 pub use crate::support::RangeCheck;
 use crate::support::Support;
 use crate::units::{Confidence, quotient};
 pub use camera::CameraHealth;
+use core::cmp::Reverse;
 use evenness::Evenness;
 pub use flags::HealthFlags;
 pub use limits::{HealthLimits, Skewed};
@@ -523,17 +525,12 @@ fn is_small(range: &RangeCheck, limits: &HealthLimits) -> bool {
 
 /// The third smallest disparity of the matches, of the larger of their ends, 1/64 px.
 fn third_least_q6(matches: &[Match]) -> Option<i16> {
-    let mut least = [i16::MAX; BEYOND];
+    let mut least = [Reverse(i16::MAX); BEYOND];
     for found in matches {
         let [d0, d1] = found.disparity.map(crate::units::Disparity::to_bits);
-        let mut value = d0.max(d1);
-        for slot in &mut least {
-            if value < *slot {
-                core::mem::swap(slot, &mut value);
-            }
-        }
+        keep_largest(&mut least, Reverse(d0.max(d1)));
     }
-    let [.., third] = least;
+    let [.., Reverse(third)] = least;
     (third < i16::MAX).then_some(third)
 }
 

@@ -27,6 +27,7 @@
 
 use crate::image::Gray;
 use crate::kernel::{STRIP, row_difference};
+use crate::sort::keep_largest;
 use crate::support::{SUPPORT_PITCH, Support};
 use crate::units::quotient;
 
@@ -93,13 +94,7 @@ fn standing_out(image: Gray<'_>) -> impl Iterator<Item = i32> {
             && own >= LEAST_Q4
             && 4 * own > 5 * after.max(before)
         {
-            let mut one = (own - after.max(before), y - 1);
-            // Into its place: the least of nine goes.
-            for slot in &mut found {
-                if one > *slot {
-                    core::mem::swap(slot, &mut one);
-                }
-            }
+            keep_largest(&mut found, (own - after.max(before), y - 1));
         }
         (before, own) = (own, after);
     }

@@ -4,6 +4,7 @@
 //! and the nearest drop-off.
 
 use super::plan::ObstaclePlan;
+use crate::sort::keep_largest;
 
 /// Number of hypotheses kept of a sector, the nearest ones.
 const KEPT: usize = 16;
@@ -66,16 +67,7 @@ impl<const KEPT: usize> Nearest<KEPT> {
         let hypothesis = (u16::try_from(nearness_q6).unwrap_or(u16::MAX), error_q16);
         // Most are not among the nearest.
         if self.0.last().is_some_and(|last| hypothesis > *last) {
-            insert(&mut self.0, hypothesis);
-        }
-    }
-}
-
-#[inline(never)] // once for lists of each length
-fn insert(list: &mut [(u16, u16)], mut hypothesis: (u16, u16)) {
-    for slot in list {
-        if hypothesis > *slot {
-            core::mem::swap(slot, &mut hypothesis);
+            keep_largest(&mut self.0, hypothesis);
         }
     }
 }
