@@ -303,6 +303,25 @@ mod tests {
     }
 
     #[test]
+    fn of_a_small_image_fewer_points_are_enough_where_rows_are_clear() {
+        let (whole, torn) = (torn(9, 0), torn(9, 6));
+        let other = pillars(64, |y| if y > 9 { 1777 } else { 0 });
+        // 152 columns are compared. Another picture below in most of them: the rest continues.
+        let spans = [Span { start: 20, end: 220 }; 32];
+        let seen = |same: usize, points: usize| {
+            let image: Pixels =
+                core::array::from_fn(|i| if i % 320 < same { torn[i] } else { other[i] });
+            let images = [&image, &whole].map(|image| view(image).with_valid(&spans).unwrap());
+            found(images, |row, column| {
+                (column < points).then_some(if row > 1 { 640 + 6 * 64 } else { 640 })
+            })
+        };
+        let tear = Some((9, 6));
+        assert_eq!([seen(320, 1), seen(320, 2)], [None, tear]);
+        assert_eq!([seen(120, 3), seen(120, 4)], [None, tear]);
+    }
+
+    #[test]
     fn points_of_one_disparity_above_and_below_deny_a_tear() {
         let (whole, torn) = (torn(9, 0), torn(9, 6));
         // So many points keep their disparity from the first to the third row, others change it.
