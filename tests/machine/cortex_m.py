@@ -197,6 +197,11 @@ class Core:
         self.pending.add(number)
         self.clock.stop = 0
 
+    def raise_level(self, number):
+        """Of a peripheral that asks as long as something is to be done: not while its own handler runs, at whose end it is asked again."""
+        if number not in self.active:
+            self.raise_interrupt(number)
+
     def raise_fault(self):
         self.forced = -13
         self.clock.stop = 0

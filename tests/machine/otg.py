@@ -67,7 +67,7 @@ class Otg:
 
     def signal(self):
         if self.registers.get(8, 0) & 1 and self._interrupts() & self.registers.get(0x18, 0):
-            self.core.raise_interrupt(self.irq)
+            self.core.raise_level(self.irq)
 
     def _interrupts(self):
         mask = self.registers.get(0x81C, 0)

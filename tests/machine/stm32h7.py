@@ -180,9 +180,8 @@ class Uart:
         return self.empty << 7 | self.empty << 6 | 3 << 21 | bool(self.received) << 5 | self.idle << 4
 
     def signal(self):
-        """A level: its own handler is not asked before it ends."""
-        if self.irq not in self.core.active and self.control & self.flags() & (1 << 7 | 1 << 6 | 1 << 5 | 1 << 4):
-            self.core.raise_interrupt(self.irq)
+        if self.control & self.flags() & (1 << 7 | 1 << 6 | 1 << 5 | 1 << 4):
+            self.core.raise_level(self.irq)
 
     def receive_all(self, data):
         """At the line's pace."""
@@ -262,7 +261,7 @@ class Timer:
 
     def signal(self):
         if self.flags & self.wanted & 0x1F:
-            self.core.raise_interrupt(TIM5_IRQ)
+            self.core.raise_level(TIM5_IRQ)
 
     def _arm(self):
         if self.start is None:

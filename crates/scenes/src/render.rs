@@ -164,8 +164,8 @@ impl Camera {
     }
 }
 
-/// What rays meet first: depths, infinite where there is nothing, the surfaces' numbers and both
-/// coordinates there.
+/// The first hits of rays: numbers of the surfaces, depths in metres, infinite where there is none,
+/// and both surface coordinates in metres.
 struct Nearest<const N: usize> {
     surfaces: [usize; N],
     depths: [f64; N],

@@ -112,7 +112,7 @@ impl Pattern {
     }
 }
 
-/// What a texture has around the last positions: its pattern, and its grain's three octaves.
+/// The cells around the last positions: of the pattern, and of the grain's three octaves.
 #[derive(Default)]
 pub(super) struct Cells {
     pattern: Patch,
@@ -162,8 +162,9 @@ impl Patch {
         })
     }
 
-    /// Values by those of the cells, which `of` gives for a column and a row, by how far into its
-    /// cell a position lies, and if that is the second column and row of the patch.
+    /// A value for each position. `of` gives the value of a cell by its column and row; `value`
+    /// gets those of the patch, the position within its cell, and for both axes if that cell is the
+    /// second one.
     fn of_positions<const N: usize>(
         &mut self,
         at: &[[f64; N]; 2],
@@ -215,12 +216,12 @@ impl Patch {
     }
 }
 
-/// A branch would keep a compiler from doing several at once.
+/// One of two values without a branch, so that a compiler can do several at once.
 pub(super) fn choose(is_first: bool, first: f64, second: f64) -> f64 {
     if is_first { first } else { second }
 }
 
-/// What `array::map` gives, which a compiler makes calls of where an array is long.
+/// The same as `array::map`, of which a compiler makes calls where an array is long.
 fn of_all<const N: usize>(values: &[f64; N], of: impl Fn(f64) -> f64) -> [f64; N] {
     let mut found = [0.0; N];
     found.iter_mut().zip(values).for_each(|(found, &value)| *found = of(value));
