@@ -84,21 +84,37 @@ define_evidence! {
     NextToEdge: "1 for the pixels next to an edge whose two sides are not known to be one surface",
 }
 
-/// Evidence by support points and other segments, known when all segments are matched; entries one
-/// after the other.
-pub(crate) const NEARBY: [SegmentKind; 4] = [
-    SegmentKind::SupportAgreeing,
-    SegmentKind::SupportFarther,
-    SegmentKind::SupportNearer,
-    SegmentKind::SegmentsAgreeing,
-];
+/// Evidence by support points and other segments, known when all segments are matched, Q8.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct NearbyEvidence {
+    /// [`SegmentKind::SupportAgreeing`].
+    pub agreeing: i16,
+    /// [`SegmentKind::SupportFarther`].
+    pub farther: i16,
+    /// [`SegmentKind::SupportNearer`].
+    pub nearer: i16,
+    /// [`SegmentKind::SegmentsAgreeing`].
+    pub segments: i16,
+}
+
+impl NearbyEvidence {
+    /// The first of its kinds; the others follow.
+    pub(crate) const FIRST: SegmentKind = SegmentKind::SupportAgreeing;
+
+    /// In the order of kinds.
+    pub(crate) fn values(self) -> [i16; 4] {
+        [self.agreeing, self.farther, self.nearer, self.segments]
+    }
+}
 
 impl SegmentEvidence {
-    /// The evidence completed with that by support points and segments nearby, Q8.
+    /// The evidence completed with that by support points and segments nearby.
     #[must_use]
-    pub fn with_nearby(mut self, nearby_q8: [i16; 4]) -> Self {
-        for (kind, value) in NEARBY.into_iter().zip(nearby_q8) {
-            self.set(kind, value.into());
+    pub fn with_nearby(mut self, nearby: NearbyEvidence) -> Self {
+        for (value, nearby) in
+            self.0.iter_mut().skip(NearbyEvidence::FIRST as usize).zip(nearby.values())
+        {
+            *value = nearby;
         }
         self
     }

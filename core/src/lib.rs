@@ -176,7 +176,7 @@ pub mod unstable {
     pub use crate::bars::evidence::{BAR_EVIDENCE, BarEvidence, BarKind};
     pub use crate::bars::{FITTED_BAR, FITTED_LEVEL_BAR, LEAST_BAR};
     pub use crate::confidence::{FITTED, Model, Models, NODES, Network, SigmaModel, UNITS, Unit};
-    pub use crate::evidence::{SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
+    pub use crate::evidence::{NearbyEvidence, SEGMENT_EVIDENCE, SegmentEvidence, SegmentKind};
     pub use crate::fnv::Fnv;
     pub use crate::kernel::KERNELS;
     pub use crate::lines::Segment;

@@ -253,9 +253,8 @@ impl Matcher {
             _ => SEARCH_PERIOD - 1,
         };
         let findings = Findings { has_segments, ..matched.findings() };
-        let images = [left, right];
-        let measured = measured.unwrap_or_else(|| Measured::new(images, &findings));
-        self.monitor.judge(&self.limits, (images, &findings), measured, &mut health);
+        let measured = measured.unwrap_or_else(|| Measured::new([left, right], &findings));
+        self.monitor.judge(&self.limits, left, &findings, measured, &mut health);
         if has_segments && (areas.is_none() || are_points_alone) {
             self.learn_rows(matched.summary.row_offset_q5, &health);
         }

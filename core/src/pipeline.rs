@@ -11,8 +11,9 @@ use crate::lines::{self, LineParams};
 use crate::list::List;
 use crate::matched::{Matched, Summary};
 use crate::matching::consistency;
-use crate::matching::{FullSearches, MatchContext, row_offset, surroundings};
-use crate::memory::{Buffers, Scratch, Second};
+use crate::matching::row_offset::{self, RowOffset};
+use crate::matching::{FullSearches, MatchContext, surroundings};
+use crate::memory::{Buffers, Scratch};
 use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
@@ -64,13 +65,13 @@ impl<'a> Run<'_, 'a> {
         };
         let Plan { params, dims, support_models, .. } = self.plan;
         if params.ground {
-            let searched = (summary.row_offset(), params.max_disparity);
             let others = m.second.as_mut().map(|second| &mut *second.scratch.rows);
             summary.plane = ground::find(
                 lend(&mut cores),
                 others,
                 self.images,
-                searched,
+                summary.row_offset(),
+                params.max_disparity,
                 self.ground,
                 m.scratch.rows,
             );
@@ -83,7 +84,8 @@ impl<'a> Run<'_, 'a> {
             lend(&mut cores),
             &mut m.support,
             Grid::new(params, *dims),
-            (summary.detail_q8, summary.plane),
+            summary.detail_q8,
+            summary.plane,
             support_models.of_size(dims.is_large(), summary.plane.is_some()),
         );
         observer.on_event(StageEvent::Consistency(&m.candidates, &m.support));
@@ -91,7 +93,7 @@ impl<'a> Run<'_, 'a> {
 
         let (mut report, matches) = Report::new(self.plan, self.images, &mut m, &summary);
         let measured = if let Some(cores) = cores {
-            Some(self.report_on(cores, (&mut report, matches), &mut summary))
+            Some(self.report_on(cores, &mut report, matches, &mut summary))
         } else {
             report.run(matches, &mut summary.counts);
             None
@@ -105,7 +107,8 @@ impl<'a> Run<'_, 'a> {
     fn report_on(
         &self,
         cores: &mut dyn Cores,
-        (report, matches): (&mut Report<'_>, &mut List<'_, Match>),
+        report: &mut Report<'_>,
+        matches: &mut List<'_, Match>,
         summary: &mut Summary,
     ) -> Measured {
         let ([left, right], support, offset) = (self.images, report.support, summary.row_offset());
@@ -146,7 +149,8 @@ impl<'a> Run<'_, 'a> {
         let found = match (lend(&mut cores), &mut m.second) {
             (Some(cores), Some(second)) => lines::detect_on(
                 cores,
-                (*left, areas),
+                *left,
+                areas,
                 &lines,
                 [m.scratch.lines(), second.scratch.lines()],
                 [&mut m.left, &mut m.right],
@@ -160,7 +164,7 @@ impl<'a> Run<'_, 'a> {
             (self.plan.has_bars && regions.areas().is_none(), self.row_offset_q5.is_none());
         let (has_two, given) = (cores.is_some(), self.given_rows());
         let estimate = |left: &[_], right: &[_]| match given {
-            Some(_) => (given, 0),
+            Some(_) => RowOffset { offset_q5: given, cut: 0 },
             None => {
                 let pixels = Area::of(*dims).pixels();
                 row_offset::estimate(left, right, self.plan.disparities(), pixels)
@@ -186,8 +190,7 @@ impl<'a> Run<'_, 'a> {
         };
         match (cores, second) {
             (Some(cores), Some(second)) if has_bars => {
-                let bars = (bars, &mut second.bars);
-                bars::find_on(cores, *left, segments, bars, find_right);
+                bars::find_on(cores, *left, segments, bars, &mut second.bars, find_right);
             }
             (cores, _) => {
                 let find_bars = || {
@@ -200,11 +203,12 @@ impl<'a> Run<'_, 'a> {
         }
         observer.on_event(StageEvent::LinesRight(&m.right));
         counts.segments_right = u16::try_from(m.right.len()).unwrap_or(u16::MAX);
-        let (row_offset_q5, cut) = estimated.unwrap_or_else(|| estimate(&m.left, &m.right));
+        let RowOffset { offset_q5, cut } = estimated.unwrap_or_else(|| estimate(&m.left, &m.right));
         counts.comparisons_cut = cut;
         let lost = lines::keep_prominent(
             &mut m.left,
-            (params.cell.into(), m.candidates.capacity()),
+            params.cell.into(),
+            m.candidates.capacity(),
             dims.width.into(),
             m.scratch.marks,
         );
@@ -212,8 +216,8 @@ impl<'a> Run<'_, 'a> {
         lines::sort_by_top(&mut m.left);
         counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         counts.reject_many(Rejection::LessProminent, lost);
-        observer.on_event(StageEvent::Selection(row_offset_q5.unwrap_or(0).into(), &m.left));
-        row_offset_q5
+        observer.on_event(StageEvent::Selection(offset_q5.unwrap_or(0).into(), &m.left));
+        offset_q5
     }
 
     /// Matches the support points. Sets the detail of the left image, and what was found beyond the
@@ -243,7 +247,7 @@ impl<'a> Run<'_, 'a> {
             models,
             wants_curves,
         };
-        (summary.detail_q8, summary.range) = matching.run(
+        let overall = matching.run(
             self.regions.areas(),
             cores,
             m.scratch.rows,
@@ -253,6 +257,7 @@ impl<'a> Run<'_, 'a> {
                 support::Seen::Evidence(evidence) => observer.support_point(index, evidence),
             },
         );
+        (summary.detail_q8, summary.range) = (overall.detail_q8, overall.range);
         observer.on_event(StageEvent::Support(&m.support));
     }
 
@@ -276,22 +281,17 @@ impl<'a> Run<'_, 'a> {
         let stage =
             SegmentStage { images: self.images, row_offset, context, extents: extents.as_deref() };
         let Scratch { rows, work, .. } = &mut m.scratch;
-        let into = (&mut m.candidates, &mut *counts);
+        let all = Part { segments: &m.left, bars: &mut m.bars, rows, work };
         match (lend(&mut cores), &mut m.second) {
-            (Some(cores), Some(Second { scratch, searches, .. })) => stage.run_on(
-                cores,
-                (&m.left, &mut m.bars),
-                [(rows, work), (scratch.rows, scratch.work)],
-                (&mut full, searches),
-                into,
-            ),
+            (Some(cores), Some(second)) => {
+                stage.run_on(cores, all, second, &mut full, &mut m.candidates, counts);
+            }
             _ => {
-                let part = Part { segments: &m.left, bars: &mut m.bars, rows, work };
                 let search = |segment: &_| full.allow(segment, stage.context.search(segment));
-                stage.run(part, search, into, observer);
+                stage.run(all, search, &mut m.candidates, counts, observer);
             }
         }
-        let cut = compare_nearby(cores, (Grid::new(params, *dims), plane), m);
+        let cut = compare_nearby(cores, Grid::new(params, *dims), plane, m);
         counts.comparisons_cut = counts.comparisons_cut.saturating_add(cut);
     }
 
@@ -321,7 +321,8 @@ impl<'a> Run<'_, 'a> {
 #[inline(never)] // its variables are on the stack only while it runs
 fn compare_nearby(
     cores: Option<&mut dyn Cores>,
-    grid: (Grid, Option<GroundPlane>),
+    grid: Grid,
+    plane: Option<GroundPlane>,
     m: &mut Buffers<'_>,
 ) -> u16 {
     let Buffers { candidates, neighbours, support, .. } = m;
@@ -330,7 +331,7 @@ fn compare_nearby(
     join(
         cores,
         || cut = consistency::accumulate_support(neighbours),
-        || surroundings::evaluate_sides(candidates, grid, support),
+        || surroundings::evaluate_sides(candidates, grid, plane, support),
     );
     consistency::take_support(candidates, neighbours);
     cut

@@ -17,7 +17,7 @@
 
 use crate::bars::{Bar, Edge};
 use crate::confidence::{Model, Models, Network};
-use crate::evidence::SegmentKind;
+use crate::evidence::{NearbyEvidence, SegmentKind};
 use crate::lines::Segment;
 use crate::list::List;
 use crate::matching::consistency::{Neighbour, for_each_contradiction};
@@ -331,7 +331,7 @@ impl Points<'_> {
     /// Begins with the pixels at this distance, if they are probable enough.
     fn begin(&mut self, candidate: &Candidate) {
         let Some(Some(side)) = candidate.sides.get(self.side) else { return };
-        let (model, _) = self.models.of(candidate.segment.near_horizontal);
+        let model = self.models.side(candidate.segment.near_horizontal);
         let next_to_edge = self.distance == 1 && !candidate.is_one_surface();
         let score = side.rated_q8(model)
             + model.coefficient_q8(SegmentKind::Distance) * (i32::from(self.distance) - 1)
@@ -367,7 +367,8 @@ fn as_listed(probability_q16: u16) -> u16 {
 
 /// Sets the probability of every side, at its first pixel, and of the edge itself.
 fn rate(candidate: &mut Candidate, models: &Models) {
-    let (model, edge_model) = models.of(candidate.segment.near_horizontal);
+    let near_horizontal = candidate.segment.near_horizontal;
+    let (model, edge_model) = (models.side(near_horizontal), &models.edge(near_horizontal).model);
     for side in candidate.sides.iter_mut().flatten() {
         side.probability_q16 = model.probability_q16(side.rated_q8(model));
         side.edge_probability_q16 = edge_model.probability_q16(side.edge_rated_q8(edge_model));
@@ -395,7 +396,7 @@ impl Side {
 
     /// Log-odds of its first pixel, neighbours included, Q8.
     fn rated_q8(&self, model: &Model) -> i32 {
-        let score = model.with_nearby_q8(self.score_q8, self.nearby_q8);
+        let score = model.with_nearby_q8(self.score_q8, self.nearby);
         narrow(score + model.coefficient_q8(SegmentKind::Distance)).into()
     }
 
@@ -407,7 +408,7 @@ impl Side {
 
     /// Log-odds of the edge itself, neighbours included, Q8.
     fn edge_rated_q8(&self, edge_model: &Model) -> i32 {
-        narrow(edge_model.with_nearby_q8(self.edge_score_q8, self.nearby_q8)).into()
+        narrow(edge_model.with_nearby_q8(self.edge_score_q8, self.nearby)).into()
     }
 }
 
@@ -486,7 +487,7 @@ impl Candidate {
                     disparity_q6: ends_q6,
                     score_q8: i16::MIN,
                     edge_score_q8: narrow(bar.score_q8()),
-                    nearby_q8: [0; 4],
+                    nearby: NearbyEvidence::default(),
                     probability_q16,
                     edge_probability_q16: probability_q16,
                     rejected: false,

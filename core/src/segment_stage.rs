@@ -23,8 +23,10 @@ use crate::matching::band::{Band, WindowExtent};
 use crate::matching::{
     self, Candidate, FullSearches, MatchContext, Search, SegmentCurves, Workspace,
 };
+use crate::memory::Second;
 use crate::observe::{Observer, StageEvent};
 use crate::result::Counts;
+use core::slice::Iter;
 
 /// All that is read of a pair.
 pub(crate) struct SegmentStage<'s, 'a> {
@@ -51,7 +53,8 @@ impl SegmentStage<'_, '_> {
         &self,
         part: Part<'_>,
         mut search: impl FnMut(&Segment) -> Search,
-        (candidates, counts): (&mut List<'_, Candidate>, &mut Counts),
+        candidates: &mut List<'_, Candidate>,
+        counts: &mut Counts,
         observer: &mut dyn Observer,
     ) {
         let Part { segments, bars, rows, work } = part;
@@ -103,15 +106,18 @@ impl SegmentStage<'_, '_> {
         match_bars(i32::MAX, &mut band, work, observer);
     }
 
-    /// Matches the segments and bars of a pair on two cores, in the memory of both.
+    /// Matches all segments and bars on two cores, `second` with memory of its own.
     pub(crate) fn run_on(
         &self,
         cores: &mut dyn Cores,
-        (segments, bars): (&[Segment], &mut [Bar]),
-        [(rows, work), (other_rows, other_work)]: [(&mut [u8], &mut Workspace); 2],
-        (full, searches): (&mut FullSearches<'_>, &mut List<'_, Search>),
-        (candidates, counts): (&mut List<'_, Candidate>, &mut Counts),
+        all: Part<'_>,
+        second: &mut Second<'_>,
+        full: &mut FullSearches<'_>,
+        candidates: &mut List<'_, Candidate>,
+        counts: &mut Counts,
     ) {
+        let Part { segments, bars, rows, work } = all;
+        let Second { scratch, searches, .. } = second;
         self.find_searches(cores, segments, full, searches);
         let at = self.middle(segments, bars, searches);
         let (Some((above, below)), Some((above_searches, below_searches))) =
@@ -124,20 +130,19 @@ impl SegmentStage<'_, '_> {
         let Some((bars_above, bars_below)) = bars.split_at_mut_checked(bars_above) else { return };
         let mut others = Counts::default();
         candidates.fill_in_two(at, |first, second| {
-            let run = |part: Part<'_>, searches: &[Search], into: (&mut List<'_, _>, &mut _)| {
-                let mut searches = searches.iter();
-                let search = |_: &Segment| searches.next().copied().unwrap_or(Search::Cut);
-                self.run(part, search, into, &mut ());
-            };
+            let next =
+                |searches: &mut Iter<'_, Search>| searches.next().copied().unwrap_or(Search::Cut);
             cores.join(
                 &mut || {
                     let part = Part { segments: above, bars: bars_above, rows, work };
-                    run(part, above_searches, (first, counts));
+                    let mut searches = above_searches.iter();
+                    self.run(part, |_| next(&mut searches), first, counts, &mut ());
                 },
                 &mut || {
-                    let (rows, work) = (&mut *other_rows, &mut *other_work);
+                    let (rows, work) = (&mut *scratch.rows, &mut *scratch.work);
                     let part = Part { segments: below, bars: bars_below, rows, work };
-                    run(part, below_searches, (second, &mut others));
+                    let mut searches = below_searches.iter();
+                    self.run(part, |_| next(&mut searches), second, &mut others, &mut ());
                 },
             );
         });

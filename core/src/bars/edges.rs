@@ -112,8 +112,7 @@ pub(super) fn keep_beside(image: Gray<'_>, segment: &Segment, kept: &mut dyn Fou
     let wide_q12 = along.unsigned_abs().isqrt() as i32;
     let reach = (((WIDEST * wide_q12) >> 12) + 1).min(REACH);
     let rows = SampledRows::new((first, last), MOST_ROWS);
-    let Some(profile) = Profile::of(image, (&line, rows, reach), sign_of(segment, slope_q12))
-    else {
+    let Some(profile) = Profile::of(image, &line, rows, reach, sign_of(segment, slope_q12)) else {
         return;
     };
     // A bar is as strong as its weaker edge.
@@ -171,7 +170,7 @@ impl Profile {
         let line = Line::upright(segment);
         let rows = SampledRows::new(line.extent(), MOST_ROWS);
         (line.slope_q12().abs() <= STEEPEST_Q12)
-            .then(|| Self::of(image, (&line, rows, REACH), 1))
+            .then(|| Self::of(image, &line, rows, REACH, 1))
             .flatten()
     }
 
@@ -205,11 +204,7 @@ impl Profile {
     }
 
     #[inline(never)] // two calls
-    fn of(
-        image: Gray<'_>,
-        (line, rows, reach): (&Line, SampledRows, i32),
-        sign: i32,
-    ) -> Option<Self> {
+    fn of(image: Gray<'_>, line: &Line, rows: SampledRows, reach: i32, sign: i32) -> Option<Self> {
         if rows.count() < LEAST_ROWS {
             return None;
         }

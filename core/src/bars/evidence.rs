@@ -80,8 +80,8 @@ pub(super) fn of_cost(bar: &Bar, found: &Found, evidence: &mut BarEvidence) {
 /// Evidence by both edges in the right image.
 pub(super) fn of_edges(bar: &Bar, band: &Band<'_>, evidence: &mut BarEvidence) {
     let [left_sign, right_sign] = bar.signs();
-    let left = share_q8(bar, band, (0, left_sign));
-    let right = share_q8(bar, band, (bar.width_q5.into(), right_sign));
+    let left = share_q8(bar, band, 0, left_sign);
+    let right = share_q8(bar, band, bar.width_q5.into(), right_sign);
     evidence.set(BarKind::LeftEdge, left);
     evidence.set(BarKind::RightEdge, right);
     evidence.set(BarKind::LesserEdge, left.min(right));
@@ -115,7 +115,7 @@ pub(super) fn is_promising(
 /// Share of the rows, Q8, in which the right image has the edge so far from the left one (1/32 px),
 /// with its sign and half of its gradient, at the bar's disparity. Rows in which the left image has
 /// none do not count.
-fn share_q8(bar: &Bar, band: &Band<'_>, (offset_q5, sign): (i32, i32)) -> i32 {
+fn share_q8(bar: &Bar, band: &Band<'_>, offset_q5: i32, sign: i32) -> i32 {
     let (mut found, mut all) = (0, 0);
     for &y in &rows(bar) {
         let Some((left, right)) = band.gradient_rows(y) else { continue };

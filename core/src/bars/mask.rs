@@ -79,7 +79,8 @@ impl MaskMatcher<'_> {
     #[inline(never)] // its variables are on the stack only while it runs
     pub(crate) fn depth_of(
         self,
-        (area, pixels): (Area, u32),
+        area: Area,
+        pixels: u32,
         row: i32,
         run_of: impl Fn(u16, u16) -> Option<Span>,
     ) -> Option<(Bar, i32)> {
@@ -102,7 +103,7 @@ impl MaskMatcher<'_> {
             for _ in 0..MOST_RUNS {
                 let Some(run) = run_of(middle, from).filter(|_| !pieces.is_full()) else { break };
                 from = run.end;
-                let Some(mut bar) = bar_along(&run_of, (middle, run), rows, left) else { continue };
+                let Some(mut bar) = bar_along(&run_of, middle, run, rows, left) else { continue };
                 all += 1;
                 let rated = match_bar(&mut bar, &self.context, &band, self.work, LEAST_FRONT)
                     .and_then(|_| rate_bar(&mut bar, self.support));
@@ -152,7 +153,8 @@ fn answer(pieces: &[Piece], all: i32, row: i32) -> Option<(Bar, i32)> {
 /// these rows, first and last, between the strongest edges near its sides.
 fn bar_along(
     run_of: &impl Fn(u16, u16) -> Option<Span>,
-    (row, run): (u16, Span),
+    row: u16,
+    run: Span,
     [first, last]: [i32; 2],
     image: Gray<'_>,
 ) -> Option<Bar> {

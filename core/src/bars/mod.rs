@@ -365,7 +365,8 @@ pub(crate) fn find_on(
     cores: &mut dyn Cores,
     image: Gray<'_>,
     segments: &[Segment],
-    (bars, spare): (&mut List<'_, Bar>, &mut List<'_, Bar>),
+    bars: &mut List<'_, Bar>,
+    spare: &mut List<'_, Bar>,
     mut other: impl FnMut() + Send,
 ) {
     let least = edges::least_strength(segments);
@@ -434,7 +435,7 @@ pub(crate) fn match_bar(
     if !evidence::is_promising(&evidence, models, least) {
         return None;
     }
-    repetition::look_for(bar, &found, context, band, (&mut work.curves, &mut evidence))?;
+    repetition::look_for(bar, &found, context, band, &mut work.curves, &mut evidence)?;
     bar.scores_q8 = models.map(|model| narrow(model.score_q8(&evidence.0)));
     bar.flags |= MATCHED;
     Some(evidence)

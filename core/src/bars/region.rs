@@ -31,7 +31,8 @@ pub(crate) fn most_pixels(area: Area) -> u32 {
 /// fewer.
 pub(crate) fn depth_of(
     bars: &[Bar],
-    (area, pixels): (Area, u32),
+    area: Area,
+    pixels: u32,
     row: i32,
     contains: impl Fn(i32, i32) -> bool,
 ) -> Option<(Bar, i32)> {
@@ -93,7 +94,7 @@ mod tests {
     fn of_mask(bars: &[Bar], columns: core::ops::Range<i32>) -> Option<i32> {
         let area =
             Area { left: columns.start as u16, top: 10, right: columns.end as u16, bottom: 50 };
-        depth_of(bars, (area, area.pixels()), 30, |x, _| columns.contains(&x))
+        depth_of(bars, area, area.pixels(), 30, |x, _| columns.contains(&x))
             .map(|(_, d_q6)| d_q6 >> 6)
     }
 

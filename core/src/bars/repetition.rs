@@ -35,7 +35,8 @@ pub(super) fn look_for(
     found: &Found,
     context: &MatchContext<'_>,
     band: &Band<'_>,
-    ([curve, ..], evidence): (&mut [Curve; CURVES], &mut BarEvidence),
+    [curve, ..]: &mut [Curve; CURVES],
+    evidence: &mut BarEvidence,
 ) -> Option<()> {
     let (_, end) = context.disparities();
     let (left, right) = bar.reach();

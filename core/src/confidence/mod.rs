@@ -26,7 +26,7 @@ pub use fitted::FITTED;
 pub(crate) use network::MOST_EVIDENCE_Q8;
 pub use network::{Network, UNITS, Unit};
 
-use crate::evidence::{NEARBY, SEGMENT_EVIDENCE, SegmentKind};
+use crate::evidence::{NearbyEvidence, SEGMENT_EVIDENCE, SegmentKind};
 
 /// Number of nodes of the tables, at scores -8, -7.5, ... 8.
 pub const NODES: usize = 33;
@@ -66,14 +66,10 @@ pub struct Models {
 }
 
 impl Models {
-    /// The models of a side and of the edge for one kind of segment.
+    /// The model of a side for one kind of segment.
     #[must_use]
-    pub fn of(&self, near_horizontal: bool) -> (&Model, &Model) {
-        if near_horizontal {
-            (&self.near_horizontal, &self.near_horizontal_edge.model)
-        } else {
-            (&self.near_vertical, &self.near_vertical_edge.model)
-        }
+    pub fn side(&self, near_horizontal: bool) -> &Model {
+        if near_horizontal { &self.near_horizontal } else { &self.near_vertical }
     }
 
     /// The model of the edge for one kind of segment, with its standard deviation.
@@ -115,8 +111,8 @@ impl<const N: usize> Model<N> {
 
 impl Model {
     /// Log-odds with the evidence by support points and segments nearby added, Q8.
-    pub(crate) fn with_nearby_q8(&self, score_q8: i16, nearby_q8: [i16; 4]) -> i32 {
-        i32::from(score_q8) + self.part_q8(NEARBY[0] as usize, &nearby_q8)
+    pub(crate) fn with_nearby_q8(&self, score_q8: i16, nearby: NearbyEvidence) -> i32 {
+        i32::from(score_q8) + self.part_q8(NearbyEvidence::FIRST as usize, &nearby.values())
     }
 
     /// Log-odds per unit of one kind of evidence, Q8.

@@ -39,7 +39,7 @@ pub(super) fn fit(
     for (reach, tolerance_q6) in ROUNDS {
         let (mut sums, mut others) = (Sums::default(), Sums::default());
         let (end, add) = (strips.rows, |sums: &mut Sums, rows: Range<usize>| {
-            sums.add_near(strips, plane, (reach, tolerance_q6), rows);
+            sums.add_near(strips, plane, reach, tolerance_q6, rows);
         });
         let middle = if cores.is_some() { end / 2 } else { end };
         join(lend(&mut cores), || add(&mut sums, 0..middle), || add(&mut others, middle..end));
@@ -87,7 +87,8 @@ impl Sums {
         &mut self,
         strips: &Strips<'_>,
         plane: GroundPlane,
-        (reach, tolerance_q6): (i32, i32),
+        reach: i32,
+        tolerance_q6: i32,
         rows: Range<usize>,
     ) {
         let sums = self;

@@ -199,7 +199,7 @@ fn search_below(
             let Some(band) = BANDS_Q16.iter().rposition(|&from_q16| from_q16 <= down_q16) else {
                 continue;
             };
-            let score = sum_along(strips, image, (down_q16, horizon));
+            let score = sum_along(strips, image, down_q16, horizon);
             if let Some(best) = best.get_mut(band)
                 && best.is_none_or(|(most, ..)| score > most)
             {
@@ -211,7 +211,7 @@ fn search_below(
 }
 
 /// Sum of the image along a line of this slope, above 0, and horizon.
-fn sum_along(strips: &Strips<'_>, image: &[u8], (down_q16, horizon): (i32, i32)) -> i32 {
+fn sum_along(strips: &Strips<'_>, image: &[u8], down_q16: i32, horizon: i32) -> i32 {
     let most = strips.most as i32;
     let rows = quotient(image.len() as i32, most);
     let step_q16 = SKIP as i32 * STEP * down_q16;

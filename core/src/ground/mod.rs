@@ -115,7 +115,8 @@ pub(crate) fn find(
     mut cores: Option<&mut dyn Cores>,
     others: Option<&mut [u8]>,
     images: [Gray<'_>; 2],
-    (row_offset, most): (i32, u16),
+    row_offset: i32,
+    most: u16,
     search: GroundSearch,
     memory: &mut [u8],
 ) -> Option<GroundPlane> {
@@ -130,8 +131,8 @@ pub(crate) fn find(
     let near = near.filter(|plane| plane.is_bounded());
     let given = near.filter(|_| matches!(search, GroundSearch::Given(_)));
     let near = near.map(|plane| if half { plane.halved() } else { plane });
-    let range = (half, most.into());
-    let measured = Strips::measure(images, row_offset, range, memory, lend(&mut cores), others);
+    let measured =
+        Strips::measure(images, row_offset, half, most.into(), memory, lend(&mut cores), others);
     let seen = measured.and_then(|(strips, memory)| {
         let near = near.and_then(|plane| fit::fit(lend(&mut cores), &strips, plane));
         match given {
@@ -178,7 +179,7 @@ mod tests {
     fn found(images: &[[u8; PIXELS]; 2], before: Option<GroundPlane>) -> Option<GroundPlane> {
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
         let search = before.map_or(GroundSearch::Everywhere, GroundSearch::Near);
-        find(None, None, images, (0, 64), search, &mut [0; 16_384])
+        find(None, None, images, 0, 64, search, &mut [0; 16_384])
     }
 
     #[test]
@@ -202,7 +203,7 @@ mod tests {
         assert_eq!(found(&floor(8), None), None);
         let images = floor(102);
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
-        assert_eq!(find(None, None, images, (0, 64), GroundSearch::Everywhere, &mut [0; 64]), None);
+        assert_eq!(find(None, None, images, 0, 64, GroundSearch::Everywhere, &mut [0; 64]), None);
     }
 
     #[test]
@@ -210,7 +211,7 @@ mod tests {
         let flat = [[90; PIXELS]; 2];
         let images = flat.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
         let given =
-            |plane| find(None, None, images, (0, 64), GroundSearch::Given(plane), &mut [0; 16_384]);
+            |plane| find(None, None, images, 0, 64, GroundSearch::Given(plane), &mut [0; 16_384]);
         let plane = GroundPlane { down_q16: 20_000, across_q16: -300, origin_q16: -1_500_000 };
         assert_eq!(given(plane), Some(plane));
         for unbounded in [
@@ -224,7 +225,7 @@ mod tests {
         let images = floor(102);
         let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
         let far = GroundPlane { origin_q16: plane.origin_q16 + (40 << 16), ..plane };
-        let found = find(None, None, images, (0, 64), GroundSearch::Given(far), &mut [0; 16_384]);
+        let found = find(None, None, images, 0, 64, GroundSearch::Given(far), &mut [0; 16_384]);
         assert_eq!(found, Some(far));
     }
 

@@ -62,7 +62,8 @@ impl<'m> Strips<'m> {
     pub(super) fn measure(
         images: [Gray<'_>; 2],
         row_offset: i32,
-        (half, most): (bool, usize),
+        half: bool,
+        most: usize,
         memory: &'m mut [u8],
         cores: Option<&mut dyn Cores>,
         others: Option<&mut [u8]>,
@@ -93,8 +94,8 @@ impl<'m> Strips<'m> {
             };
             let ys = (first..).step_by(STEP as usize);
             for (y, costs) in ys.zip(costs.chunks_exact_mut((strips * (HEAD + most)).max(1))) {
-                if steps(left, (y, 0), half.then_some(&mut *levels), left_steps)
-                    && steps(right, (y, row_offset), half.then_some(&mut *levels), right_steps)
+                if steps(left, y, 0, half.then_some(&mut *levels), left_steps)
+                    && steps(right, y, row_offset, half.then_some(&mut *levels), right_steps)
                 {
                     measure_row([left_steps, right_steps], most, costs);
                 }
@@ -158,7 +159,8 @@ fn measure_row([left, right]: [&[u8]; 2], most: usize, costs: &mut [u8]) {
 /// of it.
 fn steps(
     image: Gray<'_>,
-    (y, offset): (i32, i32),
+    y: i32,
+    offset: i32,
     levels: Option<&mut [u8]>,
     steps: &mut [u8],
 ) -> bool {

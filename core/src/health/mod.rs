@@ -266,7 +266,7 @@ impl HealthMonitor {
         health: &mut PairHealth,
     ) {
         let measured = Measured::new(images, found);
-        self.judge(limits, (images, found), measured, health);
+        self.judge(limits, images[0], found, measured, health);
     }
 
     /// Checks what was measured of the pair, and adds to its health.
@@ -274,15 +274,16 @@ impl HealthMonitor {
     pub(crate) fn judge(
         &mut self,
         limits: &HealthLimits,
-        ([left, _], found): ([Gray<'_>; 2], &Findings<'_>),
+        left: Gray<'_>,
+        found: &Findings<'_>,
         measured: Measured,
         health: &mut PairHealth,
     ) {
         let Measured { of_points: OfPoints { evenness: by_points, still, tear }, by_edges } =
             measured;
         (health.still, health.tear) = (still, tear);
-        let by_both = (by_points, by_edges);
-        let (mut now, mut tested) = self.check_rows(limits, left.dims(), found, by_both, health);
+        let (mut now, mut tested) =
+            self.check_rows(limits, left.dims(), found, by_points, by_edges, health);
         if found.has_segments {
             tested |= HealthFlags::FEW_MATCHES | HealthFlags::BEYOND_INFINITY;
             let rows_are_known =
@@ -322,7 +323,8 @@ impl HealthMonitor {
         limits: &HealthLimits,
         Dims { width, .. }: Dims,
         found: &Findings<'_>,
-        (by_points, by_edges): (Option<Evenness>, Option<Rows>),
+        by_points: Option<Evenness>,
+        by_edges: Option<Rows>,
         health: &mut PairHealth,
     ) -> (HealthFlags, HealthFlags) {
         let (mut now, mut tested) = (HealthFlags::GOOD, HealthFlags::GOOD);

@@ -83,8 +83,8 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
             still += u32::from(disparity_q6.unsigned_abs() < STILL_Q6);
         }
         if i32::from(disparity_q6) >= parallax_q6
-            && let Some(left) = pixels(left, (x, y), (FIRST, is_large))
-            && let Some(right) = pixels(right, (x, y), (RIGHT_FIRST, is_large))
+            && let Some(left) = pixels(left, (x, y), FIRST, is_large)
+            && let Some(right) = pixels(right, (x, y), RIGHT_FIRST, is_large)
         {
             compared += 1;
             add_products(&left, &right, &mut sums);
@@ -107,7 +107,8 @@ pub(super) fn measure([left, right]: [Gray<'_>; 2], support: Support<'_>) -> Opt
 fn pixels<const N: usize>(
     image: Gray<'_>,
     (x, y): (u16, u16),
-    (first, by_two): (i32, bool),
+    first: i32,
+    by_two: bool,
 ) -> Option<[u8; N]> {
     let scale = if by_two { 2 } else { 1 };
     let x = usize::try_from(i32::from(x) + scale as i32 * first).ok()?;
@@ -149,7 +150,7 @@ pub(super) mod tests {
     fn all_pixels_of_a_window_are_valid() {
         let pixels: [u8; 16 * 16] = core::array::from_fn(|i| i as u8);
         let image = Gray::new(&pixels, Dims { width: 16, height: 16 }, 16).unwrap();
-        let at = |image, x: i32| self::pixels::<3>(image, (0, 2), (x, false));
+        let at = |image, x: i32| self::pixels::<3>(image, (0, 2), x, false);
         assert_eq!(
             [-1, 0, 13, 14].map(|x| at(image, x)),
             [None, Some([32, 33, 34]), Some([45, 46, 47]), None]
@@ -158,7 +159,7 @@ pub(super) mod tests {
         let image = image.with_valid(&spans).unwrap();
         assert_eq!([3, 4, 6, 7].map(|x| at(image, x).is_some()), [false, true, true, false]);
         // Means of two, from twice as far.
-        let by_two = |x| self::pixels::<2>(image, (0, 2), (x, true));
+        let by_two = |x| self::pixels::<2>(image, (0, 2), x, true);
         assert_eq!([1, 2, 3].map(by_two), [None, Some([37, 39]), None]);
     }
 

@@ -114,7 +114,8 @@ fn rows_are_reported_rounded_and_flagged_where_they_were_measured_alone() {
             &HealthLimits::DEFAULT,
             images[0].dims(),
             &findings(&[], &Counts::default()),
-            (None, None),
+            None,
+            None,
             &mut health,
         );
         assert_eq!(flags, (HealthFlags::GOOD, HealthFlags::GOOD), "no match measures them");
@@ -138,7 +139,8 @@ fn even_rows_are_smoothed_and_uneven_ones_flagged() {
             &limits,
             left.dims(),
             &findings(&edges, &Counts::default()),
-            (None, rows::measure(left, right, &edges)),
+            None,
+            rows::measure(left, right, &edges),
             &mut health,
         );
         (now, health.row_offset_q8)
@@ -166,7 +168,8 @@ fn rows_drift_beyond_a_difference_from_their_long_mean() {
             &limits,
             left.dims(),
             &findings(&edges, &Counts::default()),
-            (None, rows::measure(left, right, &edges)),
+            None,
+            rows::measure(left, right, &edges),
             &mut health,
         );
         (now.contains(HealthFlags::ROWS_DRIFT), health.row_drift_q8)

@@ -25,6 +25,7 @@
 //! direction. At QVGA that is 16 k units down, 21 k along, 32 k of both, and, in the right image,
 //! 11 k: 2.2 M instructions. Captured pairs take up to 0.9 of a budget, and are not cut.
 
+use super::Direction;
 use crate::area::Area;
 use crate::image::Dims;
 use crate::units::quotient;
@@ -89,13 +90,14 @@ impl Budget {
     pub(super) fn new(
         dims: Dims,
         areas: Option<&[Area]>,
-        (down, is_sparse): (bool, bool),
+        direction: Direction,
+        is_sparse: bool,
         stretch: i32,
     ) -> Self {
-        let Rate { start_q10, searched_q10 } = match (down, is_sparse) {
-            (true, _) => DOWN,
-            (false, false) => ALONG,
-            (false, true) => ALONG_SPARSE,
+        let Rate { start_q10, searched_q10 } = match direction {
+            Direction::Down => DOWN,
+            Direction::Along if is_sparse => ALONG_SPARSE,
+            Direction::Along => ALONG,
         };
         let grown = |area: Area, by: i32| {
             let length = |from: u16, to: u16| i32::from(to) - i32::from(from) + 2 * by;

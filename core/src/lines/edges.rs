@@ -127,7 +127,9 @@ impl<'a> Edges<'a> {
     pub(crate) fn new(
         image: Gray<'a>,
         areas: Option<&'a [Area]>,
-        (params, scan, beyond): (&LineParams, i32, u32),
+        params: &LineParams,
+        scan: i32,
+        beyond: u32,
         direction: Direction,
         marks: &'a mut [u32],
     ) -> Self {
@@ -139,7 +141,7 @@ impl<'a> Edges<'a> {
         marks.fill(0);
         let valid = image.valid();
         let budget =
-            Budget::new(dims, areas, (down, scan > SCAN_STEP), scan * STRETCH).without(beyond);
+            Budget::new(dims, areas, direction, scan > SCAN_STEP, scan * STRETCH).without(beyond);
         let LineParams { anchor, edge, .. } = *params;
         let (along, across) = if down { (stride, 1) } else { (1, stride) };
         let of = if down { Crossings::of_rows } else { Crossings::of_columns };
@@ -416,11 +418,11 @@ mod tests {
         let (pixels, mut marks) = ([0; 160 * 120], [0; 2048]);
         let image = Gray::new(&pixels, DIMS, 160).unwrap().with_valid(spans).unwrap();
         look(
-            &Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Down, &mut marks),
+            &Edges::new(image, areas, &PARAMS, SCAN_STEP, 0, Direction::Down, &mut marks),
             |(t, u)| (t, u),
         );
         look(
-            &Edges::new(image, areas, (&PARAMS, SCAN_STEP, 0), Direction::Along, &mut marks),
+            &Edges::new(image, areas, &PARAMS, SCAN_STEP, 0, Direction::Along, &mut marks),
             |(t, u)| (u, t),
         );
     }

@@ -196,7 +196,8 @@ pub fn detect(
 /// them, they are drawn again.
 pub(crate) fn detect_on(
     cores: &mut dyn Cores,
-    (image, areas): (Gray<'_>, Option<&[Area]>),
+    image: Gray<'_>,
+    areas: Option<&[Area]>,
     params: &LineParams,
     [mut here, mut there]: [LineScratch<'_>; 2],
     [out, spare]: [&mut List<'_, Segment>; 2],
@@ -241,7 +242,7 @@ impl Detector<'_> {
         };
         let Some(scan) = scan else { return Taken::default() };
         let mut room = Room { positions: scratch.chain, strengths: scratch.strengths };
-        Edges::new(image, areas, (params, scan, beyond), direction, scratch.marks).for_each_chain(
+        Edges::new(image, areas, params, scan, beyond, direction, scratch.marks).for_each_chain(
             &mut room,
             |chain| {
                 fit::for_each_run(chain.positions, (params.min_extent + STEP - 1) / STEP, |run| {
@@ -271,7 +272,8 @@ pub(crate) fn sort_by_top(list: &mut List<'_, Segment>) {
 /// The cost of matching is bounded by the area of the image, not by its content.
 pub(crate) fn keep_prominent(
     list: &mut List<'_, Segment>,
-    (cell, most): (i32, usize),
+    cell: i32,
+    most: usize,
     width: i32,
     marks: &mut [u32],
 ) -> u16 {

@@ -226,23 +226,25 @@ impl<'a> Band<'a> {
     /// are searched from disparity `first` on.
     #[inline]
     pub(crate) fn strip(&self, x: i32, y: i32, first: i32) -> Option<Strip<'_>> {
-        self.strip_of(self.rows(&self.gradient, y)?, x, first)
+        let (reference, other) = self.rows(&self.gradient, y)?;
+        self.strip_of(reference, other, x, first)
     }
 
     /// Three strips of the same row, or none.
     pub(crate) fn strips(&self, [a, b, c]: [i32; 3], y: i32, first: i32) -> Option<[Strip<'_>; 3]> {
-        let rows = self.rows(&self.gradient, y)?;
+        let (reference, other) = self.rows(&self.gradient, y)?;
         Some([
-            self.strip_of(rows, a, first)?,
-            self.strip_of(rows, b, first)?,
-            self.strip_of(rows, c, first)?,
+            self.strip_of(reference, other, a, first)?,
+            self.strip_of(reference, other, b, first)?,
+            self.strip_of(reference, other, c, first)?,
         ])
     }
 
     #[inline(always)] // called, three strips take seven times as long
     fn strip_of<'s>(
         &self,
-        (reference, other): (&[u8], &'s [u8]),
+        reference: &[u8],
+        other: &'s [u8],
         x: i32,
         first: i32,
     ) -> Option<Strip<'s>> {

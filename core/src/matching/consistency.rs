@@ -197,8 +197,7 @@ pub(crate) fn take_support(candidates: &mut [Candidate], neighbours: &mut [Neigh
     for (candidate, neighbour) in candidates.iter_mut().zip(neighbours) {
         for (side, hypothesis) in candidate.sides.iter_mut().zip(&mut neighbour.hypotheses) {
             if let Some(side) = side {
-                let [.., segments] = &mut side.nearby_q8;
-                *segments = narrow(log2_mean_q8(hypothesis.support.into(), FULL));
+                side.nearby.segments = narrow(log2_mean_q8(hypothesis.support.into(), FULL));
             }
             hypothesis.support = 0;
         }
@@ -228,7 +227,7 @@ pub(crate) fn for_each_contradiction(
             }
             for side in (0..2).filter(|&side| neighbour.has(side)) {
                 for other_side in (0..2).filter(|&side| other.has(side)) {
-                    if contradict((neighbour, side), (other, other_side)) {
+                    if contradict(neighbour, side, other, other_side) {
                         found((i, side), (j, other_side));
                     }
                 }
@@ -237,7 +236,7 @@ pub(crate) fn for_each_contradiction(
     }
 }
 
-fn contradict((a, a_side): (&Neighbour, usize), (b, b_side): (&Neighbour, usize)) -> bool {
+fn contradict(a: &Neighbour, a_side: usize, b: &Neighbour, b_side: usize) -> bool {
     let (Some(hypothesis_a), Some(hypothesis_b)) =
         (a.hypotheses.get(a_side), b.hypotheses.get(b_side))
     else {

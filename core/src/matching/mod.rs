@@ -28,9 +28,9 @@ pub(crate) mod surroundings;
 pub use curves::{CurveKind, SegmentCurves};
 
 use crate::area::Area;
-use crate::confidence::{Model, Models};
+use crate::confidence::Models;
 use crate::curve::{CURVES, Curve};
-use crate::evidence::{SegmentEvidence, SegmentKind};
+use crate::evidence::{NearbyEvidence, SegmentEvidence, SegmentKind};
 use crate::image::Dims;
 use crate::kernel::LANES;
 use crate::lines::Segment;
@@ -135,10 +135,8 @@ pub struct Side {
     /// Change of the disparity per pixel away from the edge, 1/1024 px; 0 unless both sides are one
     /// surface.
     pub across_q10: i16,
-    /// Evidence by support points, Q8: [`SegmentKind::SupportAgreeing`],
-    /// [`SegmentKind::SupportFarther`], [`SegmentKind::SupportNearer`]; and by other segments,
-    /// [`SegmentKind::SegmentsAgreeing`].
-    pub nearby_q8: [i16; 4],
+    /// Evidence by support points and other segments.
+    pub nearby: NearbyEvidence,
     /// Weight of this side as a neighbour, Q8, 1 ..= 256.
     pub(crate) weight_q8: u16,
     /// Log-odds of the side without neighbours, Q8.
@@ -163,17 +161,18 @@ impl Side {
     pub(crate) fn new(
         [d0, d1]: [i32; 2],
         evidence: &SegmentEvidence,
-        (model, edge_model): (&Model, &Model),
+        models: &Models,
+        near_horizontal: bool,
     ) -> Self {
         // A side whose second-best costs less than best / 0.8 has the least weight as a neighbour.
         let weight = 256 - evidence.get(SegmentKind::SideRatio) * 5 / 4;
         Self {
             disparity_q6: [narrow(d0), narrow(d1)],
             across_q10: 0,
-            nearby_q8: [0; 4],
+            nearby: NearbyEvidence::default(),
             weight_q8: weight.clamp(1, 256) as u16,
-            score_q8: narrow(model.score_q8(&evidence.0)),
-            edge_score_q8: narrow(edge_model.score_q8(&evidence.0)),
+            score_q8: narrow(models.side(near_horizontal).score_q8(&evidence.0)),
+            edge_score_q8: narrow(models.edge(near_horizontal).model.score_q8(&evidence.0)),
             probability_q16: 0,
             edge_probability_q16: 0,
             rejected: false,
@@ -217,12 +216,15 @@ impl Workspace {
         &mut self,
         evidence: &[Option<SegmentEvidence>; 2],
         lines_q6: [[i32; 2]; 2],
-        models: (&Model, &Model),
+        models: &Models,
+        near_horizontal: bool,
     ) -> [Option<Side>; 2] {
         let mut sides = [None, None];
         let kept = self.evidence.iter_mut().zip(evidence);
         for ((side, line_q6), (kept, evidence)) in sides.iter_mut().zip(lines_q6).zip(kept) {
-            *side = evidence.as_ref().map(|evidence| Side::new(line_q6, evidence, models));
+            *side = evidence
+                .as_ref()
+                .map(|evidence| Side::new(line_q6, evidence, models, near_horizontal));
             kept.clone_from(evidence.as_ref().unwrap_or(const { &SegmentEvidence::new() }));
         }
         sides

@@ -116,13 +116,22 @@ impl Rest {
     }
 }
 
+/// Rows of one side, relative to the line, and how far they are moved.
+#[derive(Clone, Copy)]
+struct SideRows {
+    /// Of its window: the nearer and the farther one.
+    window: [i32; 2],
+    census: [i32; 2],
+    shear: Shear,
+}
+
 /// Window curves of one side, of its two halves and the whole, with the minimum of the whole.
 struct SideWindows<'w> {
     /// Of the rows nearest to the edge alone.
     near: [&'w mut Curve; 2],
     halves: [&'w mut Curve; 2],
     whole: &'w mut Curve,
-    shear: Shear,
+    rows: SideRows,
     rest: Rest,
     pixels: i32,
     best: Minimum,
@@ -152,30 +161,21 @@ pub(crate) fn match_near_horizontal(
     shared.set(SegmentKind::Detail, context.detail_q8());
     shared.set(SegmentKind::Contrast, log2_mean_q8(segment.contrast.into(), 1));
 
-    let [above_rows, below_rows] = side_rows(&line);
-    let [above_points, below_points] = CENSUS_ROWS;
     let [a, b, c, d, e, f, g, h, i, j, census_above, census_below] = &mut work.curves;
     let shears = [-1, 1].map(|sign| Shear::of_side(segment, &line, sign, context.support));
-    let (above_rows, below_rows) = ((above_rows, shears[0]), (below_rows, shears[1]));
+    let [above_rows, below_rows] = side_rows(&line, shears);
     let mut above = SideWindows::new([a, b, c, d, e], &line, columns, above_rows, range, band);
     let mut below = SideWindows::new([f, g, h, i, j], &line, columns, below_rows, range, band);
-    let match_one = |own: (&mut SideWindows<'_>, [i32; 2]),
+    let match_one = |own: &mut SideWindows<'_>,
                      other: &SideWindows<'_>,
                      which_side: i32,
                      census: &mut Curve| {
-        match_side(
-            &line,
-            own,
-            other,
-            shared.with(SegmentKind::WhichSide, which_side),
-            context,
-            band,
-            census,
-        )
+        let shared = shared.with(SegmentKind::WhichSide, which_side);
+        match_side(&line, own, other, shared, context, band, census)
     };
     let matched = [
-        match_one((&mut above, above_points), &below, -256, census_above),
-        match_one((&mut below, below_points), &above, 256, census_below),
+        match_one(&mut above, &below, -256, census_above),
+        match_one(&mut below, &above, 256, census_below),
     ];
     let (window_q6, census_q6) = match &matched {
         [Ok(a), Ok(b)]
@@ -192,7 +192,7 @@ pub(crate) fn match_near_horizontal(
     let evidence = matched.map(|side| side.ok().map(|side| side.evidence));
     let is_behind = evidence
         .map(|evidence| evidence.is_some_and(|of| of.get(SegmentKind::OtherNearer) > NEARER_Q8));
-    let mut sides = work.rate(&evidence, lines_q6, context.models.of(true));
+    let mut sides = work.rate(&evidence, lines_q6, context.models, true);
     for (side, is_behind) in sides.iter_mut().zip(is_behind) {
         if let Some(side) = side {
             side.is_behind = is_behind;
@@ -211,11 +211,14 @@ pub(crate) fn match_near_horizontal(
     Ok(Candidate::new(*segment, sides, window_q6, census_q6, None))
 }
 
-/// Rows of the windows above and below, relative to the line.
-fn side_rows(line: &Line) -> [[i32; 2]; 2] {
+/// Rows above and below.
+fn side_rows(line: &Line, [above, below]: [Shear; 2]) -> [SideRows; 2] {
     let away = (line.slope_q12().abs() * RISE_Q1) >> 14;
-    let [above, below] = SIDE_ROWS;
-    [above.map(|row| row - away), below.map(|row| row + away)]
+    let ([window_above, window_below], [census_above, census_below]) = (SIDE_ROWS, CENSUS_ROWS);
+    [
+        SideRows { window: window_above.map(|row| row - away), census: census_above, shear: above },
+        SideRows { window: window_below.map(|row| row + away), census: census_below, shear: below },
+    ]
 }
 
 impl<'w> SideWindows<'w> {
@@ -223,7 +226,7 @@ impl<'w> SideWindows<'w> {
         [near_a, near_b, a, b, whole]: [&'w mut Curve; 5],
         line: &Line,
         (first, last): (i32, i32),
-        ([near_row, far_row], shear): ([i32; 2], Shear),
+        rows: SideRows,
         range: (i32, i32),
         band: &Band<'_>,
     ) -> Self {
@@ -232,13 +235,13 @@ impl<'w> SideWindows<'w> {
         let halves =
             [(&mut *near_a, &mut *a, (first, middle)), (&mut *near_b, &mut *b, (middle + 1, last))];
         for (near, half, columns) in halves {
+            let [near_row, far_row] =
+                rows.window.map(|row| RowPiece { line, columns, row, shear: rows.shear });
             near.fill(range, |costs| {
-                pixels +=
-                    add_blocks(line, columns, (near_row, shear, &mut rest), range.0, band, costs)
+                pixels += near_row.add_blocks(range.0, band, &mut rest, costs);
             });
             half.fill_upon(near, |costs| {
-                pixels +=
-                    add_blocks(line, columns, (far_row, shear, &mut rest), range.0, band, costs)
+                pixels += far_row.add_blocks(range.0, band, &mut rest, costs);
             });
         }
         whole.set_sum(a, b);
@@ -249,7 +252,7 @@ impl<'w> SideWindows<'w> {
             near: [near_a, near_b],
             halves: [a, b],
             whole,
-            shear,
+            rows,
             rest,
             pixels,
             best,
@@ -279,40 +282,45 @@ fn ratio_near_q8(curve: &Curve, at: i32, reach: i32) -> i32 {
     ratio_q8(near.cost, curve.second_best(near.at))
 }
 
-/// Adds the cost of one row beside the edge over `columns`, in blocks of eight that follow the
-/// line, from disparity `first` on; returns the pixels compared.
-fn add_blocks(
-    line: &Line,
-    (from, to): (i32, i32),
-    (row, shear, rest): (i32, Shear, &mut Rest),
-    first: i32,
-    band: &Band<'_>,
-    costs: &mut [u16],
-) -> i32 {
-    const WIDTH: i32 = STRIP as i32;
-    /// Blocks of the longest piece.
-    const MOST: usize = (MAX_COLUMNS as usize + 1).div_ceil(STRIP);
-    let blocks = (to - from + WIDTH) / WIDTH;
-    let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
-    for block in 0..blocks {
-        // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
-        let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
-        let line_q5 = line.at_q5((start << 5) + 112);
-        let y = on_band(((line_q5 + 16) >> 5) + row);
-        let first = first + shear.over((y << 5) - line_q5, rest);
-        if let Some(strip) = band.strip(start, y, first) {
-            let _ = strips.push(strip); // a piece is at most MAX_COLUMNS long
+/// A row beside the line, between a first and a last column.
+struct RowPiece<'l> {
+    line: &'l Line,
+    columns: (i32, i32),
+    /// Relative to the line.
+    row: i32,
+    shear: Shear,
+}
+
+impl RowPiece<'_> {
+    /// Adds its cost, in blocks of eight columns that follow the line, from disparity `first` on;
+    /// returns the pixels compared.
+    fn add_blocks(&self, first: i32, band: &Band<'_>, rest: &mut Rest, costs: &mut [u16]) -> i32 {
+        let Self { line, columns: (from, to), row, shear } = *self;
+        const WIDTH: i32 = STRIP as i32;
+        /// Blocks of the longest piece.
+        const MOST: usize = (MAX_COLUMNS as usize + 1).div_ceil(STRIP);
+        let blocks = (to - from + WIDTH) / WIDTH;
+        let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
+        for block in 0..blocks {
+            // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
+            let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
+            let line_q5 = line.at_q5((start << 5) + 112);
+            let y = on_band(((line_q5 + 16) >> 5) + row);
+            let first = first + shear.over((y << 5) - line_q5, rest);
+            if let Some(strip) = band.strip(start, y, first) {
+                let _ = strips.push(strip); // a piece is at most MAX_COLUMNS long
+            }
         }
+        sad_curve(&strips, costs);
+        i32::try_from(strips.len()).unwrap_or(0) * WIDTH
     }
-    sad_curve(&strips, costs);
-    i32::try_from(strips.len()).unwrap_or(0) * WIDTH
 }
 
 /// Census curve of one side; returns its points, and what moved rows leave.
 fn census_curve(
     line: &Line,
     (from, to): (i32, i32),
-    (rows, shear): ([i32; 2], Shear),
+    rows: SideRows,
     range: (i32, i32),
     band: &Band<'_>,
     curve: &mut Curve,
@@ -324,9 +332,9 @@ fn census_curve(
     let (mut x, mut rest) = (from, Rest::default());
     while x <= to {
         let line_q5 = line.at_q5(x << 5);
-        for row in rows {
+        for row in rows.census {
             let y = on_band(((line_q5 + 16) >> 5) + row);
-            let first = range.0 + shear.over((y << 5) - line_q5, &mut rest);
+            let first = range.0 + rows.shear.over((y << 5) - line_q5, &mut rest);
             if let Some(point) = band.census(x, y, first) {
                 let _ = points.push(point); // a piece is at most MAX_COLUMNS long
             }
@@ -354,7 +362,7 @@ impl MatchedSide {
 /// Matches one side by its window, census and the halves of the window.
 fn match_side(
     line: &Line,
-    (own, census_rows): (&mut SideWindows<'_>, [i32; 2]),
+    own: &mut SideWindows<'_>,
     other: &SideWindows<'_>,
     shared: SegmentEvidence,
     context: &MatchContext<'_>,
@@ -372,8 +380,7 @@ fn match_side(
     if half_ratio_q8 > MAX_HALF_RATIO_Q8 {
         return Err(Rejection::WindowNotUnique);
     }
-    let (points, census_rest) =
-        census_curve(line, columns, (census_rows, own.shear), range, band, census);
+    let (points, census_rest) = census_curve(line, columns, own.rows, range, band, census);
     let census_near = census.minimum_near(at, 1);
     let census_ratio_q8 = ratio_q8(census_near.cost, census.second_best(at));
     if census_ratio_q8 > MAX_CENSUS_RATIO_Q8 {

@@ -164,7 +164,7 @@ pub(crate) fn match_near_vertical(
     if repetition::repeats(&extent.line, extent.rows, band, joint) {
         return Err(Rejection::WindowNotUnique);
     }
-    let mut sides = work.rate(&evidence, [line_q6; 2], context.models.of(false));
+    let mut sides = work.rate(&evidence, [line_q6; 2], context.models, false);
     join_sides(&mut sides, [left.disparity_q6, right.disparity_q6], SIDES_APART, line_q6);
     Ok(Candidate::new(*segment, sides, window.disparity_q6, census.disparity_q6, feature_q6))
 }

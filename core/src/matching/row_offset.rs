@@ -29,15 +29,22 @@ const PIXELS_A_COMPARISON: u32 = 6;
 /// Least votes in the cluster.
 const MIN_VOTES: u32 = 8;
 
-/// Row offset of the right image against the left, 1/32 px, `None` when the votes do not determine
-/// it; and the number of left segments that were not compared, because an image of so many `pixels`
-/// had enough of them.
+/// Row offset of the right image against the left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct RowOffset {
+    /// 1/32 px; `None` when the votes do not determine it.
+    pub(crate) offset_q5: Option<i16>,
+    /// Left segments that were not compared, because an image of its size had enough of them.
+    pub(crate) cut: u16,
+}
+
+/// Estimates the row offset, in images of so many pixels.
 pub(crate) fn estimate(
     left: &[Segment],
     right: &[Segment],
     disparities: (i32, i32),
     pixels: u32,
-) -> (Option<i16>, u16) {
+) -> RowOffset {
     let limit_q5 = i32::from(LIMIT_Q5);
     let mut votes = [0_u32; BINS];
     let flat = || left.iter().filter(|s| s.near_horizontal);
@@ -72,7 +79,7 @@ pub(crate) fn estimate(
             }
         }
     }
-    (peak(&votes).map(crate::units::narrow), cut)
+    RowOffset { offset_q5: peak(&votes).map(crate::units::narrow), cut }
 }
 
 /// Mean of the 5 adjacent bins with the most votes, 1/32 px, if they have at least 1.5 times the
@@ -146,7 +153,8 @@ mod tests {
                     three.copy_from_slice(&[edge(row, 0), another, another]);
                 }
                 right.sort_unstable_by_key(|segment| segment.ends_q5().1);
-                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), (Some(moved_q5), 0));
+                let found = RowOffset { offset_q5: Some(moved_q5), cut: 0 };
+                assert_eq!(estimate(&left, &right, (0, 64), 320 * 240), found);
             }
         }
     }

@@ -41,7 +41,8 @@ const LITTLE: i32 = FULL / 5;
 /// every point.
 pub(crate) fn evaluate_sides(
     candidates: &mut [Candidate],
-    (grid, plane): (Grid, Option<GroundPlane>),
+    grid: Grid,
+    plane: Option<GroundPlane>,
     points: &mut [SupportPoint],
 ) {
     if points.is_empty() {
@@ -73,9 +74,9 @@ pub(crate) fn evaluate_sides(
             let [agreeing, farther, nearer] = line.weights_of(grid, points, side.weight_q8.into());
             let share =
                 |sum: i32| narrow(quotient(sum >> 2, (agreeing + farther + nearer + LITTLE) >> 10));
-            let [support, behind, before, _] = &mut side.nearby_q8;
-            *support = narrow(log2_mean_q8(agreeing.unsigned_abs(), FULL));
-            (*behind, *before) = (share(farther), share(nearer));
+            side.nearby.agreeing = narrow(log2_mean_q8(agreeing.unsigned_abs(), FULL));
+            side.nearby.farther = share(farther);
+            side.nearby.nearer = share(nearer);
         }
     }
 }

@@ -178,28 +178,31 @@ impl ObjectQuery<'_> {
             if cover.is_box() {
                 None
             } else {
-                bars::depth_of(self.bars, (area, pixels), row, contains)
+                bars::depth_of(self.bars, area, pixels, row, contains)
             }
         };
         let pieces = |masks: MaskMatcher<'_>| {
-            masks.depth_of((area, cover.pixels), row, |y, column| region.run(y, column))
+            masks.depth_of(area, cover.pixels, row, |y, column| region.run(y, column))
         };
         let bar = bar_of(cover.pixels).or_else(|| self.masks.take().and_then(pieces));
         if let Some((bar, d_q6)) = bar {
             return Ok(of_bar(&bar, d_q6, self.rig.as_ref()));
         }
         let found = region_support::gather(
-            (self.candidates, self.support),
+            self.candidates,
+            self.support,
             self.models,
-            (&cover, region.area(), self.dims),
+            &cover,
+            area,
+            self.dims,
             self.neighbours,
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8); // sums are below 2^22
         let surface =
-            surface::find(neighbours, (cover.centre, cover.is_box(), all_q8), &mut self.order)
+            surface::find(neighbours, cover.centre, cover.is_box(), all_q8, &mut self.order)
                 .unwrap_or_default();
-        match refusal::refusal(&surface, &found, &cover, self.support, (region.area(), self.dims)) {
+        match refusal::refusal(&surface, &found, &cover, self.support, area, self.dims) {
             Some(reason @ (Reason::LittleSupport | Reason::OnlyOutline))
                 if cover.pixels > bars::most_pixels(area) =>
             {
@@ -274,7 +277,7 @@ mod tests {
     use super::*;
     use crate::area::Area;
     use crate::confidence::FITTED;
-    use crate::evidence::SegmentEvidence;
+    use crate::evidence::{NearbyEvidence, SegmentEvidence};
     use crate::image::Span;
     use crate::lines::Segment;
     use crate::matching::Side;
@@ -299,7 +302,7 @@ mod tests {
 
     fn side(d_q6: i32, score_q8: i16) -> Side {
         let evidence = SegmentEvidence::new();
-        Side { score_q8, ..Side::new([d_q6; 2], &evidence, FITTED.of(false)) }
+        Side { score_q8, ..Side::new([d_q6; 2], &evidence, &FITTED, false) }
     }
 
     fn candidate([x0, y0, x1, y1]: [u16; 4], sides: [Option<Side>; 2]) -> Candidate {
@@ -476,16 +479,18 @@ mod tests {
             span: Span { start: 100, end: 104 },
         });
         let pole = Region::masked(4, &runs, DIMS).unwrap();
-        let depth = |nearby_q8: [i16; 4], inner: usize, region: &Region<'_>| {
-            let edge = Side { nearby_q8, edge_score_q8: 1800, ..side(20 * 64, 1200) };
+        let depth = |nearby: NearbyEvidence, inner: usize, region: &Region<'_>| {
+            let edge = Side { nearby, edge_score_q8: 1800, ..side(20 * 64, 1200) };
             let sides = if inner == 0 { [Some(edge), None] } else { [None, Some(edge)] };
             disparity_of(evaluate(&[candidate([100, 80, 100, 110], sides)], region))
         };
-        let (before, behind) = ([0, 64, 0, 0], [0, 0, 64, 0]);
+        let level = NearbyEvidence::default();
+        let before = NearbyEvidence { farther: 64, ..level };
+        let behind = NearbyEvidence { nearer: 64, ..level };
         assert_eq!(depth(before, 1, &pole), Ok(Disparity::from_num(20)));
         assert_eq!(depth(behind, 1, &pole), Err(Reason::LittleSupport), "behind what is beside it");
         assert_eq!(
-            depth([0; 4], 1, &pole),
+            depth(level, 1, &pole),
             Err(Reason::LittleSupport),
             "where what is beside it is"
         );

@@ -62,7 +62,8 @@ pub(super) fn refusal(
     found: &RegionSupport,
     cover: &Cover<'_>,
     support: Support<'_>,
-    (area, dims): (Area, Dims),
+    area: Area,
+    dims: Dims,
 ) -> Option<Reason> {
     by_weight(surface, found)
         .or_else(|| has_equal(surface, found, cover).then_some(Reason::TwoSurfaces))
@@ -70,7 +71,7 @@ pub(super) fn refusal(
         .or_else(|| {
             // The windows of points in a thin region show what is behind it.
             let agreement =
-                || Agreement::of(surface, cover, support, (area, dims)).refusal(cover.is_box());
+                || Agreement::of(surface, cover, support, area, dims).refusal(cover.is_box());
             if cover.is_thin { None } else { agreement() }
         })
 }
@@ -147,7 +148,8 @@ impl Agreement {
         surface: &Surface,
         cover: &Cover<'_>,
         support: Support<'_>,
-        (area, dims): (Area, Dims),
+        area: Area,
+        dims: Dims,
     ) -> Self {
         let (mut inside, mut around) = (Sums::default(), Sums::default());
         let [x0, y0] = cover.centre;

@@ -75,14 +75,17 @@ pub(crate) struct RegionSupport {
 /// Lists the hypotheses of the region at the front of `neighbours`: support points in it, then
 /// segments.
 pub(crate) fn gather(
-    (candidates, support): (&[Candidate], Support<'_>),
+    candidates: &[Candidate],
+    support: Support<'_>,
     models: &Models,
-    (cover, area, dims): (&Cover<'_>, Area, Dims),
+    cover: &Cover<'_>,
+    area: Area,
+    dims: Dims,
     neighbours: &mut [Neighbour],
 ) -> RegionSupport {
     let near = area.grown(OBJECT_REACH, dims);
     let mut found = RegionSupport::default();
-    list_points(support, (cover, area), neighbours, &mut found);
+    list_points(support, cover, area, neighbours, &mut found);
     let points = found.hypotheses;
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
         let inside = pixels_inside(&candidate.segment, WINDOW_MIDDLE, &|x, y| cover.contains(x, y));
@@ -90,7 +93,9 @@ pub(crate) fn gather(
         let is_outline = [b == 0, a == 0];
         let agree = is_agreed(candidate);
         let mut weights = [0; 2];
-        let (model, edge_model) = models.of(candidate.segment.near_horizontal);
+        let near_horizontal = candidate.segment.near_horizontal;
+        let (model, edge_model) =
+            (models.side(near_horizontal), &models.edge(near_horizontal).model);
         let sampled = candidate.sides.iter().zip(inside).zip(is_outline);
         for (weight, ((side, inside), is_outline)) in weights.iter_mut().zip(sampled) {
             let Some(side) = side.as_ref().filter(|_| inside >= LEAST_INSIDE) else { continue };
@@ -132,7 +137,8 @@ pub(crate) fn gather(
 /// second, third, ...
 fn list_points(
     support: Support<'_>,
-    (cover, area): (&Cover<'_>, Area),
+    cover: &Cover<'_>,
+    area: Area,
     neighbours: &mut [Neighbour],
     found: &mut RegionSupport,
 ) {
@@ -173,7 +179,7 @@ fn is_supported(points: &[Neighbour], side: &Side) -> bool {
 
 /// Probability by the side's own evidence and the support points around it, Q16.
 fn probability(model: &Model, side: &Side) -> u16 {
-    model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby_q8))
+    model.probability_q16(model.with_nearby_q8(side.score_q8, side.nearby))
 }
 
 /// The side of an upright edge on which a thin region lies, and its index, where the edge lies
@@ -193,14 +199,13 @@ fn thin_side<'a>(
         _ => return None,
     };
     let side = candidate.sides.get(index)?.as_ref()?;
-    let [_, farther, nearer, _] = side.nearby_q8;
-    (farther - nearer > BEFORE_Q8).then_some((index, side))
+    (side.nearby.farther - side.nearby.nearer > BEFORE_Q8).then_some((index, side))
 }
 
 /// Probability that the edge itself has the side's disparity, by its own evidence and the support
 /// points around it, Q16.
 fn edge_probability(edge_model: &Model, side: &Side) -> u16 {
-    edge_model.probability_q16(edge_model.with_nearby_q8(side.edge_score_q8, side.nearby_q8))
+    edge_model.probability_q16(edge_model.with_nearby_q8(side.edge_score_q8, side.nearby))
 }
 
 /// True when the segment's bounding box meets the area.

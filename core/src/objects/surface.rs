@@ -176,7 +176,9 @@ impl Plane {
 /// hypothesis of nonzero weight.
 pub(crate) fn find(
     neighbours: &[Neighbour],
-    (centre, is_box, all_q8): ([i32; 2], bool, i32),
+    centre: [i32; 2],
+    is_box: bool,
+    all_q8: i32,
     order: &mut List<'_, Ranked>,
 ) -> Option<Surface> {
     let mut hypotheses = [Hypothesis::default(); HYPOTHESES];

@@ -217,8 +217,8 @@ impl Query<'_> {
         if self.repeats((x, y), region) {
             return Err(PixelRejection::NotUnique);
         }
-        let rows = (self.rows, row_bytes(self.dims.width));
-        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, rows)
+        let stride = row_bytes(self.dims.width);
+        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, self.rows, stride)
             .ok_or(PixelRejection::OtherSize)?;
         let (sum, count) = patch.gradient_sum();
         if sum * 2 < BLANK * count.unsigned_abs() {

@@ -62,7 +62,8 @@ impl<'a> Patch<'a> {
         [left, right]: [Gray<'a>; 2],
         (x, y): (i32, i32),
         row_offset: i32,
-        (rows, stride): (&'a mut [u8], usize),
+        rows: &'a mut [u8],
+        stride: usize,
     ) -> Option<Self> {
         let plane = stride.checked_mul(ROWS)?;
         let (near, rest) = rows.split_at_mut_checked(plane)?;

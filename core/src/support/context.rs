@@ -112,9 +112,9 @@ impl Listing<'_> {
         let Support { grid, detail_q8, plane, points } = self.support;
         let own = points.get(index).filter(|point| point.is_matched())?;
         let along = plane.filter(|_| own.place.is_on_plane());
-        let around = Around::of(points, grid, along, (index, own));
+        let around = Around::of(points, grid, along, index, own);
         let alike = self.likeness.at(at, own.disparity_q6, along);
-        Some(ContextEvidence::of(own, &around, alike, (detail_q8, plane.is_some())))
+        Some(ContextEvidence::of(own, &around, alike, detail_q8, plane.is_some()))
     }
 }
 
@@ -149,7 +149,8 @@ impl Around {
         points: &[SupportPoint],
         grid: Grid,
         along: Option<GroundPlane>,
-        (index, own): (usize, &SupportPoint),
+        index: usize,
+        own: &SupportPoint,
     ) -> Self {
         let mut found = Self::default();
         let row = index.checked_div(grid.columns).unwrap_or(0);
@@ -226,7 +227,8 @@ impl ContextEvidence {
         own: &SupportPoint,
         around: &Around,
         [unlike, brighter, texture]: [i32; 3],
-        (detail_q8, has_plane): (i16, bool),
+        detail_q8: i16,
+        has_plane: bool,
     ) -> Self {
         let [between, slope] = around.opposite(&NEAR);
         let [wide_between, wide_slope] = around.opposite(&WIDE);

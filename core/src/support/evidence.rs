@@ -410,7 +410,8 @@ pub(super) fn around(
 pub(super) fn nearby(
     points: &[SupportPoint],
     grid: Grid,
-    (detail_q8, plane): (i16, Option<GroundPlane>),
+    detail_q8: i16,
+    plane: Option<GroundPlane>,
     index: usize,
 ) -> [i16; 5] {
     let Some(own) = points.get(index).filter(|point| point.is_matched()) else { return [0; 5] };

@@ -260,13 +260,20 @@ pub(crate) struct Matching<'a> {
     pub(crate) wants_curves: bool,
 }
 
+/// Found over all points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Overall {
+    /// Detail of the left image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
+    pub(crate) detail_q8: i16,
+    /// What lies beyond the range.
+    pub(crate) range: RangeCheck,
+}
+
 impl Matching<'_> {
     /// Matches all points, or those in and around these areas, in `memory` of [`Grid::bytes`].
     /// Fills `points` with one per point of the grid, row by row; calls `watch` with the index and
     /// the costs of each, then with the evidence, neighbours left out, of each that has a
-    /// disparity. Returns the detail of the left image,
-    /// [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8, and what was found beyond the
-    /// range.
+    /// disparity.
     pub(crate) fn run(
         &self,
         areas: Option<&[Area]>,
@@ -274,11 +281,11 @@ impl Matching<'_> {
         memory: &mut [u8],
         points: &mut List<'_, SupportPoint>,
         mut watch: impl FnMut(usize, Seen<'_>),
-    ) -> (i16, RangeCheck) {
+    ) -> Overall {
         points.clear();
         let Grid { columns, rows, .. } = self.grid;
         if columns * rows > points.capacity() {
-            return (TYPICAL_DETAIL_Q8, RangeCheck::default());
+            return Overall { detail_q8: TYPICAL_DETAIL_Q8, range: RangeCheck::default() };
         }
         for _ in 0..columns * rows {
             let _ = points.push(SupportPoint::none()); // they fit
@@ -297,7 +304,7 @@ impl Matching<'_> {
                     &mut watch,
                 );
             }
-            return (sums.detail.mean_q8(), sums.nearer.check);
+            return Overall { detail_q8: sums.detail.mean_q8(), range: sums.nearer.check };
         };
         let plane = self.plane.map(GroundPlane::halved);
         let grid = if plane.is_some() { half.with_plane(memory.len()) } else { half };
@@ -314,10 +321,10 @@ impl Matching<'_> {
         }
         let detail_q8 = sums.detail.mean_q8();
         if let Some(points) = points.get_mut(..half.columns * half.rows) {
-            rate(None, points, half, (detail_q8, plane), self.models.of(plane.is_some()));
+            rate(None, points, half, detail_q8, plane, self.models.of(plane.is_some()));
         }
         fine::Fine { matching: self, half }.run(areas, memory, points, watch);
-        (detail_q8, sums.nearer.check.doubled())
+        Overall { detail_q8, range: sums.nearer.check.doubled() }
     }
 
     /// Matches the points in these columns and rows of the grid, on two cores half of the columns
@@ -385,8 +392,7 @@ impl Matching<'_> {
                     },
                 ),
                 Some(cores) => {
-                    let points = (points, &mut steps[..]);
-                    row.pass_on(cores, &mut paths, columns.clone(), points, sums);
+                    row.pass_on(cores, &mut paths, columns.clone(), points, &mut steps, sums);
                 }
             }
         }
@@ -438,12 +444,13 @@ pub(crate) fn rate(
     cores: Option<&mut dyn Cores>,
     points: &mut [SupportPoint],
     grid: Grid,
-    pair: (i16, Option<GroundPlane>),
+    detail_q8: i16,
+    plane: Option<GroundPlane>,
     model: &Model<SUPPORT_EVIDENCE>,
 ) {
     let rate = |points: &mut [SupportPoint], indices: Range<usize>| {
         for index in indices {
-            let nearby = nearby(points, grid, pair, index);
+            let nearby = nearby(points, grid, detail_q8, plane, index);
             if let Some(point) = points.get_mut(index)
                 && point.is_matched()
             {

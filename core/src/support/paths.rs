@@ -132,7 +132,8 @@ impl<'m> Paths<'m> {
     pub(super) fn pass_on<P: Points + Send>(
         &mut self,
         cores: &mut dyn Cores,
-        (columns, middle): (Range<usize>, usize),
+        columns: Range<usize>,
+        middle: usize,
         [left_points, right_points]: &mut [P; 2],
     ) {
         let Some(([mut left, mut right], along)) = self.parts(columns, middle) else { return };

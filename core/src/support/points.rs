@@ -194,6 +194,6 @@ impl<'a> Support<'a> {
     /// The evidence of the point at `index`, completed with that by its neighbours.
     #[must_use]
     pub fn with_nearby(&self, index: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_nearby(nearby(self.points, self.grid, (self.detail_q8, self.plane), index))
+        evidence.with_nearby(nearby(self.points, self.grid, self.detail_q8, self.plane, index))
     }
 }

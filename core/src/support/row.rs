@@ -91,7 +91,7 @@ impl<W: FnMut(usize, Seen<'_>)> Points for RowPart<'_, '_, W> {
         let at = column - self.first;
         if let Some(point) = self.points.get_mut(at)
             && let Some(&steps) = self.steps.get(at)
-            && let Some(found) = self.row.evaluate((column, steps), costs, &mut self.watch)
+            && let Some(found) = self.row.evaluate(column, steps, costs, &mut self.watch)
         {
             *point = found;
         }
@@ -106,7 +106,8 @@ impl<'a> Row<'_, 'a> {
         cores: &mut dyn Cores,
         paths: &mut Paths<'_>,
         columns: Range<usize>,
-        (points, steps): (&mut [SupportPoint], &mut [u16]),
+        points: &mut [SupportPoint],
+        steps: &mut [u16],
         sums: &mut Sums,
     ) {
         let middle = nearer::beside_sample(usize::midpoint(columns.start, columns.end) + 1);
@@ -127,7 +128,7 @@ impl<'a> Row<'_, 'a> {
         };
         let mut parts =
             [part(0, left, left_steps, &mut *sums), part(middle, right, right_steps, &mut there)];
-        paths.pass_on(cores, (columns, middle), &mut parts);
+        paths.pass_on(cores, columns, middle, &mut parts);
         sums.add(&there);
     }
 
@@ -140,7 +141,8 @@ impl<'a> Row<'_, 'a> {
     #[inline(always)]
     fn evaluate(
         &self,
-        (column, steps): (usize, u16),
+        column: usize,
+        steps: u16,
         costs: PointCosts<'_>,
         watch: &mut impl FnMut(usize, Seen<'_>),
     ) -> Option<SupportPoint> {

@@ -9,7 +9,8 @@ use crate::results::health::is_fit;
 use crate::results::listing::owner_name;
 use linestereo::results::{Match, Rejection};
 use linestereo::unstable::{
-    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8, Segment,
+    Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8,
+    NearbyEvidence, Segment,
 };
 use linestereo::{Params, params::Margin, units::Disparity};
 
@@ -322,7 +323,9 @@ fn add_hypotheses(candidate: &Candidate, params: &Params, steps: &mut Vec<Step>)
             steps.push(Step::note("side", format!("{name}: does not have this disparity")));
             continue;
         };
-        let [agreeing, farther, nearer, segments] = side.nearby_q8.map(|q8| f64::from(q8) / 256.0);
+        let NearbyEvidence { agreeing, farther, nearer, segments } = side.nearby;
+        let [agreeing, farther, nearer, segments] =
+            [agreeing, farther, nearer, segments].map(|q8| f64::from(q8) / 256.0);
         let [first, last] = side.disparity_q6.map(|q6| f64::from(q6) / 64.0);
         let words = format!(
             "{name}: {first:.2} to {last:.2} px, p {:.3}, asked for {:.2}; support points that agree {:.1} \

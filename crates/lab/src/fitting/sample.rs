@@ -142,7 +142,7 @@ pub fn scene_samples(
             |x: i32, y: i32, d: f32| truth.disparity(x, y).map(|truth| (truth - d).abs());
         for (index, (side, logged)) in candidate.sides.iter().zip(logged).enumerate() {
             let Some(side) = side else { continue };
-            let known = logged.with_nearby(side.nearby_q8);
+            let known = logged.with_nearby(side.nearby);
             for distance in 0..=REACH {
                 let pixels = candidate.pixels(index, distance, ValidPixels::whole(dims));
                 let errors = pixels.filter_map(|(x, y, d_q6)| {
