@@ -99,7 +99,11 @@ class I2c:
 
     def __init__(self, core, sensors, faults):
         self.core, self.faults = core, faults
-        self.sensors, self.registers, self.flags, self.mode, self.left, self.data, self.answer, self.held = sensors, {}, 1, None, 0, [], [], None
+        self.sensors, self.registers, self.times_off = sensors, {}, 0
+        self._reset()
+
+    def _reset(self):
+        self.flags, self.mode, self.left, self.data, self.answer, self.held = 1, None, 0, [], [], None
 
     def _fault(self, address):
         name = self.sensors[address].name if address in self.sensors else None
@@ -112,7 +116,7 @@ class I2c:
         elif sensor is None or fault == "absent":
             self.flags |= 1 << 4 | 1 << 5
         elif fault == "hung" or fault == "mute" and is_read:  # the clock is held: from the address on, or when a byte is to be read
-            self.core.at(last, self._stop)
+            pass  # after that the block waits for its program, and holds the clock itself
         elif is_read:
             self.mode, self.answer = "read", [0x13, 0x13] if fault == "other" and sensor.pointer == 0 else sensor.read(self.left)
             self.flags |= 4
@@ -147,7 +151,10 @@ class I2c:
 
     def write(self, at, value):
         self.registers[at] = value
-        if at == 4 and bit(value, 13):
+        if at == 0 and not bit(value, 0):
+            self.times_off += 1
+            self._reset()
+        elif at == 4 and bit(value, 13):
             self._finish()
             self.address, self.left, self.flags = value >> 1 & 0x7F, value >> 16 & 0xFF, 1 | 1 << 15
             self._start(bit(value, 10))
@@ -162,7 +169,7 @@ class I2c:
             if self.left <= 0:
                 self.flags &= ~2
                 if self.held:  # after the last byte
-                    self.core.at(self.held, self._stop)
+                    self.core.at(self.held, lambda times=self.times_off: times == self.times_off and self._stop())
                 else:
                     self._complete()
 

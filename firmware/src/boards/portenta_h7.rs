@@ -37,7 +37,7 @@ mod on_board {
     use core::mem::MaybeUninit;
     use embassy_executor::SendSpawner;
     use embassy_stm32::gpio::{AnyPin, Level, Output, OutputType, Speed};
-    use embassy_stm32::pac::interrupt;
+    use embassy_stm32::pac::{self, interrupt};
     use embassy_stm32::peripherals::{
         IWDG1, PA3, PA5, PA9, PA10, PB0, PB1, PB5, PB10, PB11, PB12, PB13, PC0, PH1, PH4, PI11,
         PJ4, USART1, USART6, USB_OTG_HS,
@@ -198,7 +198,7 @@ mod on_board {
         let trigger = Trigger::new(trigger).ok();
         // One pin resets both.
         let resets = (ResetPin(output(p.PC13.into())), NoReset);
-        let sensors = sensors(p.I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
+        let sensors = sensors(p.I2C3, pac::I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
         #[cfg(feature = "ahead")]
         let sensors = timed::Timed(sensors);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);

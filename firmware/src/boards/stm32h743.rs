@@ -34,7 +34,7 @@ mod on_board {
     use crate::ports::{FrameStart, PairSource};
     use embassy_executor::SendSpawner;
     use embassy_stm32::gpio::{AnyPin, Level, Output, Speed};
-    use embassy_stm32::pac::interrupt;
+    use embassy_stm32::pac::{self, interrupt};
     use embassy_stm32::peripherals::{IWDG1, PA11, PA12, PD8, PD9, USART2, USART3, USB_OTG_FS};
     use embassy_stm32::rcc::{Mco, Mco1Source, McoConfig};
     use embassy_stm32::usart;
@@ -144,7 +144,7 @@ mod on_board {
         let switch = BusSwitch { select: output(p.PD15.into()), trigger: output(p.PD14.into()) };
         let eyes = &*EYES.init(InTurn::new(stream, switch, DIMS.height));
         let resets = (ResetPin(output(p.PD0.into())), ResetPin(output(p.PD1.into())));
-        let sensors = sensors(p.I2C1, (p.PB8, p.PB9), resets, None, SENSOR_HZ);
+        let sensors = sensors(p.I2C1, pac::I2C1, (p.PB8, p.PB9), resets, None, SENSOR_HZ);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs =
             CameraSource::new(eyes.eyes(), eyes.cameras(sensors), capture, DIMS, PATIENCE_US);

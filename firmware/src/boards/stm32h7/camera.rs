@@ -14,8 +14,9 @@ use core::cell::RefCell;
 use embassy_stm32::i2c::{self, I2c, Instance, SclPin, SdaPin};
 use embassy_stm32::mode::Blocking;
 use embassy_stm32::time::Hertz;
-use embassy_stm32::{Peri, gpio::Output};
+use embassy_stm32::{Peri, gpio::Output, pac};
 use embassy_time::{Delay, Duration};
+use embedded_hal::i2c::{ErrorType, Operation};
 use embedded_hal_bus::i2c::RefCellDevice;
 use linestereo::Dims;
 use static_cell::StaticCell;
@@ -75,7 +76,53 @@ impl Row {
 }
 
 /// The bus of both sensors.
-pub type Bus = I2c<'static, Blocking, i2c::Master>;
+///
+/// The HAL leaves its block in the middle of a transaction that has taken too long: it holds SCL,
+/// and whatever comes next waits for that in vain. Here it is off for a moment then, which frees
+/// the bus. A sensor that holds SDA low lets go when it is reset.
+#[expect(missing_debug_implementations, reason = "the HAL's driver has none")]
+pub struct Bus {
+    i2c: I2c<'static, Blocking, i2c::Master>,
+    block: pac::i2c::I2c,
+}
+
+impl Bus {
+    fn run(
+        &mut self,
+        transaction: impl FnOnce(&mut I2c<'static, Blocking, i2c::Master>) -> Result<(), i2c::Error>,
+    ) -> Result<(), i2c::Error> {
+        let done = transaction(&mut self.i2c);
+        if done == Err(i2c::Error::Timeout) {
+            self.block.cr1().modify(|w| w.set_pe(false));
+            // It is off after three clocks of its bus: RM0433, 52.4.6.
+            let _ = (0..100).find(|_| !self.block.cr1().read().pe());
+            self.block.cr1().modify(|w| w.set_pe(true));
+        }
+        done
+    }
+}
+
+impl ErrorType for Bus {
+    type Error = i2c::Error;
+}
+
+impl embedded_hal::i2c::I2c for Bus {
+    fn write(&mut self, address: u8, bytes: &[u8]) -> Result<(), i2c::Error> {
+        self.run(|i2c| i2c.blocking_write(address, bytes))
+    }
+
+    fn write_read(&mut self, address: u8, bytes: &[u8], into: &mut [u8]) -> Result<(), i2c::Error> {
+        self.run(|i2c| i2c.blocking_write_read(address, bytes, into))
+    }
+
+    fn transaction(
+        &mut self,
+        address: u8,
+        operations: &mut [Operation<'_>],
+    ) -> Result<(), i2c::Error> {
+        self.run(|i2c| i2c.blocking_transaction(address, operations))
+    }
+}
 /// Two sensors with their reset lines.
 pub type Sensors<RL, RR> = StereoCamera<
     Mt9v034,
@@ -87,10 +134,11 @@ pub type Sensors<RL, RR> = StereoCamera<
     Delay,
 >;
 
-/// Two sensors at the first two addresses of a bus, the left one at the first. `clock_hz` is the
-/// sensors' own clock.
+/// Two sensors at the first two addresses of a bus, the left one at the first. `block` is the bus's
+/// registers, `clock_hz` the sensors' own clock.
 pub fn sensors<T: Instance, RL: ResetLine, RR: ResetLine>(
     bus: Peri<'static, T>,
+    block: pac::i2c::I2c,
     (clock, data): (Peri<'static, impl SclPin<T>>, Peri<'static, impl SdaPin<T>>),
     (left_reset, right_reset): (RL, RR),
     trigger: Option<Trigger<Output<'static>>>,
@@ -100,7 +148,8 @@ pub fn sensors<T: Instance, RL: ResetLine, RR: ResetLine>(
     let mut config = i2c::Config::default();
     config.frequency = Hertz::khz(400);
     config.timeout = Duration::from_millis(20); // longer than any transaction: what hangs is an error, not a reset
-    let bus = &*BUS.init(RefCell::new(I2c::new_blocking(bus, clock, data, config)));
+    let i2c = I2c::new_blocking(bus, clock, data, config);
+    let bus = &*BUS.init(RefCell::new(Bus { i2c, block }));
     let [left, right, ..] = Mt9v034::ADDRESSES;
     let chips = (
         Chip::new(RefCellDevice::new(bus), left, left_reset),
