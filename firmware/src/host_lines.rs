@@ -4,7 +4,7 @@
 //! ```text
 //! nobody listens       records are dropped
 //! perhaps              what fits is sent, the rest is dropped: a line that does not know, on which
-//!                      nothing has come yet
+//!                      no command has come yet
 //! somebody             waits for room, but not for ever: after that the line is dropped until it
 //!                      has room by itself
 //! ```
@@ -36,6 +36,9 @@ pub trait Line {
 
     /// Puts bytes that have come at the start of `bytes` and says how many.
     fn read(&mut self, bytes: &mut [u8]) -> usize;
+
+    /// A command has come.
+    fn heard(&mut self) {}
 }
 
 /// A line as the port of a program.
@@ -72,6 +75,10 @@ impl<L: Line, N> ByteSource for HostLine<L, N> {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
         self.line.read(bytes)
     }
+
+    fn heard(&mut self) {
+        self.line.heard();
+    }
 }
 
 impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
@@ -93,29 +100,46 @@ impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
 
 /// Two lines as one port of a program.
 #[derive(Debug)]
-pub struct HostLines<A, B, N>(pub HostLine<A, N>, pub HostLine<B, N>);
+pub struct HostLines<A, B, N> {
+    first: HostLine<A, N>,
+    second: HostLine<B, N>,
+    /// What was read last came on the second.
+    is_second: bool,
+}
+
+impl<A, B, N> HostLines<A, B, N> {
+    /// Both lines.
+    pub const fn new(first: HostLine<A, N>, second: HostLine<B, N>) -> Self {
+        Self { first, second, is_second: false }
+    }
+}
 
 impl<A: Line, B: Line, N> ByteSource for HostLines<A, B, N> {
     /// Bytes of one line, so that two commands do not mix as long as the two hosts do not send at
     /// once.
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        match self.0.read(bytes) {
-            0 => self.1.read(bytes),
-            count => count,
-        }
+        let count = self.first.read(bytes);
+        self.is_second = count == 0;
+        if self.is_second { self.second.read(bytes) } else { count }
+    }
+
+    fn heard(&mut self) {
+        if self.is_second { self.second.heard() } else { self.first.heard() }
     }
 }
 
 impl<A: Line, B: Line, N: Fn() -> u64> ByteSink for HostLines<A, B, N> {
     fn write(&mut self, bytes: &[u8]) {
-        self.0.write(bytes);
-        self.1.write(bytes);
+        self.first.write(bytes);
+        self.second.write(bytes);
     }
 
     /// Of the lines on which somebody listens, else of those that do not know, the one with less.
     fn room(&self) -> Room {
-        let lines =
-            [(self.0.line.listener(), self.0.room()), (self.1.line.listener(), self.1.room())];
+        let lines = [
+            (self.first.line.listener(), self.first.room()),
+            (self.second.line.listener(), self.second.room()),
+        ];
         let of = |wanted: Listener| {
             lines.iter().filter(move |(listener, _)| *listener == wanted).map(|(_, room)| *room)
         };

@@ -42,6 +42,9 @@ pub trait ByteSource {
     /// Puts bytes that are there at the start of `bytes` and says how many. None are there at the
     /// end of a file, and while a serial port is silent.
     fn read(&mut self, bytes: &mut [u8]) -> usize;
+
+    /// What was read last was a command: there is somebody at the other end.
+    fn heard(&mut self) {}
 }
 
 /// Bytes of a buffer before a port.

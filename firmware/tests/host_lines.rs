@@ -41,6 +41,10 @@ impl Line for FakeLine {
         bytes.iter_mut().zip(self.into.drain(..count)).for_each(|(place, byte)| *place = byte);
         count
     }
+
+    fn heard(&mut self) {
+        self.listener = Listener::Somebody;
+    }
 }
 
 fn still() -> u64 {
@@ -52,7 +56,7 @@ fn records_go_to_both_whole_or_not_at_all() {
     let [nobody, perhaps] = [Listener::Nobody, Listener::Perhaps].map(FakeLine::new);
     let (first, second) = (nobody.waiting.clone(), perhaps.waiting.clone());
     let mut lines =
-        HostLines(HostLine::new(nobody, still, 100), HostLine::new(perhaps, still, 100));
+        HostLines::new(HostLine::new(nobody, still, 100), HostLine::new(perhaps, still, 100));
     for record in [&[1, 2, 3][..], &[4, 5, 6], &[7, 8, 9], &[10, 11]] {
         lines.write(record); // for nobody here is anything waited for: this clock stands still
     }
@@ -93,12 +97,30 @@ fn who_listens_is_waited_for_but_not_for_ever() {
     assert_eq!(*waiting.borrow(), [5; 4]);
 }
 
+/// Bytes without a command, such as those of a plug, say nothing of the line.
+#[test]
+fn a_command_says_which_line_has_a_host() {
+    for at in [0, 1] {
+        let mut lines = [Listener::Perhaps; 2].map(FakeLine::new);
+        lines[at].into.extend([1, 2]);
+        let waiting = lines.each_ref().map(|line| line.waiting.clone());
+        let [first, second] = lines.map(|line| HostLine::new(line, still, 0));
+        let mut lines = HostLines::new(first, second);
+        lines.read(&mut [0; 8]);
+        waiting[1 - at].borrow_mut().extend([0; 2]);
+        assert_eq!(lines.room().free, 6, "of both the one with less");
+        lines.heard();
+        assert_eq!(lines.room().free, 8, "of the one that is known");
+    }
+}
+
 #[test]
 fn commands_come_from_either() {
     let [mut first, mut second] = [Listener::Nobody, Listener::Somebody].map(FakeLine::new);
     first.into.extend([1, 2, 3]);
     second.into.extend([4, 5]);
-    let mut lines = HostLines(HostLine::new(first, still, 100), HostLine::new(second, still, 100));
+    let mut lines =
+        HostLines::new(HostLine::new(first, still, 100), HostLine::new(second, still, 100));
     let mut bytes = [0; 2];
     let mut read = || (lines.read(&mut bytes), bytes);
     assert_eq!(

@@ -81,7 +81,7 @@ impl Turn {
 /// Shortest time between two reports of losses, microseconds.
 const LOSSES_US: u64 = 1_000_000;
 
-/// Most answers to an autopilot in one turn, but for those of the last few bytes.
+/// Most answers to a host, and to an autopilot, in one turn, but for those of the last few bytes.
 const ANSWERS: usize = 4;
 /// Most reads of an autopilot's port in one turn: what a line of 57600 baud carries in 0.2 s.
 const AUTOPILOT_READS: usize = 64;
@@ -192,12 +192,15 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
 
     fn serve_commands(&mut self, memory: &mut impl Memory, camera: &mut impl PairSource) {
         let mut bytes = [0; 16];
+        let mut answers = 0;
         // A host that never pauses does not stop the pairs.
         for _ in 0..MAX_COMMAND {
             let count = self.port.read(&mut bytes);
             let mut took_long = false;
             for &byte in bytes.iter().take(count) {
                 if let Some(Ok(command)) = self.decoder.push(byte) {
+                    self.port.heard();
+                    answers += 1;
                     took_long |= matches!(
                         command.request,
                         Request::SetRig(_)
@@ -210,7 +213,7 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
                 }
             }
             // One a turn: the watchdog is fed in between.
-            if count == 0 || took_long {
+            if count == 0 || took_long || answers >= ANSWERS {
                 return;
             }
         }

@@ -126,15 +126,16 @@ async fn receive_uart(mut uart: BufferedUartRx<'static>) -> ! {
     }
 }
 
-/// The line by UART: somebody listens as soon as something has come.
+/// The line by UART: somebody listens as soon as a command has come. Single bytes also come of a
+/// plug.
 #[derive(Debug)]
 pub struct UartLine {
-    has_received: bool,
+    is_heard: bool,
 }
 
 impl Line for UartLine {
     fn listener(&self) -> Listener {
-        if self.has_received { Listener::Somebody } else { Listener::Perhaps }
+        if self.is_heard { Listener::Somebody } else { Listener::Perhaps }
     }
 
     fn room(&self) -> Room {
@@ -146,9 +147,11 @@ impl Line for UartLine {
     }
 
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        let count = FROM_UART.try_read(bytes).unwrap_or(0);
-        self.has_received |= count > 0;
-        count
+        FROM_UART.try_read(bytes).unwrap_or(0)
+    }
+
+    fn heard(&mut self) {
+        self.is_heard = true;
     }
 }
 
@@ -171,8 +174,8 @@ pub fn host_port<T: Instance>(
     let (sender, receiver) = uart.split();
     spawner.spawn(send_to_host(sender).ok()?);
     spawner.spawn(receive_uart(receiver).ok()?);
-    let line = UartLine { has_received: false };
-    Some(HostLines(usb_port::port(now_us), HostLine::new(line, now_us, PATIENCE_US)))
+    let line = UartLine { is_heard: false };
+    Some(HostLines::new(usb_port::port(now_us), HostLine::new(line, now_us, PATIENCE_US)))
 }
 
 /// The autopilot's port: what does not fit in its buffer is dropped, a message at a time.
