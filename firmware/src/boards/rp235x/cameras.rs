@@ -182,8 +182,9 @@ impl Channel {
     /// The next event, if there is one.
     fn look(self) -> Option<Seen> {
         let (rows, flags) = (1 << self.number, 0b11 << self.number);
-        let is_row = DMA.ints(1).read() & rows != 0;
-        DMA.ints(1).write_value(rows);
+        let ended = DMA.ints(1).read() & rows;
+        DMA.ints(1).write_value(ended); // one that ends now is told by the next interrupt
+        let is_row = ended != 0;
         let flags = PIO0.irq().read().irq() & flags;
         PIO0.irq().write(|w| w.set_irq(flags));
         let is_ended = flags & 0b10 << self.number != 0;

@@ -8,7 +8,7 @@ use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt as _, Priority};
 use embassy_rp::peripherals::{PIN_0, PIN_1, UART0};
 use embassy_rp::uart::{BufferedInterruptHandler, BufferedUart, Config};
-use embassy_rp::{Peri, bind_interrupts};
+use embassy_rp::{Peri, bind_interrupts, pac};
 use embedded_io_async::Read as _;
 use static_cell::StaticCell;
 
@@ -37,7 +37,10 @@ impl Autopilot {
         let mut config = Config::default();
         config.baudrate = 57_600;
         let (sent, received) = (OUT.init_with(|| [0; WAITING]), IN.init_with(|| [0; WAITING]));
-        Self(BufferedUart::new(uart, out, into, Interrupts, sent, received, config))
+        let port = BufferedUart::new(uart, out, into, Interrupts, sent, received, config);
+        // Nothing need be connected, and the HAL has taken the pull off.
+        pac::PADS_BANK0.gpio(1).modify(|w| w.set_pue(true));
+        Self(port)
     }
 }
 
@@ -53,7 +56,14 @@ impl ByteSink for Autopilot {
 
 impl ByteSource for Autopilot {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        // Lost or garbled bytes are a frame that the receiver refuses.
-        if let Poll::Ready(Ok(count)) = poll_once(self.0.read(bytes)) { count } else { 0 }
+        // Lost or garbled bytes are a frame that the receiver refuses. The HAL tells of them before
+        // it takes more, and what came after them may wait.
+        (0..2)
+            .find_map(|_| match poll_once(self.0.read(bytes)) {
+                Poll::Ready(Ok(count)) => Some(count),
+                Poll::Ready(Err(_)) => None,
+                Poll::Pending => Some(0),
+            })
+            .unwrap_or(0)
     }
 }
