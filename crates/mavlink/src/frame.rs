@@ -5,7 +5,7 @@ use crc::{CRC_16_MCRF4XX, Crc, Table};
 /// Bytes of the longest payload here, OBSTACLE_DISTANCE.
 const MAX_PAYLOAD: usize = 167;
 /// Bytes before a payload.
-const HEAD: usize = 10;
+pub(crate) const HEAD: usize = 10;
 /// Bytes of the longest frame here.
 pub const MAX_FRAME: usize = HEAD + MAX_PAYLOAD + 2;
 /// A frame of version 2 begins.

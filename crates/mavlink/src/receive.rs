@@ -8,10 +8,9 @@
 //! A few steps a byte, one pass over a frame. What is damaged costs the frame, and at most the 280
 //! bytes that a damaged length announces.
 
-use crate::frame::{Fields, MAGIC, Mavlink, checksum};
+use crate::frame::{Fields, HEAD, MAGIC, Mavlink, checksum};
 
-/// Bytes before a payload, behind it, and of a signature.
-const HEAD: usize = 10;
+/// Bytes behind a payload, and of a signature.
 const CHECKSUM: usize = 2;
 const SIGNATURE: usize = 13;
 /// A signature follows.
@@ -126,6 +125,10 @@ impl Receiver {
     /// The message whose payload ends here.
     fn message(&self, end: usize, own: [u8; 2]) -> Option<Received> {
         let (head, payload) = self.frame.get(..end)?.split_first_chunk::<HEAD>()?;
+        // Other incompatibility flags announce what this does not know how to read.
+        if head[2] & !SIGNED != 0 {
+            return None;
+        }
         let crc = u16::from_le_bytes(*self.frame.get(end..)?.first_chunk()?);
         let [.., id0, id1, id2] = *head;
         let id = u32::from_le_bytes([id0, id1, id2, 0]);
@@ -161,10 +164,11 @@ impl Receiver {
                 })
             }
             _ => {
-                let (tc1, ts1) = ([b0, b1, b2, b3, b4, b5, b6, b7], *rest.first_chunk()?);
-                Some(Received::Timesync(Timesync {
+                let tc1 = [b0, b1, b2, b3, b4, b5, b6, b7];
+                let (ts1, to) = rest.split_first_chunk()?;
+                is_own(*to.first_chunk()?).then_some(Received::Timesync(Timesync {
                     tc1: i64::from_le_bytes(tc1),
-                    ts1: i64::from_le_bytes(ts1),
+                    ts1: i64::from_le_bytes(*ts1),
                 }))
             }
         }

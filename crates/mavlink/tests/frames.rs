@@ -387,7 +387,11 @@ fn requests() -> (Vec<Vec<u8>>, Vec<Received>) {
     }
     let times =
         theirs::TIMESYNC_DATA { tc1: 0, ts1: 5_000_000_000, ..theirs::TIMESYNC_DATA::default() };
-    frames.push(frame_of(header, &theirs::MavMessage::TIMESYNC(times)));
+    let for_another =
+        theirs::TIMESYNC_DATA { target_system: 1, target_component: 1, ..times.clone() };
+    for times in [times, for_another] {
+        frames.push(frame_of(header, &theirs::MavMessage::TIMESYNC(times)));
+    }
     expected.push(Received::Timesync(Timesync { tc1: 0, ts1: 5_000_000_000 }));
     (frames, expected)
 }
@@ -399,6 +403,25 @@ fn requests_are_taken_out_of_any_stream() {
     let noisy: Vec<u8> =
         frames.iter().flat_map(|frame| [b"noise\0".as_slice(), frame].concat()).collect();
     assert_eq!(received(&noisy), expected);
+}
+
+/// Of flags that have to be known there is one, of a signature.
+#[test]
+fn a_frame_with_a_flag_that_is_not_known_is_skipped() {
+    let (frames, _) = requests();
+    for flags in 2..=u8::MAX {
+        let mut frame = frames[0].clone();
+        frame[2] = flags;
+        let end = frame.len() - 2;
+        let crc = mavlink::calculate_crc(&frame[1..end], 159);
+        frame[end..].copy_from_slice(&crc.to_le_bytes());
+        frame.extend([0; 13]); // of a signature
+        assert_eq!(
+            received(&[frame, frames[0].clone()].concat()),
+            [Received::ParamList],
+            "{flags}"
+        );
+    }
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl Setting {
         Self::real("range_m", 0.1, 600.0),
         Self::real("lowest_m", -1000.0, 1000.0),
         Self::real("highest_m", -1000.0, 1000.0),
-        Self::whole("system", 0.0, 255.0),
+        Self::whole("system", 1.0, 255.0),
         Self::whole("rate_hz", 10.0, 20.0),
         Self::whole("policy", 0.0, 2.0),
         Self::whole("block_cm", 0.0, 60_000.0),
