@@ -399,6 +399,22 @@ impl<F: NorFlash> Slots<'_, F> {
         (slots, None)
     }
 
+    /// A number after those of images of this kind that cannot be used, such as those of another
+    /// version: settings that name one of these are not for the next image.
+    fn next_sequence(&mut self, of_kind: &[u8], found: &mut [u8; MOST_BYTES]) -> u32 {
+        let [first, second] = Slot::BOTH.map(|slot| {
+            let (head, _) = self.read(slot, found).ok()?.split_first_chunk::<HEAD>()?;
+            let (words, _) = head.as_chunks();
+            let [magic, _, sequence] = *words else { return None };
+            of_kind.starts_with(&magic).then(|| u32::from_le_bytes(sequence))
+        });
+        let newest = match (first, second) {
+            (Some(first), Some(second)) if is_newer(second, first) => Some(second),
+            _ => first.or(second),
+        };
+        newest.map_or(0, |sequence| sequence.wrapping_add(1))
+    }
+
     /// Stores the image that `put` writes with a sequence number into `bytes`, which hold ones.
     #[inline(never)]
     fn store(
@@ -417,7 +433,7 @@ impl<F: NorFlash> Slots<'_, F> {
             Some(used) => {
                 (used.other(), used.of(&mut slots).map_or(0, |sequence| sequence.wrapping_add(1)))
             }
-            None => (Slot::First, 0),
+            None => (Slot::First, self.next_sequence(bytes, &mut found)),
         };
         put(sequence, bytes);
         // `new` checked that it fits.

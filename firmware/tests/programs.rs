@@ -371,7 +371,8 @@ fn a_rig_is_kept_where_there_is_flash() {
     let input = Input::default().rig(&rig(DIMS).encode(0));
     let (answers, _) = replayed(&mut session, &mut memory, input);
     assert_eq!(answers, [(1, Outcome::Accepted)]);
-    let expected = "rig: 200x150 rectified to 128x96; slots: image 0 (in use), damaged";
+    // One after the number of the damaged one.
+    let expected = "rig: 200x150 rectified to 128x96; slots: image 8 (in use), damaged";
     assert_eq!(session.hello().rig.to_string(), expected);
 
     // After a reset.

@@ -301,6 +301,7 @@ fn a_ground_station_reads_and_sets_parameters_that_outlive_a_reset() {
         ("CELL", 16.5, 20.0),
         ("POLICY", 3.0, 1.0),
         ("SYSTEM", 256.0, 1.0),
+        ("SYSTEM", 0.0, 1.0),
         ("MAX_DISPARITY", f32::NAN, 64.0),
     ] {
         assert_eq!(ask(&[Ask::Set(name, value)], 1), one(name, old), "{name} {value}");
@@ -394,6 +395,28 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
         "asked {asked} times, {time_us} us"
     );
     assert!(clocks.windows(2).all(|two| two[0].1 < two[1].1), "times run forwards");
+}
+
+/// However many commands wait, pairs come between them.
+#[test]
+fn a_burst_of_commands_does_not_stop_the_pairs() {
+    let port = Port::default();
+    let mut board = Running::start(Session::new(BOARD), &port, Painter::new(DIMS));
+    port.send(1, rig_numbers(RIG));
+    port.send(2, Request::Start);
+    board.turns(2);
+    port.received();
+    (3..203).for_each(|id| port.send(id, Request::Settings));
+    let (mut answers, mut turns) = (0, 0);
+    while answers < 200 && turns < 200 {
+        let messages = board.messages(1);
+        let of = |kind: fn(&Message) -> bool| messages.iter().filter(|of| kind(of)).count();
+        let answered = of(|message| matches!(message, Message::Answer(_)));
+        let frames = of(|message| matches!(message, Message::Frame(_)));
+        assert!((1..=6).contains(&answered) && frames == 1, "{answered}, {frames}");
+        (answers, turns) = (answers + answered, turns + 1);
+    }
+    assert_eq!(answers, 200);
 }
 
 /// Directions of the first pair are those of the core; each frame has its own, until the setting is

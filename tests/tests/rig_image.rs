@@ -10,8 +10,8 @@ use linestereo_firmware::slot_store::{
     StoreError,
 };
 use linestereo_rig::{
-    Calibration, Camera, CameraSide, Lens, RectifyError, RigImage, RigImageError, RigImageHead,
-    View,
+    Calibration, Camera, CameraSide, Lens, Mesh, RectifyError, RigImage, RigImageError,
+    RigImageHead, View, mesh_nodes,
 };
 use linestereo_tests::drawn::Random;
 use linestereo_tests::fuzz::sealed;
@@ -461,6 +461,50 @@ fn sequence_numbers_wrap() {
         assert_eq!(store.load().slots, slots);
         assert_eq!(loaded(&mut store), Some((slot, numbered(n))));
     }
+}
+
+/// Settings name the rig that they are for by its number: those for one that this program cannot
+/// read are not for the next one.
+#[test]
+fn images_of_another_version_keep_their_numbers() {
+    for used in [[Some(7), None], [Some(7), Some(8)], [Some(u32::MAX), None], [None, Some(3)]] {
+        let mut flash = Pages::new(4);
+        for (slot, sequence) in used.into_iter().enumerate() {
+            let Some(sequence) = sequence else { continue };
+            let image = numbered(1).encode(sequence).to_vec();
+            let later = resealed(image, 4, &9_u16.to_le_bytes());
+            let at = slot * RigStore::<Pages>::SLOT as usize;
+            flash.bytes[at..at + later.len()].copy_from_slice(&later);
+        }
+        let mut store = RigStore::new(flash, [0, RigStore::<Pages>::SLOT]).unwrap();
+        assert_eq!(loaded(&mut store), None);
+        store.store(&numbered(2)).unwrap();
+        let newest = used.into_iter().flatten().last().unwrap();
+        assert_eq!(store.load().slots[0], Ok(newest.wrapping_add(1)), "{used:?}");
+    }
+}
+
+/// Coefficients that no lens has put positions at the limits of what is computed.
+#[test]
+fn a_rig_of_wild_coefficients_is_refused_or_has_a_mesh() {
+    let good = image(View::Alpha(0.0)).encode(0).to_vec();
+    let mut random = Random(3);
+    let mut mesh: Box<Mesh<{ mesh_nodes(QVGA) }, 240>> = Box::new(Mesh::new());
+    let mut meshes = 0;
+    for _ in 0..3000 {
+        let mut put = good.clone();
+        for at in [76, 80] {
+            put[at..at + 4].copy_from_slice(&1e5_f32.to_le_bytes());
+        }
+        for k in 0..3 {
+            let sign = if random.below(2) == 0 { -1.0 } else { 1.0 };
+            let value = sign * 10_f64.powf(random.uniform(0.0, 4.0));
+            put[100 + 4 * k..104 + 4 * k].copy_from_slice(&(value as f32).to_le_bytes());
+        }
+        let Ok(image) = RigImage::decode(&sealed(put)) else { continue };
+        meshes += u32::from(mesh.build(image.remap(), CameraSide::Left).is_ok());
+    }
+    assert!(meshes > 100, "{meshes}");
 }
 
 #[test]

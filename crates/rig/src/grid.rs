@@ -5,7 +5,7 @@
 
 use crate::calibration::CameraSide;
 use crate::nodes::{
-    BEHIND, COARSE, CUBIC, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces,
+    BEHIND, COARSE, CUBIC, FARTHEST, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces,
     fine_mesh_nodes, is_behind, is_seen, node_at, nodes_along,
 };
 use crate::rectification::MAX_SIDE;
@@ -126,9 +126,10 @@ impl Grid {
         across.saturating_add(down) / 128 * 3
     }
 
-    /// Second difference of raw rows, along the row, at the middle one of three nodes.
+    /// Second difference of raw rows, along the row, at the middle one of three nodes; limited,
+    /// where a lens of wild coefficients puts nodes at both limits.
     fn bend_of_rows([a, b, c]: [Node; 3]) -> i32 {
-        a.y - 2 * b.y + c.y
+        (a.y + c.y).saturating_sub(2 * b.y)
     }
 
     /// Shift from the second difference of nodes to h^2/16 times the second derivative, where h is
@@ -179,6 +180,7 @@ impl Grid {
                 let mut moved = middle;
                 if ![a, middle, c].iter().any(|node| is_behind(*node)) {
                     moved.y -= Self::bend_of_rows([a, middle, c]) >> shift & !1;
+                    moved.y = moved.y.clamp(-FARTHEST, FARTHEST);
                 }
                 if let Some(node) = row.get_mut(at + 1) {
                     *node = moved;

@@ -23,6 +23,8 @@ pub(crate) const FINE: u8 = 3;
 const FAR: f32 = 8192.0;
 /// One pixel, Q16.
 pub(crate) const ONE: i32 = 1 << 16;
+/// Limit of positions, px in Q16.
+pub(crate) const FARTHEST: i32 = FAR as i32 * ONE;
 
 /// Number of nodes that a [`Mesh`](crate::Mesh) needs for rectified images of this size.
 #[must_use]
