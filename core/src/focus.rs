@@ -1,9 +1,10 @@
 //! Focus: the areas of a pair that are matched, where depth is needed; the rest of the frame costs
 //! nothing.
 //!
-//! In: areas of the left image. Out: the areas in which edges start in both images, the segments
-//! that are matched, and the pixels that their windows may reach, so that the candidates for
-//! objects in the areas are those of a run over the whole frame.
+//! In: areas of the left image, of which some are joined where that costs less. Out: the areas in
+//! which edges start in both images, the segments that are matched, and the pixels that their
+//! windows may reach, so that the candidates for objects in the areas are those of a run over the
+//! whole frame.
 //!
 //! ```text
 //! matched   segments that can count for an object in an area: a window's middle lies in it
@@ -36,6 +37,40 @@ pub(crate) const MAX_AREAS: usize = 16;
 
 type Areas = Vec<Area, MAX_AREAS>;
 
+/// What is matched around an area, px.
+const SURROUNDINGS: u16 = 24;
+/// Support points are compared by rows of codes, each of which costs as much as the points in this
+/// part of its width.
+const CODES_SHARE: u32 = 6;
+
+/// Cost of matching the support points of an area, in pixels of points.
+fn cost(area: Area, dims: Dims) -> u32 {
+    let Area { left, top, right, bottom } = area.grown(SURROUNDINGS, dims);
+    u32::from(bottom - top) * (u32::from(right - left) + u32::from(dims.width) / CODES_SHARE)
+}
+
+/// Joins areas where that costs less.
+fn join(areas: &mut Areas, dims: Dims) {
+    let mut index = 0;
+    while let Some(&area) = areas.get(index) {
+        let other = areas.iter().take(index).position(|&other| {
+            cost(area.joined(other), dims) <= cost(area, dims) + cost(other, dims)
+        });
+        if let Some(other) = other.and_then(|other| areas.get_mut(other)) {
+            *other = other.joined(area);
+            // The last one takes its place.
+            if let Some(last) = areas.pop()
+                && let Some(place) = areas.get_mut(index)
+            {
+                *place = last;
+            }
+            index = 0; // those before may be joined with what it has become
+        } else {
+            index += 1;
+        }
+    }
+}
+
 /// Areas to search, or everywhere.
 pub(crate) struct SearchRegions {
     areas: Option<Areas>,
@@ -57,6 +92,7 @@ impl SearchRegions {
                     *last = last.joined(area);
                 }
             }
+            join(&mut list, dims);
             list
         });
         Self { areas, dims }
@@ -138,4 +174,29 @@ impl SearchRegions {
 /// Bounding box of segments.
 fn boxes<'a>(segments: impl Iterator<Item = &'a Segment>) -> Area {
     segments.map(Segment::area).fold(Area::default(), Area::joined)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIMS: Dims = Dims { width: 320, height: 240 };
+
+    fn joined<const N: usize>(areas: [Area; N]) -> Areas {
+        SearchRegions::new(Some(&areas), DIMS).areas.unwrap_or_default()
+    }
+
+    #[test]
+    fn areas_are_joined_where_that_costs_less() {
+        let at = |left, top| Area { left, top, right: left + 16, bottom: top + 16 };
+        let [a, near, far] = [at(40, 40), at(60, 50), at(260, 190)];
+        assert_eq!(joined([a; MAX_AREAS])[..], [a], "the same ones");
+        assert_eq!(joined([a, far])[..], [a, far], "far from each other");
+        assert_eq!(joined([a, far, near])[..], [a.joined(near), far]);
+        // Of a row of them each brings the next one near.
+        let row = core::array::from_fn::<_, 12, _>(|k| at(20 * (k as u16 * 7 % 12), 100));
+        assert_eq!(joined(row)[..], [Area { left: 0, top: 100, right: 236, bottom: 116 }]);
+        let whole = Area::of(DIMS);
+        assert_eq!(joined([a, whole, far])[..], [whole]);
+    }
 }

@@ -123,12 +123,16 @@ impl Matcher {
     }
 
     /// Changes the parameters for further pairs of the same cameras. The state of health, the row
-    /// offset and the ground plane stay, unless the images have another size.
+    /// offset and the ground plane stay, unless the images have another size. With another rig its
+    /// limit of disparities ([`HealthLimits::of_rig`]) is set.
     ///
     /// # Errors
     /// As [`Matcher::new`]; then nothing is changed.
     pub fn set_params(&mut self, params: Params, dims: Dims) -> Result<(), ParamError> {
         params.check(dims)?;
+        if params.rig != self.plan.params.rig {
+            self.limits = self.limits.of_rig(params.rig.as_ref());
+        }
         if dims != self.plan.dims {
             self.row_offset_q5 = None;
             self.forget_health();
@@ -145,7 +149,8 @@ impl Matcher {
         self.expected = plane;
     }
 
-    /// True when a whole pair that was fit has been matched.
+    /// True when the row offset is known of a pair that was fit: of a whole one, or, with support
+    /// points alone, by the edges in its areas.
     #[must_use]
     pub fn knows_rows(&self) -> bool {
         self.row_offset_q5.is_some()
@@ -231,7 +236,7 @@ impl Matcher {
         let are_points_alone = params.parts == Parts::Support;
         let has_segments = !are_points_alone || self.unchecked == 0;
         let parts = if has_segments { Parts::Both } else { Parts::Support };
-        let row_offset_q5 = self.row_offset_q5.filter(|_| areas.is_some() || !has_segments);
+        let is_whole = areas.is_none();
         let ground = match (self.expected, self.ground, self.unsearched) {
             (Some(plane), ..) => GroundSearch::Given(plane),
             (None, Some(plane), _) => GroundSearch::Near(plane),
@@ -242,9 +247,14 @@ impl Matcher {
             plan: &self.plan,
             images: [left, right],
             regions: SearchRegions::new(areas, dims),
-            row_offset_q5,
+            known_rows_q5: self.row_offset_q5,
+            // In areas segments may be too few; a check looks for what has changed.
+            estimates_rows: self.row_offset_q5.is_none()
+                || has_segments && (is_whole || are_points_alone),
             ground,
             parts,
+            // Points alone are the same with a check as without.
+            has_bars: self.plan.has_bars && is_whole && !are_points_alone,
         };
         let (mut matched, measured) = run.stages(cores, buffers, observer);
         self.ground = matched.summary.plane;
@@ -255,8 +265,8 @@ impl Matcher {
         let findings = Findings { has_segments, ..matched.findings() };
         let measured = measured.unwrap_or_else(|| Measured::new([left, right], &findings));
         self.monitor.judge(&self.limits, left, &findings, measured, &mut health);
-        if has_segments && (areas.is_none() || are_points_alone) {
-            self.learn_rows(matched.summary.row_offset_q5, &health);
+        if has_segments && (is_whole || are_points_alone) {
+            self.learn_rows(matched.summary.row_offset_q5, is_whole, &health);
         }
         if are_points_alone {
             self.schedule_check(has_segments, &health);
@@ -267,11 +277,11 @@ impl Matcher {
         Ok(matched)
     }
 
-    /// Keeps the row offset of a pair that is fit, 1/32 px: as measured, else as before, else the 0
-    /// at which it has matched.
-    fn learn_rows(&mut self, measured_q5: Option<i16>, health: &PairHealth) {
+    /// Keeps the row offset of a pair that is fit, 1/32 px: as measured or before, else the 0 at
+    /// which a whole pair has matched.
+    fn learn_rows(&mut self, found_q5: Option<i16>, is_whole: bool, health: &PairHealth) {
         if health.flags.is_fit() {
-            self.row_offset_q5 = measured_q5.or(self.row_offset_q5).or(Some(0));
+            self.row_offset_q5 = found_q5.or(is_whole.then_some(0));
         }
     }
 
@@ -279,7 +289,7 @@ impl Matcher {
     fn schedule_check(&mut self, has_segments: bool, health: &PairHealth) {
         let is_well = self.row_offset_q5.is_some() && health.flags.is_fit();
         let period = if is_well { CHECK_PERIOD } else { SHORT_CHECK_PERIOD };
-        let left = if has_segments { period } else { self.unchecked };
+        let left = if has_segments { period } else { self.unchecked.min(period) };
         self.unchecked = left.saturating_sub(1);
     }
 

@@ -32,13 +32,16 @@ pub(crate) struct Run<'r, 'a> {
     pub(crate) images: [Gray<'a>; 2],
     /// Areas of the left image that are matched.
     pub(crate) regions: SearchRegions,
-    /// Rows to add to a left row for the matching right one, 1/32 px, as a run over the whole frame
-    /// found it; `None` to estimate it in the areas, where segments may be too few.
-    pub(crate) row_offset_q5: Option<i16>,
+    /// Rows to add to a left row for the matching right one, 1/32 px, as a pair before it said.
+    pub(crate) known_rows_q5: Option<i16>,
+    /// They are estimated, and those known are for too few segments.
+    pub(crate) estimates_rows: bool,
     /// Where the ground plane is looked for.
     pub(crate) ground: GroundSearch,
     /// Parts of the method, instead of those of the parameters.
     pub(crate) parts: Parts,
+    /// Bars are found and placed.
+    pub(crate) has_bars: bool,
 }
 
 impl<'a> Run<'_, 'a> {
@@ -59,7 +62,7 @@ impl<'a> Run<'_, 'a> {
     ) -> (Matched<'a>, Option<Measured>) {
         let mut summary = Summary::default();
         summary.row_offset_q5 = if self.parts == Parts::Support {
-            self.given_rows()
+            self.known_rows()
         } else {
             self.find_segments(lend(&mut cores), &mut m, &mut summary.counts, observer)
         };
@@ -160,15 +163,15 @@ impl<'a> Run<'_, 'a> {
         (counts.segments_left_dropped, counts.edges_cut) = (found.segments, found.edges);
         counts.edge_units = found.units;
         observer.on_event(StageEvent::LinesLeft(&m.left));
-        let (has_bars, has_right) =
-            (self.plan.has_bars && regions.areas().is_none(), self.row_offset_q5.is_none());
-        let (has_two, given) = (cores.is_some(), self.given_rows());
-        let estimate = |left: &[_], right: &[_]| match given {
-            Some(_) => RowOffset { offset_q5: given, cut: 0 },
-            None => {
-                let pixels = Area::of(*dims).pixels();
-                row_offset::estimate(left, right, self.plan.disparities(), pixels)
+        let (has_bars, has_right) = (self.has_bars, self.estimates_rows);
+        let (has_two, known_q5) = (cores.is_some(), self.known_rows());
+        let estimate = |left: &[_], right: &[_]| {
+            if !has_right {
+                return RowOffset { offset_q5: known_q5, cut: 0 };
             }
+            let pixels = Area::of(*dims).pixels();
+            let found = row_offset::estimate(left, right, self.plan.disparities(), pixels);
+            RowOffset { offset_q5: found.offset_q5.or(known_q5), ..found }
         };
         let mut estimated = None;
         let Buffers { scratch, second, left: segments, right: others, bars, .. } = m;
@@ -310,9 +313,9 @@ impl<'a> Run<'_, 'a> {
         bars::take_points(&mut m.support, Grid::new(params, *dims), &m.bars);
     }
 
-    /// The row offset of the caller, 1/32 px.
-    fn given_rows(&self) -> Option<i16> {
-        self.row_offset_q5.map(|known| known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5))
+    /// The row offset of a pair before, 1/32 px.
+    fn known_rows(&self) -> Option<i16> {
+        self.known_rows_q5.map(|known| known.clamp(-row_offset::LIMIT_Q5, row_offset::LIMIT_Q5))
     }
 }
 

@@ -11,7 +11,7 @@ use linestereo_boards::built_in::Case;
 use linestereo_frames::{GrayImage, Perturbation};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::captured;
-use linestereo_tests::drawn::rendered;
+use linestereo_tests::drawn::{Random, rendered};
 
 /// Both halves at the same time.
 struct Threads;
@@ -138,6 +138,40 @@ fn assert_same_in_all_ways(name: &str, left: &GrayImage, right: &GrayImage, para
         let images = [left.view().unwrap(), right.view().unwrap()];
         assert_same(&mut ways, &format!("{name}, {damage}"), images, None);
         assert_same(&mut ways, &format!("{name}, {damage}, areas"), images, Some(&areas));
+    }
+}
+
+/// Patches whose outlines are the shortest segments, of any slope: the rows of their windows reach
+/// farther than those of others.
+#[test]
+fn short_edges_are_the_same_on_two_cores() {
+    let dims = Dims { width: 200, height: 150 };
+    for seed in (0..8).chain([893]) {
+        let mut random = Random(seed);
+        let mut wall =
+            GrayImage { dims: Dims { width: 240, ..dims }, pixels: vec![100; 240 * 150] };
+        for _ in 0..150 {
+            let mut from = |low: i32, high: i32| low + random.below((high - low) as u64) as i32;
+            let (centre, size) = ([from(0, 240), from(0, 150)], from(3, 14));
+            let (a, b, grey) = (from(-8, 9), from(-8, 9), from(20, 230) as u8);
+            for (y, x) in (-size..size).flat_map(|y| (-size..size).map(move |x| (y, x))) {
+                let is_inside =
+                    (x * a + y * b).abs() < 4 * size && (x * b - y * a).abs() < 6 * size;
+                let [x, y] = [centre[0] + x, centre[1] + y];
+                if is_inside && (0..240).contains(&x) && (0..150).contains(&y) {
+                    wall.pixels[(y * 240 + x) as usize] = grey;
+                }
+            }
+        }
+        let [left, right] = [0, 12].map(|moved| {
+            let rows = wall.pixels.chunks(240).flat_map(|row| &row[moved..moved + 200]);
+            let noisy = rows.map(|&grey| grey + random.below(8) as u8 - 4);
+            GrayImage { dims, pixels: noisy.collect() }
+        });
+        let params = Params { max_disparity: 32, ..Params::default() };
+        let mut ways = ways(params, dims, false);
+        let images = [left.view().unwrap(), right.view().unwrap()];
+        assert_same(&mut ways, &format!("patches {seed}"), images, None);
     }
 }
 

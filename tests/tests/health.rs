@@ -466,22 +466,29 @@ fn a_frozen_camera_is_seen_with_its_first_repetition() {
 fn a_pair_of_two_moments_is_refused() {
     let pair = boxes(0.0);
     let mut rig = Rig::new(DIMS, 64);
-    let mut see = |n: u64, right_us: u64| {
+    let see = |rig: &mut Rig, n: u64, right_us: u64| {
         let (left, right) = noisy(&pair, n + 1);
         rig.see(&left, &right, Some([40_000 * n, right_us]))
     };
-    assert_eq!(see(1, 40_000 + 1000).flags, HealthFlags::GOOD);
-    let refused = see(2, 80_000 - 1001);
+    assert_eq!(see(&mut rig, 1, 40_000 + 1000).flags, HealthFlags::GOOD);
+    let refused = see(&mut rig, 2, 80_000 - 1001);
     assert!(refused.is_refused() && refused.skew_us == Some(1001) && refused.rows.is_none());
-    let next = see(3, 120_000);
+    let next = see(&mut rig, 3, 120_000);
     assert_eq!(
         (next.is_refused(), next.flags, next.now),
         (false, HealthFlags::SKEW, HealthFlags::GOOD)
     );
-    assert_eq!(see(4, 160_000).flags, HealthFlags::SKEW);
-    assert_eq!(see(5, 200_000).flags, HealthFlags::GOOD);
+    assert_eq!(see(&mut rig, 4, 160_000).flags, HealthFlags::SKEW);
+    assert_eq!(see(&mut rig, 5, 200_000).flags, HealthFlags::GOOD);
+    // Nor do pairs without times keep it.
+    see(&mut rig, 6, 0);
+    let untimed = [17, 18, 19].map(|n| {
+        let (left, right) = noisy(&pair, n);
+        rig.see(&left, &right, None).flags
+    });
+    assert_eq!(untimed, [HealthFlags::SKEW, HealthFlags::SKEW, HealthFlags::GOOD]);
     // A clock that was never set does not overflow anything.
-    assert_eq!(see(7, u64::MAX).skew_us, Some(u32::MAX));
+    assert_eq!(see(&mut rig, 7, u64::MAX).skew_us, Some(u32::MAX));
 }
 
 /// Of rectified images only the usable pixels count: black beside them is no exposure, no

@@ -496,6 +496,12 @@ fn parameters_without_sense_are_refused_by_name() {
     }
     let no_rig = ObstacleParams::DEFAULT.plan(&Params::default(), DIMS);
     assert_eq!(no_rig, Err(ObstacleError::NoRig));
+    // Disparities with an offset of the rig have 16 bits.
+    for (offset, expected) in [(959.0, None), (960.0, Some(ObstacleError::TooLarge(1024.0)))] {
+        let params =
+            Params { rig: Some(Rig::new(250.0, 0.06, offset).unwrap()), ..Params::default() };
+        assert_eq!(ObstacleParams::default().plan(&params, DIMS).err(), expected);
+    }
 }
 
 /// Widest lenses, extreme rigs and matches of any bits: an answer within bounds, whatever it is.
@@ -518,7 +524,10 @@ fn nothing_overflows() {
             heights_m: [[-1000.0, 1000.0], [-0.1, 0.1], [0.0, 0.0]][round % 3],
             ..ObstacleParams::DEFAULT
         };
-        let plan = wanted.plan(&Params { rig: Some(rig.unwrap()), ..params() }, dims).unwrap();
+        let plan = match wanted.plan(&Params { rig: Some(rig.unwrap()), ..params() }, dims) {
+            Err(ObstacleError::TooLarge(_)) => continue,
+            plan => plan.unwrap(),
+        };
         let mut point = || ImagePosition {
             x: Position::from_bits(random() as u16),
             y: Position::from_bits(random() as u16),

@@ -5,9 +5,9 @@ use crate::bars;
 use crate::ground::Floor;
 use linestereo::objects::Reason;
 use linestereo::params::Parts;
-use linestereo::results::PixelRejection;
+use linestereo::results::{PixelRejection, Source};
 use linestereo::{Area, Capacity, Dims, Matcher, Options, Params, Region, health::HealthFlags};
-use linestereo_frames::GrayImage;
+use linestereo_frames::{GrayImage, Perturbation};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::health::{refusal, summary};
 use linestereo_sim::scene::{Kind, Rendering, Sensor};
@@ -175,6 +175,12 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
         rows_q5,
         "parts of a pair with segments"
     );
+    // Where edges are too faint to say it, it stays as well.
+    let faint = Perturbation { gain: 0.06, ..Perturbation::NONE };
+    let (left, right) = faint.apply(&whole.left, &whole.right);
+    let faint = Rendering { left, right, ..pair(1.2, 2) };
+    assert_eq!(see(&mut Matcher::new(params(Parts::Both), DIMS).unwrap(), &faint, None).0, 0);
+    assert_eq!(see(&mut matcher, &faint, None).0, rows_q5, "faint edges");
     // Known from pairs with segments, it holds for points alone.
     let mut matcher = Matcher::new(params(Parts::Both), DIMS).unwrap();
     assert!((see(&mut matcher, &pair(-1.2, 6), None).0 + 38).abs() <= 8);
@@ -192,4 +198,52 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
     let in_turn = [20, 21].map(|seed| pair(0.0, seed));
     let fit = (0..40).position(|number| see(&mut matcher, &in_turn[number % 2], None).2.is_fit());
     assert_eq!(fit, Some(23), "three checks, eight pairs apart");
+    // An area without edges says nothing of rows, and does not keep others from saying it.
+    let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
+    assert_eq!(see(&mut matcher, &whole, Some(&[])).0, 0);
+    assert!(!matcher.knows_rows());
+    let rows = (0..8).map(|_| see(&mut matcher, &whole, Some(&areas)).0).last();
+    assert!(rows.is_some_and(|rows_q5| (rows_q5 - 38).abs() <= 8), "{rows:?}");
+    // Rows that are far apart in one pair alone are not held against many others.
+    let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
+    let far = pair(2.0, 24);
+    let flags: Vec<_> = (0..20)
+        .map(|number| match number {
+            3 => see(&mut matcher, &far, None).2,
+            _ => see(&mut matcher, &in_turn[number % 2], None).2,
+        })
+        .collect();
+    let unfit = flags.iter().filter(|flags| !flags.is_fit()).count();
+    assert!(!flags[3].is_fit() && (1..=4).contains(&unfit), "{flags:?}");
+}
+
+/// A check of points alone adds nothing to them.
+#[test]
+fn support_points_alone_have_no_bars() {
+    let [left, right] = bars::pair(&[(150, 5, 24)], 2);
+    let params = Params { parts: Parts::Support, ..Params::default() };
+    let mut matcher = Matcher::new(params, DIMS).unwrap();
+    let mut memory = Box::new(<linestereo::Memory<{ Capacity::new(DIMS).words() }>>::new());
+    for number in 0..3 {
+        let (left, right) = (left.view().unwrap(), right.view().unwrap());
+        let mut matched = matcher.run(&mut memory, left, right).unwrap();
+        assert!(matched.points().all(|point| point.source == Source::Support), "{number}");
+        assert_eq!(matched.bars().len(), 0, "{number}");
+    }
+}
+
+/// Half of a short range is still one that points can be matched in.
+#[test]
+fn large_images_with_a_short_range_have_support_points() {
+    const LARGE: Dims = Dims { width: 640, height: 480 };
+    let scene = rendered(Kind::Corridor, LARGE, 1.5, 3);
+    let (left, right) = (scene.left.view().unwrap(), scene.right.view().unwrap());
+    let mut memory = Box::new(<linestereo::Memory<{ Capacity::new(LARGE).words() }>>::new());
+    for max_disparity in [8, 14, 15] {
+        let params = Params { max_disparity, ..Params::default() };
+        let mut matcher = Matcher::new(params, LARGE).unwrap();
+        let matched = matcher.run(&mut memory, left, right).unwrap();
+        let count = matched.support().iter().filter(|(_, point)| point.is_matched()).count();
+        assert!(count > 500, "{max_disparity}: {count}");
+    }
 }

@@ -110,7 +110,11 @@ impl Directions {
 
 impl From<ObstacleError> for Status {
     fn from(error: ObstacleError) -> Self {
-        let ObstacleError::OutOfRange { param, .. } = error else { return Self::NoRig };
+        let param = match error {
+            ObstacleError::OutOfRange { param, .. } => param,
+            ObstacleError::TooLarge(_) => return Self::Offset,
+            _ => return Self::NoRig,
+        };
         match param {
             ObstacleParam::Yaw => Self::Yaw,
             ObstacleParam::Sectors => Self::Sectors,

@@ -128,6 +128,7 @@ impl HealthLimits {
     /// # Ok::<(), linestereo::params::RigError>(())
     /// ```
     #[must_use]
+    #[inline(never)] // copies of all limits: 800 B
     pub const fn of_rig(self, rig: Option<&Rig>) -> Self {
         let least_q6 = match rig {
             Some(rig) => (Self::DEFAULT.least_disparity_q6 as i64).wrapping_sub(rig.offset_q6()),

@@ -14,7 +14,8 @@
 //! A flag is raised by the pair that shows the fault and stays until [`HealthLimits::clear_after`]
 //! pairs in a row were free of it. A pair that cannot measure rows (no edges to compare them with),
 //! or was matched without segments, does not change the flags of rows and of segments: they are
-//! faults of the rig. Differences of rows are smoothed first:
+//! faults of the rig. The one exception is rows that are far apart, which support points tell as
+//! well. Differences of rows by edges are smoothed first:
 //!
 //! ```text
 //! short += (offset - short) / min(pairs, 8)       rows_off    |short| above the limit
@@ -237,16 +238,14 @@ impl HealthMonitor {
         join(cores, || *of_left = left(), || *of_right = right());
         let [left, right] = &checks;
         let mut now = self.fault(limits, left, right, 0) | self.fault(limits, right, left, 1);
-        let mut tested = CAMERA_FLAGS;
+        // Without times nothing is known of their difference.
+        let tested = CAMERA_FLAGS | HealthFlags::SKEW;
         let levels = checks.each_ref().map(|check| u32::from(check.health.level).max(1));
         let (low, high) = (levels[0].min(levels[1]), levels[0].max(levels[1]));
         now |= HealthFlags::EXPOSURES_DIFFER
             .when(high << 8 > low * u32::from(limits.exposure_ratio_q8));
         let skew = times_us.map(|times| limits.skew_us(times));
-        if let Some(skew) = skew {
-            tested |= HealthFlags::SKEW;
-            now |= HealthFlags::SKEW.when(skew.is_err());
-        }
+        now |= HealthFlags::SKEW.when(skew.is_some_and(|skew| skew.is_err()));
         let flags = self.hold(limits, now, tested);
         PairHealth {
             flags,
@@ -298,7 +297,7 @@ impl HealthMonitor {
 
         health.range = Some(found.range);
         // A fault of a camera leaves windows without a match as well.
-        if !health.now.intersects(CAMERA_FLAGS) {
+        if !health.now.intersects(CAMERA_FLAGS.intersection(HealthFlags::UNFIT)) {
             tested |= HealthFlags::RANGE_SMALL;
             now |= HealthFlags::RANGE_SMALL.when(is_small(&found.range, limits));
         }
@@ -356,18 +355,19 @@ impl HealthMonitor {
             tested |= HealthFlags::ROWS_UNEVEN;
             now |= HealthFlags::ROWS_UNEVEN.when(is_uneven);
         }
-        // Edges that agree know it better.
-        if let Some(even) = by_points.filter(|_| !tested.contains(HealthFlags::ROWS_FAR)) {
-            let offset_q8 = i32::from(even.offset_q8) + (found.row_offset << 8);
-            now |= HealthFlags::ROWS_FAR
-                .when(offset_q8.unsigned_abs() > u32::from(limits.row_limit_q8));
-        }
         if self.pairs > 0 {
             let offset_q8 = (self.short_q16 + 128) >> 8;
             health.row_offset_q8 = i16::try_from(offset_q8).ok();
             let is_beyond = |limit_q8: u16| offset_q8.unsigned_abs() > u32::from(limit_q8);
             now |= tested.intersection(HealthFlags::ROWS_OFF).when(is_beyond(limits.row_offset_q8));
             now |= tested.intersection(HealthFlags::ROWS_FAR).when(is_beyond(limits.row_limit_q8));
+        }
+        // Edges that agree know it better.
+        if let Some(even) = by_points.filter(|_| !tested.contains(HealthFlags::ROWS_FAR)) {
+            let offset_q8 = i32::from(even.offset_q8) + (found.row_offset << 8);
+            let is_far = offset_q8.unsigned_abs() > u32::from(limits.row_limit_q8);
+            now |= HealthFlags::ROWS_FAR.when(is_far);
+            tested |= HealthFlags::ROWS_FAR.when(even.is_witness());
         }
         if self.pairs >= SETTLED {
             let drift_q8 = (self.short_q16 - self.long_q16 + 128) >> 8;

@@ -263,6 +263,8 @@ fn what_is_matched_has_limits_that_raise_flags_beyond_them() {
         HealthFlags::LEFT_DEAD,
         "a fault of a camera does the same"
     );
+    let darker = HealthFlags::EXPOSURES_DIFFER;
+    assert_eq!(raised(&small, darker).0, darker | HealthFlags::RANGE_SMALL, "one darker image");
 }
 
 /// Faults of the left camera beside a right one of level 100 and detail 10.

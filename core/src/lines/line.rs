@@ -51,6 +51,11 @@ impl Line {
         ((self.first + 31) >> 5, self.last >> 5)
     }
 
+    /// Nearest place between the ends, 1/32 px.
+    pub(crate) fn nearest_q5(&self, along_q5: i32) -> i32 {
+        along_q5.min(self.last).max(self.first)
+    }
+
     /// Across, 1/32 px, at a place along, 1/32 px.
     pub(crate) fn at_q5(&self, along_q5: i32) -> i32 {
         self.rounded_q17(along_q5) >> 12

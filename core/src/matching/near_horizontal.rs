@@ -302,9 +302,11 @@ impl RowPiece<'_> {
         let blocks = (to - from + WIDTH) / WIDTH;
         let mut strips: Vec<Strip<'_>, MOST> = Vec::new();
         for block in 0..blocks {
-            // Blocks share the columns evenly; they overlap when the length is no multiple of eight.
+            // Blocks share the columns evenly; they overlap when the length is no multiple of
+            // eight.
             let start = from + quotient((to - from + 1 - WIDTH) * block, blocks - 1);
-            let line_q5 = line.at_q5((start << 5) + 112);
+            // Of one beside an end of the segment the band need not hold the rows.
+            let line_q5 = line.at_q5(line.nearest_q5((start << 5) + 112));
             let y = on_band(((line_q5 + 16) >> 5) + row);
             let first = first + shear.over((y << 5) - line_q5, rest);
             if let Some(strip) = band.strip(start, y, first) {

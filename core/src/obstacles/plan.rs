@@ -29,6 +29,8 @@ const FARTHEST: f32 = 2047.0;
 
 /// Largest number of sectors of a turn: capacity of OBSTACLE_DISTANCE, beyond which PX4 would read.
 const MAX_SECTORS: u8 = 72;
+/// Largest disparity with the offset of a rig, px: in 1/64 px it has 16 bits.
+const LARGEST: f32 = 1023.0;
 
 /// Parameters of sectors: directions, range, height band, age and error probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,6 +104,9 @@ impl ObstacleParams {
         let in_view = (last - first + 1).clamp(1, MAX_IN_VIEW as i32);
         let range_cm = nearest(100.0 * self.range_m) as u16;
         let most = f32::from(params.max_disparity) + rig.offset_q6() as f32 / 64.0;
+        if most > LARGEST {
+            return Err(ObstacleError::TooLarge(most));
+        }
         let near =
             if most > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / most) } else { i64::MAX };
         let mut plan = ObstaclePlan {
@@ -411,6 +416,11 @@ pub enum ObstacleError {
     /// Distances need a rig, and there is none.
     #[error("distances need a rig (focal length and baseline)")]
     NoRig,
+    /// Disparities beyond what obstacles are told from, with the rig's offset, px.
+    #[error(
+        "disparities and the rig's offset add up to {0} px, obstacles are told from up to 1023"
+    )]
+    TooLarge(f32),
     /// A number outside its range.
     #[error("{} is {value} but must be {low} to {high}", .param.name())]
     OutOfRange {

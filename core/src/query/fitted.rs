@@ -9,28 +9,28 @@ use crate::confidence::{Model, SigmaModel};
 #[rustfmt::skip]
 pub const FITTED_PIXEL: SigmaModel<PIXEL_EVIDENCE> = SigmaModel {
     model: Model {
-        bias_q12: 18049,
+        bias_q12: 18030,
         coefficients_q12: [
-            -3096, // census: cost at the disparity / best cost elsewhere
-            -5948, // windows and census together: cost at the disparity / best cost elsewhere
-            -6602, // the same, elsewhere being what features nearby allow
-            -1156, // |searched back - answer|, px
-            -1677, // log2(1 + mean gradient around the pixel)
-            746, // log2(1 + features nearby that agree)
-            -2804, // log2(1 + surfaces that end at an edge before the pixel and agree)
-            -2341, // outside of what features nearby span, px
-            2252, // log2(1 + support points nearby that agree)
+            -3094, // census: cost at the disparity / best cost elsewhere
+            -5888, // windows and census together: cost at the disparity / best cost elsewhere
+            -6654, // the same, elsewhere being what features nearby allow
+            -1157, // |searched back - answer|, px
+            -1675, // log2(1 + mean gradient around the pixel)
+            747, // log2(1 + features nearby that agree)
+            -2821, // log2(1 + surfaces that end at an edge before the pixel and agree)
+            -2335, // outside of what features nearby span, px
+            2254, // log2(1 + support points nearby that agree)
             -5472, // share of support points nearby that contradict
         ],
         probability_q16: [
-            28, 56, 84, 112, 140, 168, 196, 345, 579, 1276, 3150,
-            4594, 7153, 11580, 17537, 24704, 31518, 39210, 46256, 51163, 54749, 58460,
-            61423, 63367, 64627, 65230, 65484, 65524, 65526, 65527, 65529, 65531, 65533,
+            28, 55, 83, 111, 138, 166, 194, 341, 581, 1277, 3163,
+            4616, 7084, 11476, 17530, 24753, 31614, 39280, 46260, 51130, 54782, 58446,
+            61403, 63361, 64624, 65228, 65484, 65524, 65526, 65527, 65529, 65531, 65533,
         ],
     },
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 512, 512, 450, 285, 164, 94, 53, 39, 30, 23,
+        512, 512, 512, 448, 285, 164, 94, 53, 39, 30, 23,
         19, 15, 14, 12, 12, 11, 11, 11, 11, 11, 11,
     ],
 };

@@ -1,7 +1,7 @@
 //! Positions of support points, and the memory that matching them takes.
 
 use super::place::Place;
-use super::{SUPPORT_PITCH, SURROUNDINGS, codes, paths};
+use super::{MIN_RANGE, SUPPORT_PITCH, SURROUNDINGS, codes, paths};
 use crate::area::Area;
 use crate::ground::GroundPlane;
 use crate::image::{Dims, MAX_WIDTH, WIDEST};
@@ -51,9 +51,9 @@ impl Grid {
     /// The grid of the halves of images of this size, where they are matched first.
     pub(crate) fn of_halves(params: &Params, dims: Dims) -> Option<Self> {
         let half = Dims { width: dims.width / 2, height: dims.height / 2 };
-        let range =
-            [params.min_disparity.div_euclid(2).into(), params.max_disparity.div_ceil(2).into()];
-        let grid = Self { is_half: true, ..Self::of_range(half, range, SUPPORT_PITCH) };
+        let first = i32::from(params.min_disparity.div_euclid(2));
+        let end = i32::from(params.max_disparity.div_ceil(2)).max(first + MIN_RANGE as i32);
+        let grid = Self { is_half: true, ..Self::of_range(half, [first, end], SUPPORT_PITCH) };
         dims.is_large().then_some(grid)
     }
 
