@@ -1,4 +1,5 @@
-//! A rendering as the files of a scene folder, the layout that `linestereo eval` reads.
+//! A rendering as the files of a scene folder, the layout that `linestereo run` and the laboratory
+//! read.
 
 use crate::output::png_file;
 use image::{ExtendedColorType, ImageResult};
