@@ -9,9 +9,10 @@
 //! match the whole frame, or parts of it with the row offset of the last whole pair; look for the
 //! ground near that of the pair before, or, while there is none, in every fourth pair
 //! check the matches
-//! support points alone: match the first pair, one in 64 after it, and one in 8 while the row
-//!     offset is not known or the pair is not fit, with segments as well, which are not answered:
-//!     for the row offset, and to see whether most of the pair matches
+//! support points alone: match the first pair, one in 64 after it, one in 8 while the row offset is
+//!     not known or the pair is not fit, and the next one where points no longer agree about the
+//!     rows, with segments as well, which are not answered: for the row offset, and to see whether
+//!     most of the pair matches
 //! ```
 
 use crate::area::Area;
@@ -39,9 +40,9 @@ use core::fmt;
 #[derive(Default)]
 pub struct Options<'o> {
     /// Areas of the left image that are matched, with their surroundings, with the row offset of
-    /// the last whole pair, or, before the first, one estimated in them. Of more than
-    /// [`Options::MAX_AREAS`] the last ones are joined to one. `None` is the whole image; without
-    /// a pixel in any of them nothing is matched.
+    /// the last whole pair, or, before the first, one estimated in them. Those that meet are joined
+    /// where that costs less, and of more than [`Options::MAX_AREAS`] the last ones. `None` is the
+    /// whole image; without a pixel in any of them nothing is matched.
     pub areas: Option<&'o [Area]>,
     /// Times of capture, left and right, us of one clock, if known.
     pub times_us: Option<[u64; 2]>,
@@ -89,6 +90,8 @@ pub struct Matcher {
     expected: Option<GroundPlane>,
     /// Pairs of support points alone until one is matched with segments.
     unchecked: u8,
+    /// In the last one with segments points agreed about the rows.
+    agreed: bool,
 }
 
 impl Matcher {
@@ -107,6 +110,7 @@ impl Matcher {
             unsearched: 0,
             expected: None,
             unchecked: 0,
+            agreed: false,
         })
     }
 
@@ -264,12 +268,13 @@ impl Matcher {
         };
         let findings = Findings { has_segments, ..matched.findings() };
         let measured = measured.unwrap_or_else(|| Measured::new([left, right], &findings));
+        let agree = measured.of_points.agree_on_rows();
         self.monitor.judge(&self.limits, left, &findings, measured, &mut health);
         if has_segments && (is_whole || are_points_alone) {
             self.learn_rows(matched.summary.row_offset_q5, is_whole, &health);
         }
         if are_points_alone {
-            self.schedule_check(has_segments, &health);
+            self.schedule_check(has_segments, agree, &health);
             matched.drop_segments();
         }
         observer.on_event(StageEvent::Health(&health));
@@ -285,11 +290,19 @@ impl Matcher {
         }
     }
 
-    /// Counts the pairs of support points alone until the next one with segments.
-    fn schedule_check(&mut self, has_segments: bool, health: &PairHealth) {
+    /// Counts the pairs of support points alone until the next one with segments: the next one, if
+    /// points no longer `agree` about the rows.
+    fn schedule_check(&mut self, has_segments: bool, agree: bool, health: &PairHealth) {
         let is_well = self.row_offset_q5.is_some() && health.flags.is_fit();
         let period = if is_well { CHECK_PERIOD } else { SHORT_CHECK_PERIOD };
-        let left = if has_segments { period } else { self.unchecked.min(period) };
+        let left = if has_segments {
+            self.agreed = agree;
+            period
+        } else if self.agreed && !agree {
+            0
+        } else {
+            self.unchecked.min(period)
+        };
         self.unchecked = left.saturating_sub(1);
     }
 

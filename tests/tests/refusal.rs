@@ -215,6 +215,16 @@ fn support_points_alone_are_matched_at_the_rows_of_the_pair() {
         .collect();
     let unfit = flags.iter().filter(|flags| !flags.is_fit()).count();
     assert!(!flags[3].is_fit() && (1..=4).contains(&unfit), "{flags:?}");
+    // Where they are so far apart that points match little, the next pair is a check.
+    let mut matcher = Matcher::new(params(Parts::Support), DIMS).unwrap();
+    let farther = [25, 26].map(|seed| pair(5.0, seed));
+    let fit: Vec<_> = (0..6)
+        .map(|number| match number {
+            ..3 => see(&mut matcher, &in_turn[number % 2], None).2.is_fit(),
+            _ => see(&mut matcher, &farther[number % 2], None).2.is_fit(),
+        })
+        .collect();
+    assert_eq!(fit, [true, true, true, true, false, false]);
 }
 
 /// A check of points alone adds nothing to them.

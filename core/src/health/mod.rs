@@ -147,6 +147,12 @@ impl OfPoints {
             tear: tear::find(images, support),
         }
     }
+
+    /// True when most samples agree about the rows: of images of other rows they do not, or points
+    /// are few.
+    pub(crate) fn agree_on_rows(&self) -> bool {
+        self.evenness.is_some_and(Evenness::mostly_agrees)
+    }
 }
 
 /// Measurements of a matched pair.
