@@ -12,11 +12,20 @@ fn main() {
     // `target_feature = "dsp"` is not visible to stable code; the names of target and processor,
     // and the flags, are.
     let (target, flags) = (of("TARGET"), of("CARGO_ENCODED_RUSTFLAGS"));
+    // A processor has its extensions unless the flags take them away.
     let is_asked_for = |extension: &str, processors: &[&str]| {
-        flags.split('\x1f').any(|flag| {
-            processors.iter().any(|name| flag.ends_with(&format!("target-cpu={name}")))
-                || flag.contains(&format!("target-feature=+{extension}"))
-        })
+        let values = |option: &str| {
+            let values = flags.split('\x1f').filter_map(|flag| flag.rsplit_once(option));
+            values.map(|(_, value)| value.to_owned()).collect::<Vec<_>>()
+        };
+        let features = values("target-feature=").join(",");
+        let last = features.split(',').rfind(|feature| {
+            feature.strip_prefix(['+', '-']).is_some_and(|name| name == extension)
+        });
+        match last {
+            Some(feature) => feature.starts_with('+'),
+            None => values("target-cpu=").iter().any(|name| processors.contains(&name.as_str())),
+        }
     };
     let with_helium = is_asked_for("mve", &["cortex-m55", "cortex-m85"])
         || !of("CARGO_FEATURE_HELIUM").is_empty();

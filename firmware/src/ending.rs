@@ -22,18 +22,23 @@ mod by_semihosting {
 
     pub(crate) use semihosting::{report, report_decimal, report_hex};
 
+    /// True: whatever ends is reported.
+    pub(crate) fn begin(_exit: Exit, _location: u32) -> bool {
+        true
+    }
+
     /// Ends the program; the location where it could not go on has been reported.
     pub(crate) fn end(exit: Exit, _location: u32) -> ! {
         semihosting::exit(exit as u32)
     }
 }
 #[cfg(feature = "emulated")]
-pub(crate) use by_semihosting::{end, report, report_decimal, report_hex};
+pub(crate) use by_semihosting::{begin, end, report, report_decimal, report_hex};
 
 #[cfg(feature = "hardware")]
 mod by_reset {
     use super::Exit;
-    use core::sync::atomic::{AtomicU32, Ordering};
+    use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
     use linestereo_wire::{Reset, ResetCause};
 
     /// The note in four words: its mark, the exit code, its complement, the location
@@ -57,14 +62,27 @@ mod by_reset {
         crate::error!("{=u32}", number);
     }
 
-    /// Ends the program at this location, if it is known.
-    pub(crate) fn end(exit: Exit, location: u32) -> ! {
-        if matches!(exit, Exit::Panic | Exit::Fault | Exit::StackOverflow) {
+    /// A note is written, for the reset to come.
+    static HAS_BEGUN: AtomicBool = AtomicBool::new(false);
+
+    /// Notes a panic or a fault at this location. False after the first one: a report of that one
+    /// has failed, and another would fail, too.
+    pub(crate) fn begin(exit: Exit, location: u32) -> bool {
+        let is_first = !HAS_BEGUN.swap(true, Ordering::Relaxed);
+        if is_first {
             let words = [WRITTEN, exit as u32, !(exit as u32), location];
             for (note, word) in NOTE.iter().zip(words) {
                 note.store(word, Ordering::Relaxed);
             }
-            cortex_m::asm::dsb(); // in memory before the reset
+        }
+        is_first
+    }
+
+    /// Ends the program; after a panic or a fault by a reset.
+    pub(crate) fn end(exit: Exit, location: u32) -> ! {
+        if matches!(exit, Exit::Panic | Exit::Fault | Exit::StackOverflow) {
+            begin(exit, location);
+            cortex_m::asm::dsb(); // the note is in memory before the reset
             reset()
         }
         loop {
@@ -111,4 +129,4 @@ pub(crate) const RESET_BY_WATCHDOG: embassy_rp::pac::psm::regs::Wdsel =
 #[cfg(feature = "hardware")]
 pub use by_reset::last_note;
 #[cfg(feature = "hardware")]
-pub(crate) use by_reset::{end, report, report_decimal, report_hex};
+pub(crate) use by_reset::{begin, end, report, report_decimal, report_hex};

@@ -49,7 +49,7 @@ impl File {
             .filter(|text| text.len() < LONGEST)
             .ok_or(CannotOpen)?
             .copy_from_slice(name);
-        let block = [text.as_ptr().addr() as u32, mode as u32, name.len() as u32];
+        let block = [text.as_ptr().expose_provenance() as u32, mode as u32, name.len() as u32];
         // SAFETY: a name that ends in 0, the mode, the length of the name; all alive until the
         // answer.
         let handle = unsafe { call(operation::OPEN, block.as_ptr()) };
@@ -74,7 +74,7 @@ impl File {
 
 impl ByteSource for File {
     fn read(&mut self, bytes: &mut [u8]) -> usize {
-        let block = [self.0, bytes.as_mut_ptr().addr() as u32, bytes.len() as u32];
+        let block = [self.0, bytes.as_mut_ptr().expose_provenance() as u32, bytes.len() as u32];
         // SAFETY: handle, memory, length; the memory is borrowed until the answer. The answer is
         // what was not read.
         let missing = unsafe { call(operation::READ, block.as_ptr()) };
@@ -85,7 +85,7 @@ impl ByteSource for File {
 /// Bytes that the PC cannot write (a full disk) are lost.
 impl ByteSink for File {
     fn write(&mut self, bytes: &[u8]) {
-        let block = [self.0, bytes.as_ptr().addr() as u32, bytes.len() as u32];
+        let block = [self.0, bytes.as_ptr().expose_provenance() as u32, bytes.len() as u32];
         // SAFETY: handle, memory, length; the memory is borrowed until the answer.
         unsafe { call(operation::WRITE, block.as_ptr()) };
     }
@@ -117,7 +117,7 @@ impl Arguments {
     #[must_use]
     pub fn read() -> Self {
         let mut text = [0_u8; LONGEST];
-        let mut block = [text.as_mut_ptr().addr() as u32, text.len() as u32];
+        let mut block = [text.as_mut_ptr().expose_provenance() as u32, text.len() as u32];
         // SAFETY: memory and its length; the PC writes the text there and its length into the
         // block.
         let failed = unsafe { call(operation::GET_CMDLINE, block.as_mut_ptr()) } != 0;

@@ -4,7 +4,7 @@
 use crate::arch::guard;
 #[cfg(feature = "rp235x")]
 use crate::boards::rp235x::second_core;
-use crate::ending::{end, report, report_number};
+use crate::ending::{begin, end, report, report_number};
 use crate::stack;
 use core::ops::Range;
 use core::ptr;
@@ -49,7 +49,7 @@ unsafe fn HardFault() -> ! {
     // The registers of a handler are saved on its own stack: what lies on the program's says where
     // the program was.
     let from_program = icsr & FROM_PROGRAM != 0;
-    let overflow = from_program && !stack.contains(&frame)
+    let overflow = from_program && frame < stack.start
         || cfsr & (STACKING_ERROR | BELOW_LIMIT) != 0
         || address.is_some_and(|address| guard().contains(&(address as usize)));
     // Where they were not saved the stack pointer is left at its limit.
@@ -66,7 +66,9 @@ unsafe fn HardFault() -> ! {
 /// An interrupt that no driver of the board has: a fault.
 #[exception]
 unsafe fn DefaultHandler(number: i16) -> ! {
-    report_number("fault: unexpected exception ", number as u32);
-    report("\n");
+    if begin(Exit::Fault, 0) {
+        report_number("fault: unexpected exception ", number as u32);
+        report("\n");
+    }
     end(Exit::Fault, 0)
 }

@@ -26,7 +26,8 @@ const WITH_ADDRESS: [usize; 6] = [0, 1, 4, 5, 6, 7];
 extern "C" fn refused(stack_pointer: usize) -> ! {
     let (cause, pc, value) = (mcause::read(), mepc::read(), mtval::read());
     let address = (!cause.is_interrupt() && WITH_ADDRESS.contains(&cause.code())).then_some(value);
-    let overflow = !(stack::bottom()..=stack::top()).contains(&stack_pointer)
+    // Before the program has its stack, it runs on that of handlers, which lies above.
+    let overflow = stack_pointer < stack::bottom()
         || address.is_some_and(|address| guard().contains(&address));
     super::refused(
         overflow,

@@ -39,9 +39,9 @@ two_operands!(
     "uxtab16 {r}, {a}, {b}, ror #8"
 );
 two_operands!(
-    /// Half word by half word.
+    /// Half word by half word; sets the GE flags.
     pub(super) dual_difference,
-    "ssub16 {r}, {a}, {b}"
+    "ssub16 {r}, {a}, {b}",
 );
 two_operands!(
     /// Sum of both products of signed half words.

@@ -53,9 +53,12 @@ pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, limited_steps, reverse_row};
 pub use support::{code_costs, lowest_byte, path_step, place_of_byte, sum_paths};
 
-/// A function of two words that is one instruction.
+/// A function of two words that is one instruction, which leaves all flags as they are.
 macro_rules! two_operands {
     ($(#[$doc:meta])* $visible:vis $name:ident, $instruction:literal) => {
+        two_operands!($(#[$doc])* $visible $name, $instruction, preserves_flags);
+    };
+    ($(#[$doc:meta])* $visible:vis $name:ident, $instruction:literal, $($flags:ident)?) => {
         $(#[$doc])*
         #[inline(always)]
         $visible fn $name(a: u32, b: u32) -> u32 {
@@ -64,7 +67,7 @@ macro_rules! two_operands {
             // compiled for has it.
             unsafe {
                 asm!($instruction, r = lateout(reg) result, a = in(reg) a, b = in(reg) b,
-                    options(pure, nomem, nostack, preserves_flags));
+                    options(pure, nomem, nostack $(, $flags)?));
             }
             result
         }

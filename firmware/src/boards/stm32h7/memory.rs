@@ -21,7 +21,8 @@ use embassy_stm32::pac::{DBGMCU, RCC};
 const KEPT_REGION: u32 = 14;
 const RINGS_REGION: u32 = 15;
 
-/// To be called once, before anything else: takes over from a bootloader as well.
+/// To be called once, before caches, interrupts and DMA are used: takes over from a bootloader as
+/// well.
 pub fn prepare() {
     read_axi_sram_one_at_a_time();
     unsafe extern "C" {

@@ -15,8 +15,10 @@ use cortex_m::peripheral::MPU;
 
 /// Forbids the memory below the stack. What a bootloader has left is forgotten.
 pub(crate) fn guard() {
-    // SAFETY: nothing else writes these registers; without protection everything is allowed.
+    // SAFETY: nothing else writes these registers; without protection everything is allowed. The
+    // program's stack is not in use yet, and empty, so that a fault here is none of it.
     unsafe {
+        cortex_m::register::psp::write(crate::stack::top() as u32);
         let mpu = &*MPU::PTR;
         mpu.ctrl.write(0);
         for region in 0..regions() {

@@ -4,7 +4,7 @@
 //! region 0        the guard
 //! region 1        between both stacks, the lowest 32 bytes of that of handlers: one that takes too
 //!                 much locks the processor up (a watchdog's work) instead of changing what the
-//!                 program keeps there
+//!                 program keeps there, unless it steps over them
 //! regions 1 - 7   fences, while kernels are compared: eight regions is all that some of these
 //!                 processors have
 //! ```
