@@ -315,6 +315,11 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
     let at = folder.path();
     let cases = [
         (r#"{"focal_px": 451}"#, "\"focal_px\" is misplaced; move it into \"rectified\""),
+        (r#"{"scene": "a", "height_m": 0.2}"#, "move it into \"camera\""),
+        (
+            r#"{"camera": {"heigth_m": 0.2, "pitch_deg": 5}}"#,
+            "\"heigth_m\" in \"camera\" is unknown",
+        ),
         (
             r#"{"max_disparty": 64}"#,
             "\"max_disparty\" is unknown; did you mean max_disparity? The known keys are scene, \

@@ -462,6 +462,18 @@ fn further_coefficients_are_zero_or_named() {
     assert!(matches!(bad(&[&six]), (Some(11), Problem::Shape { .. })));
 }
 
+/// Without the name of a model nobody knows what coefficients mean.
+#[test]
+fn coefficients_without_a_model_are_refused_unless_they_are_0() {
+    let [left, right] = ROS;
+    let unnamed = left.replace("plumb_bob", "\"\"");
+    let (line, problem) = bad(&[&unnamed, right]);
+    assert!(line.is_some() && problem.to_string().contains("plumb_bob"), "{problem}");
+    let zero = unnamed.replace("[-0.3, 0.1, 0.001, 0.002, 0]", "[0, 0, 0, 0, 0]");
+    let rig = good(&[&zero, right]).rig;
+    assert_eq!(rig.calibration.camera(CameraSide::Left).lens(), Lens::NONE);
+}
+
 #[test]
 fn errors_name_the_line() {
     let yaml = opencv();

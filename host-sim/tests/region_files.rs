@@ -66,6 +66,7 @@ fn boxes_are_the_same_in_every_form() {
                 {"image_id": 3, "category_id": 2, "bbox": [20, 0, 20, 10], "score": 0.5}]"#,
         ),
         ("yolo.txt", "0 0.225 0.5 0.25 0.5\n\n1 0.75 0.25 0.5 0.5 0.9\n"),
+        ("tracked.txt", "0 0.225 0.5 0.25 0.5 0.8 1\n1 0.75 0.25 0.5 0.5 0.9 7\n"),
         ("table.csv", "name, x0,y0,x1,y1\ncup, 4,5,14,15\nbook,20,0,40,10\n"),
         ("plain.csv", "4,5,14,15,0,cup\n20,0,40,10,1,book\n"),
         (
@@ -215,7 +216,7 @@ fn what_is_wrong_with_one_object_skips_it() {
 
     folder.file("classes.txt", "cup\n");
     let objects = folder
-        .load("b.txt", "0 0.5 0.5 0.1 0.1\n7 0.5 0.5 0.1 0.1\n0 2 2 0.1 0.1\ncup 0.5 0.5 0.1 0.1\n")
+        .load("b.txt", "0 0.5 0.5 0.1 0.1\n7 0.5 0.5 0.1 0.1\n0 2 2 0.1 0.1\ncup 0.5 0.5 0.1 0.1\n0 0.1 0.1 0.9 0.1 0.9 0.9 0.8 12\n")
         .unwrap();
     assert_eq!(
         objects.list.iter().map(|object| object.name.as_deref()).collect::<Vec<_>>(),
@@ -223,7 +224,7 @@ fn what_is_wrong_with_one_object_skips_it() {
     );
     assert_eq!(
         objects.skipped,
-        Skipped { outside: 1, unreadable: 1, unknown_class: 1, ..Skipped::default() }
+        Skipped { outside: 1, unreadable: 2, unknown_class: 1, ..Skipped::default() }
     );
     let json = r#"{"categories": [{"id": 1, "name": "cup"}], "annotations": [{"category_id": 2, "bbox": [1, 1, 5, 5]}]}"#;
     assert_eq!(

@@ -31,6 +31,7 @@ use std::path::Path;
 
 const KEYS: [&str; 7] =
     ["scene", "size", "max_disparity", "disparity_zero_px", "ground_truth", "rectified", "camera"];
+const CAMERA_KEYS: [&str; 3] = ["height_m", "pitch_deg", "roll_deg"];
 const TRUTH_KEYS: [&str; 2] = ["file", "disparity_scale"];
 const RIG_KEYS: [&str; 5] = [
     "focal_px",
@@ -131,6 +132,7 @@ impl SceneInfo {
         }
         check_keys("ground_truth", &value["ground_truth"], &TRUTH_KEYS)?;
         check_keys("rectified", &value["rectified"], &RIG_KEYS)?;
+        check_keys("camera", &value["camera"], &CAMERA_KEYS)?;
         let info: Self = serde_json::from_value(value).map_err(|error| error.to_string())?;
         if let Some(rectified) = &info.rectified {
             check_baseline(rectified.baseline_m).map_err(|unfit| unfit.to_string())?;
@@ -232,6 +234,7 @@ fn check_keys(object: &str, value: &Value, known: &[&str]) -> Result<(), String>
         ("the file itself", &KEYS[..]),
         ("\"ground_truth\"", &TRUTH_KEYS),
         ("\"rectified\"", &RIG_KEYS),
+        ("\"camera\"", &CAMERA_KEYS),
     ];
     let at = if object.is_empty() { String::new() } else { format!(" in \"{object}\"") };
     for key in value.as_object().into_iter().flat_map(|fields| fields.keys()) {

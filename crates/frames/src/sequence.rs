@@ -15,6 +15,7 @@
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
 use super::source::PairSource;
+use core::ops::RangeInclusive;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,10 +39,10 @@ const CAMERA_FOLDERS: [[&str; 2]; 4] = [
 ];
 /// Names of the two images of a single pair, besides those with a side in them: Middlebury's.
 const SINGLE: [[&str; 2]; 3] = [["im0", "im1"], ["im2", "im6"], ["view1", "view5"]];
-/// Numbers with so many digits are times in us, with three more in ns: none of a frame counter is
-/// as long.
-const LEAST_US_DIGITS: usize = 15;
-const LEAST_NS_DIGITS: usize = 18;
+/// Numbers with so many digits are times in us and in ns: none of a frame counter is as long, and
+/// dates to the millisecond have 17.
+const US_DIGITS: RangeInclusive<usize> = 15..=16;
+const NS_DIGITS: RangeInclusive<usize> = 18..=19;
 
 /// How a pair is stored.
 #[derive(Clone, Debug)]
@@ -120,14 +121,16 @@ impl Sequence {
     }
 
     fn sorted(mut self) -> Self {
-        self.pairs.sort_by(|a, b| (number(&a.name), &a.name).cmp(&(number(&b.name), &b.name)));
+        self.pairs.sort_by_cached_key(|pair| (numbers(&pair.name), pair.name.clone()));
         self
     }
 }
 
-/// The last number in a name.
-pub(crate) fn number(name: &str) -> Option<u64> {
-    name.split(|c: char| !c.is_ascii_digit()).rfind(|digits| !digits.is_empty())?.parse().ok()
+/// All numbers in a name, of which the first that differ tell the order: `12.000005` is after
+/// `11.100000`.
+pub(crate) fn numbers(name: &str) -> Vec<u128> {
+    let digits = name.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());
+    digits.map(|digits| digits.parse().unwrap_or(u128::MAX)).collect()
 }
 
 fn time_us(name: &str) -> Option<u64> {
@@ -135,8 +138,8 @@ fn time_us(name: &str) -> Option<u64> {
     let number = || name.parse::<u64>().ok();
     match name.len() {
         _ if !is_number => None,
-        LEAST_NS_DIGITS.. => Some(number()? / 1000),
-        LEAST_US_DIGITS.. => number(),
+        digits if NS_DIGITS.contains(&digits) => Some(number()? / 1000),
+        digits if US_DIGITS.contains(&digits) => number(),
         _ => None,
     }
 }
@@ -326,5 +329,25 @@ mod tests {
         assert_eq!(time_us("1403715273262142976"), Some(1_403_715_273_262_142));
         assert_eq!(time_us("1403715273262142"), Some(1_403_715_273_262_142));
         assert_eq!((time_us("0001"), time_us("x1403715273262142976")), (None, None));
+        assert_eq!(time_us("20240501120059123"), None, "a date");
+    }
+
+    #[test]
+    fn names_are_in_the_order_of_all_their_numbers() {
+        for sorted in [
+            ["10.900000", "11.100000", "12.000005", "12.100000"],
+            [
+                "2024-05-01_12-00-58",
+                "2024-05-01_12-00-59",
+                "2024-05-01_12-01-00",
+                "2025-01-01_00-00-00",
+            ],
+            ["frame_2", "frame_10", "frame_10_b", "frame_11"],
+        ] {
+            let mut names = sorted;
+            names.reverse();
+            names.sort_by_cached_key(|name| (numbers(name), *name));
+            assert_eq!(names, sorted);
+        }
     }
 }

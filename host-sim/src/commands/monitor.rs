@@ -47,8 +47,8 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<()> {
     let wanted = requests::parse(&args.send)?;
-    let mut record = args.record.as_ref().map(Record::create).transpose()?;
     let mut port = args.port.open_or(args.file.as_deref())?;
+    let mut record = args.record.as_ref().map(Record::create).transpose()?;
     let mut monitor = Monitor::new(args, wanted);
     let outcome = monitor.follow(&mut port, &mut record);
     if let (Ok(()), Some(path)) = (&outcome, args.file.as_ref().filter(|_| monitor.has_nothing())) {

@@ -82,7 +82,8 @@ export function drawPair(canvas, { width, height, picture, ground }, { points, s
   if (picture) context.drawImage(picture, 0, 0, width, height);
   for (const { x, y, disparity } of points) {
     context.fillStyle = onGround(ground, [[x, y, disparity]], disparity, span, side > 2 ? 0.3 : 0.8);
-    context.fillRect(x - side / 2, y - side / 2, Math.max(side - 0.5, 1), Math.max(side - 0.5, 1));
+    const drawn = Math.max(side - 0.5, 1);
+    context.fillRect(x + 0.5 - drawn / 2, y + 0.5 - drawn / 2, drawn, drawn);
   }
   context.lineWidth = 1.2;
   for (const { x, y, disparity } of [...segments].reverse()) {

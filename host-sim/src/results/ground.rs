@@ -38,7 +38,7 @@ impl Ground {
             let normal = [across, down, on_axis / focal];
             let length = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
             let pitch = (normal[2] / length).asin().to_degrees();
-            [baseline / length, pitch, (-across).atan2(down).to_degrees()].map(five_decimals)
+            [baseline / length, pitch, across.atan2(down).to_degrees()].map(five_decimals)
         });
         Self {
             down_px_per_row: five_decimals(down),
@@ -64,6 +64,7 @@ impl Ground {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use linestereo::ground::CameraPose;
 
     #[test]
     fn a_level_camera_has_the_height_that_its_slope_tells() {
@@ -91,6 +92,12 @@ mod tests {
             (ground.camera_height_m.unwrap() - 0.15 * 10.0_f64.to_radians().cos()).abs() < 0.001,
             "{ground:?}"
         );
+        // As it was stated.
+        let pose = CameraPose { height_m: 0.2, pitch_deg: 10.0, roll_deg: 4.0 };
+        let rolled = GroundPlane::of_pose(pose, &rig, dims).unwrap();
+        let rolled = Ground::new(rolled, Some(&rig), dims);
+        assert!((rolled.roll_deg.unwrap() - 4.0).abs() < 0.1, "{rolled:?}");
+        assert!(near(rolled.pitch_deg, 10.0), "{rolled:?}");
         let text = ground.summary();
         assert!(
             text.starts_with("ground: 0.40 px per row; cameras 0.148 m above it, pitched 10.0"),

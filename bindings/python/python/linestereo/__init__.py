@@ -226,7 +226,7 @@ class Result:
             boxes = np.asarray(boxes)
             if boxes.dtype.kind not in "iuf":
                 raise ValueError(f"boxes have dtype {boxes.dtype}: give numbers")
-            boxes = boxes.astype(np.float64, copy=False)
+            boxes = np.require(boxes, np.float64, ["A", "C"])  # fields of records lie anywhere
             if boxes.size == 0:
                 return []
             if boxes.ndim != 2 or boxes.shape[1] != 4:
@@ -242,7 +242,7 @@ class Result:
             raise ValueError(f"masks have shape {masks.shape} and dtype {masks.dtype}: give bool of (n, rows, columns), or labels of (rows, columns)")
         if masks.size and not (0 <= masks.min() and masks.max() <= 65535):
             raise ValueError("masks: labels are outside 0 to 65535")
-        return [Object._of(answer) for answer in self._pair.labels(masks.astype(np.uint16, copy=False))]
+        return [Object._of(answer) for answer in self._pair.labels(np.require(masks, np.uint16, ["A", "C"]))]
 
     def _of_labels(self, mask: npt.NDArray[Any], label: int) -> List[Object]:
         answers = self._pair.labels(mask.astype(np.uint16))

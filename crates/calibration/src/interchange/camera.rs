@@ -23,6 +23,15 @@ pub enum LensModel {
 /// Names of the coefficients beyond `k6`.
 const FURTHER: [&str; 6] = ["s1", "s2", "s3", "s4", "tau_x", "tau_y"];
 
+/// No lens model is named: coefficients, if there are any, have to be 0.
+pub(super) fn no_lens(coefficients: &Matrix) -> Result<Lens, Fault> {
+    if coefficients.vector()?.iter().all(|&value| value == 0.0) {
+        return Ok(Lens::NONE);
+    }
+    let what = "lens coefficients without the name of a lens model, such as plumb_bob".to_owned();
+    Err(Problem::Model(what).at(coefficients.place))
+}
+
 impl LensModel {
     /// By the names that Kalibr, ROS and EuRoC use; "none" has no coefficients.
     pub(super) fn named(name: &str, place: Place) -> Result<Option<Self>, Fault> {

@@ -9,7 +9,7 @@
 //! Burri et al., "The EuRoC micro aerial vehicle datasets", IJRR 2016, and the sensor files
 //! themselves.
 
-use super::camera::{LensModel, camera, coefficients};
+use super::camera::{LensModel, camera, coefficients, no_lens};
 use super::error::{Fault, Problem};
 use super::names::size;
 use super::node::Node;
@@ -44,7 +44,7 @@ pub(super) fn pinhole(node: &Node, eye: CameraSide, coefficients: &str) -> Resul
     let model = node.require("distortion_model")?;
     let lens = match LensModel::named(model.text().unwrap_or("a list"), model.place)? {
         Some(model) => model.lens(&node.require(coefficients)?.matrix(coefficients)?)?,
-        None => Lens::NONE,
+        None => no_lens(&node.require(coefficients)?.matrix(coefficients)?)?,
     };
     camera((eye, intrinsics.place), dims, ([fx, fy], [cx, cy], 0.0), lens)
 }

@@ -11,7 +11,7 @@
 //! # Source
 //! ROS `sensor_msgs/CameraInfo.msg` and REP 104; `camera_calibration_parsers` for the file.
 
-use super::camera::{LensModel, camera, coefficients, intrinsics, matrix};
+use super::camera::{LensModel, camera, coefficients, intrinsics, matrix, no_lens};
 use super::error::{Fault, Problem};
 use super::node::{Matrix, Node};
 use super::opencv::projections;
@@ -80,7 +80,7 @@ fn info(node: &Node, eye: CameraSide) -> Result<Info, Fault> {
     let model = node.require("distortion_model")?;
     let lens = match LensModel::named(model.text().unwrap_or("a list"), model.place)? {
         Some(model) => model.lens(&values)?,
-        None => Lens::NONE,
+        None => no_lens(&values)?,
     };
     let (focal, centre, skew) = intrinsics(&matrix)?;
     check_centre_of(centre, full).map_err(|unfit| Problem::Unfit(eye, unfit).at(matrix.place))?;

@@ -27,7 +27,7 @@ use super::error::{FrameError, LayoutFault};
 use super::folder::{Listing, folder_name, walk};
 use super::layout::Layout;
 use super::scene_file;
-use super::sequence::number;
+use super::sequence::numbers;
 use super::stored::StoredPair;
 use crate::untrusted::printable;
 use std::path::Path;
@@ -72,7 +72,7 @@ impl Dataset {
         if found.pairs.is_empty() {
             return Err(FrameError::Layout(root.to_path_buf(), LayoutFault::NotRecognised));
         }
-        found.pairs.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
+        found.pairs.sort_by_cached_key(|pair| (numbers(&pair.name), pair.name.clone()));
         Ok(found)
     }
 
@@ -144,7 +144,7 @@ fn name_below(root: &Path, pairs: &mut [StoredPair]) {
         let path = path.trim_end_matches('/');
         if !path.is_empty() {
             pair.name = path.to_owned();
-            pair.number = number(path);
+            pair.number = numbers(path).last().and_then(|&last| last.try_into().ok());
         } else if pair.name.is_empty() {
             pair.name = folder_name(&pair.folder);
         }

@@ -1,9 +1,11 @@
 //! YOLO's text: a line per object, the class first, then centre and size as shares of the image
-//! (and perhaps a probability), or the corners of an outline.
+//! (and perhaps a probability, and the number of what is tracked), or the corners of an outline.
 
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read};
 use std::path::Path;
 
+/// How far outside of the image the corner of an outline may lie, as a share.
+const OUTSIDE: f64 = 0.05;
 const CLASS_FILES: [&str; 3] = ["classes.txt", "obj.names", "classes.names"];
 
 pub(crate) fn load(
@@ -34,16 +36,25 @@ fn object(line: &str, frame: Frame<'_>) -> Result<(usize, Shape), Why> {
     let values: Vec<f64> =
         words.map(|word| word.parse().map_err(|_| Why::Unreadable)).collect::<Result<_, _>>()?;
     let (width, height) = (f64::from(frame.given.width), f64::from(frame.given.height));
-    let shape = match values[..] {
-        [x, y, w, h] | [x, y, w, h, _] => Shape::Box([
+    let box_of = |[x, y, w, h]: [f64; 4]| {
+        Shape::Box([
             (x - 0.5 * w) * width,
             (y - 0.5 * h) * height,
             (x + 0.5 * w) * width,
             (y + 0.5 * h) * height,
-        ]),
-        _ if values.len() >= 6 && values.len().is_multiple_of(2) => Shape::Polygons(vec![
-            values.chunks_exact(2).map(|corner| [corner[0] * width, corner[1] * height]).collect(),
-        ]),
+        ])
+    };
+    let is_share = |value: &f64| (-OUTSIDE..=1.0 + OUTSIDE).contains(value);
+    let shape = match values[..] {
+        [x, y, w, h] | [x, y, w, h, _] => box_of([x, y, w, h]),
+        // A box that is tracked: its probability, then its number.
+        [x, y, w, h, _, number] if number >= 1.0 && number.fract() == 0.0 => box_of([x, y, w, h]),
+        _ if values.len() >= 6 && values.len().is_multiple_of(2) && values.iter().all(is_share) => {
+            let corners = values.chunks_exact(2);
+            Shape::Polygons(vec![
+                corners.map(|corner| [corner[0] * width, corner[1] * height]).collect(),
+            ])
+        }
         _ => return Err(Why::Unreadable),
     };
     Ok((class, shape))
