@@ -27,6 +27,7 @@ use crate::lines::{SCAN_STEP, Segment};
 use crate::matching::band::WindowExtent;
 use crate::objects::region_support::{OBJECT_REACH, supports_area};
 use crate::params::Params;
+use crate::support::SURROUNDINGS;
 use heapless::Vec;
 
 /// Margin around the expected position of a right segment, px.
@@ -37,10 +38,9 @@ pub(crate) const MAX_AREAS: usize = 16;
 
 type Areas = Vec<Area, MAX_AREAS>;
 
-/// What is matched around an area, px.
-const SURROUNDINGS: u16 = 24;
-/// Support points are compared by rows of codes, each of which costs as much as the points in this
-/// part of its width.
+/// Part of an image's width whose points cost as much as the codes of a row, which are those of the
+/// whole width: by three times of a PC for one pair of 320x240. Answers do not depend on it but
+/// near the borders of areas.
 const CODES_SHARE: u32 = 6;
 
 /// Cost of matching the support points of an area, in pixels of points.

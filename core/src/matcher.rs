@@ -10,8 +10,8 @@
 //! ground near that of the pair before, or, while there is none, in every fourth pair
 //! check the matches
 //! support points alone: match the first pair, one in 64 after it, one in 8 while the row offset is
-//!     not known or the pair is not fit, and the next one where points no longer agree about the
-//!     rows, with segments as well, which are not answered: for the row offset, and to see whether
+//!     not known or the pair is not fit, and the next one where points disagree about the rows and
+//!     did not in the last check, with segments as well, which are not answered: for the row offset, and to see whether
 //!     most of the pair matches
 //! ```
 
@@ -290,8 +290,8 @@ impl Matcher {
         }
     }
 
-    /// Counts the pairs of support points alone until the next one with segments: the next one, if
-    /// points no longer `agree` about the rows.
+    /// Counts the pairs of support points alone until one with segments, a check: the next one, if
+    /// points did `agree` about the rows in the last check, and do not in this pair.
     fn schedule_check(&mut self, has_segments: bool, agree: bool, health: &PairHealth) {
         let is_well = self.row_offset_q5.is_some() && health.flags.is_fit();
         let period = if is_well { CHECK_PERIOD } else { SHORT_CHECK_PERIOD };

@@ -103,7 +103,7 @@ impl<L: Line, N: Fn() -> u64> ByteSink for HostLine<L, N> {
 pub struct HostLines<A, B, N> {
     first: HostLine<A, N>,
     second: HostLine<B, N>,
-    /// What was read last came on the second.
+    /// The last bytes came on the second.
     is_second: bool,
 }
 

@@ -43,7 +43,7 @@ pub trait ByteSource {
     /// end of a file, and while a serial port is silent.
     fn read(&mut self, bytes: &mut [u8]) -> usize;
 
-    /// What was read last was a command: there is somebody at the other end.
+    /// Takes note that the last bytes were a command: there is somebody at the other end.
     fn heard(&mut self) {}
 }
 

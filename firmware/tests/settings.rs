@@ -397,7 +397,7 @@ fn times_are_in_the_autopilots_clock_by_its_answers() {
     assert!(clocks.windows(2).all(|two| two[0].1 < two[1].1), "times run forwards");
 }
 
-/// However many commands wait, pairs come between them.
+/// Pairs come between 200 commands that wait.
 #[test]
 fn a_burst_of_commands_does_not_stop_the_pairs() {
     let port = Port::default();

@@ -265,7 +265,7 @@ pub(crate) struct Matching<'a> {
 pub(crate) struct Overall {
     /// Detail of the left image, [`SupportKind::Detail`](evidence::SupportKind::Detail), Q8.
     pub(crate) detail_q8: i16,
-    /// What lies beyond the range.
+    /// Windows that match beyond the range.
     pub(crate) range: RangeCheck,
 }
 

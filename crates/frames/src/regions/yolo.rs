@@ -4,7 +4,7 @@
 use super::{Collector, Frame, Objects, ObjectsError, Shape, Why, read};
 use std::path::Path;
 
-/// How far outside of the image the corner of an outline may lie, as a share.
+/// Largest distance of an outline's corner from the image, as a share of its side.
 const OUTSIDE: f64 = 0.05;
 const CLASS_FILES: [&str; 3] = ["classes.txt", "obj.names", "classes.names"];
 
