@@ -16,6 +16,7 @@ use crate::list::List;
 use crate::matching::MatchContext;
 use crate::memory::{Buffers, Scratch};
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Reason, Region};
+use crate::obstacles::{ObstaclePlan, Obstacles};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::query::{self, PixelDepth, PixelRejection, Query};
@@ -46,6 +47,8 @@ pub(crate) struct Summary {
     pub(crate) range: RangeCheck,
     pub(crate) plane: Option<GroundPlane>,
     pub(crate) health: PairHealth,
+    /// All of the pair was matched, not areas of it.
+    pub(crate) is_whole: bool,
 }
 
 impl Summary {
@@ -140,6 +143,7 @@ impl<'a> Matched<'a> {
             range: self.summary.range,
             row_offset: self.summary.row_offset(),
             has_segments: self.plan.params.parts != Parts::Support,
+            is_whole: self.summary.is_whole,
         }
     }
 
@@ -180,6 +184,20 @@ impl<'a> Matched<'a> {
         });
         let support = self.support().credible(crate::obstacles::LEAST_CONFIDENCE);
         bars.chain(sides).chain(support).filter(move |_| is_fit)
+    }
+
+    /// Updates the state of each direction by this pair: its segments, its
+    /// [obstacle points](Matched::obstacle_points), its ground plane and its health, as
+    /// [`Obstacles::update`] does. `time_us` is its time of capture, us of a monotonic clock.
+    ///
+    /// A pair that was matched in [areas](crate::Options::areas) alone counts as one that is not
+    /// fit to be used: what stands outside of the areas is not seen.
+    pub fn update_obstacles(&self, plan: &ObstaclePlan, obstacles: &mut Obstacles, time_us: u64) {
+        if !self.summary.is_whole {
+            return obstacles.mark_missing();
+        }
+        let (plan, health) = (plan.on_ground(self.ground()), self.summary.health.flags);
+        obstacles.update(&plan, self.segments(), self.obstacle_points(), health, time_us);
     }
 
     /// Bars, thin things in front of what is around them. Those level with it are among the points

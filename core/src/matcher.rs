@@ -42,7 +42,8 @@ pub struct Options<'o> {
     /// Areas of the left image that are matched, with their surroundings, with the row offset of
     /// the last whole pair, or, before the first, one estimated in them. Those that meet are joined
     /// where that costs less, and of more than [`Options::MAX_AREAS`] the last ones. `None` is the
-    /// whole image; without a pixel in any of them nothing is matched.
+    /// whole image; without a pixel in any of them nothing is matched. Obstacles are not taken from
+    /// areas ([`Matched::update_obstacles`]).
     pub areas: Option<&'o [Area]>,
     /// Times of capture, left and right, us of one clock, if known.
     pub times_us: Option<[u64; 2]>,

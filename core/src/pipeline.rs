@@ -60,7 +60,8 @@ impl<'a> Run<'_, 'a> {
         mut m: Buffers<'a>,
         observer: &mut dyn Observer,
     ) -> (Matched<'a>, Option<Measured>) {
-        let mut summary = Summary::default();
+        let is_whole = self.regions.areas().is_none();
+        let mut summary = Summary { is_whole, ..Summary::default() };
         summary.row_offset_q5 = if self.parts == Parts::Support {
             self.known_rows()
         } else {
@@ -115,13 +116,14 @@ impl<'a> Run<'_, 'a> {
         summary: &mut Summary,
     ) -> Measured {
         let ([left, right], support, offset) = (self.images, report.support, summary.row_offset());
+        let is_whole = summary.is_whole;
         let (mut of_points, mut by_edges) = (OfPoints::default(), None);
         cores.join(
             &mut || {
                 report.run(matches, &mut summary.counts);
                 by_edges = rows::measure(left, right, matches);
             },
-            &mut || of_points = OfPoints::new([left, right], support, offset),
+            &mut || of_points = OfPoints::new([left, right], support, offset, is_whole),
         );
         Measured { of_points, by_edges }
     }

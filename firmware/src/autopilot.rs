@@ -8,8 +8,8 @@
 
 use crate::ports::{ByteSink, packets};
 use crate::vehicle::Vehicle;
+use linestereo::Matched;
 use linestereo::obstacles::{ObstaclePlan, Obstacles};
-use linestereo::{Matched, health::HealthFlags};
 use linestereo_mavlink::{
     AutopilotParams, AutopilotStream, Mavlink, ParamValue, Received, Receiver, Sender,
 };
@@ -105,17 +105,9 @@ impl Autopilot {
     }
 
     /// Takes the result of a pair.
-    pub fn see(&mut self, matched: &Matched<'_>, health: HealthFlags, time_us: u64) {
+    pub fn see(&mut self, matched: &Matched<'_>, time_us: u64) {
         match &self.view {
-            Some((plan, _)) => {
-                self.obstacles.update(
-                    &plan.on_ground(matched.ground()),
-                    matched.segments(),
-                    matched.obstacle_points(),
-                    health,
-                    time_us,
-                );
-            }
+            Some((plan, _)) => matched.update_obstacles(plan, &mut self.obstacles, time_us),
             None => self.obstacles.mark_missing(),
         }
     }

@@ -235,7 +235,7 @@ impl<'a> Session<'a> {
             Setting::check(number, value)?;
         }
         let (params, vehicle) = settings::with_values(self.params, values);
-        params.check(self.board.largest)?;
+        params.check(self.rig_dims().unwrap_or(self.board.largest))?;
         vehicle.check()?;
         self.set_params(params);
         self.vehicle = vehicle;

@@ -134,7 +134,7 @@ const fn is_ordered(lowest: f32, highest: f32) -> bool {
 }
 
 const fn is_within(block_cm: f32, range_m: f32) -> bool {
-    block_cm < 100.0 * range_m
+    block_cm + 0.5 < 100.0 * range_m // rounded to centimetres as well
 }
 
 const _: () = assert!(VEHICLE.is_valid(), "a number of VEHICLE is outside of its range");
@@ -186,7 +186,9 @@ mod tests {
         let heights = heights.map(|heights_m| Vehicle { heights_m, ..of });
         let rates = [9, 10, 20, 21].map(|rate_hz| Vehicle { rate_hz, ..of });
         let blocks = [40, 999, 1000].map(|block_cm| Vehicle { block_cm: Some(block_cm), ..of });
-        for vehicle in [&yaws[..], &ranges, &heights, &rates, &blocks].concat() {
+        let rounded = [(2.004, 200), (9.994, 999), (9.994, 998)]
+            .map(|(range_m, block_cm)| Vehicle { range_m, block_cm: Some(block_cm), ..of });
+        for vehicle in [&yaws[..], &ranges, &heights, &rates, &blocks, &rounded].concat() {
             let is_taken = plan(vehicle.directions())
                 .is_some_and(|plan| AutopilotStream::new(vehicle.autopilot(&plan), &plan).is_ok());
             assert_eq!(vehicle.is_valid(), is_taken, "{vehicle:?}");

@@ -491,13 +491,33 @@ fn of_what_takes_long_there_is_one_a_turn() {
 }
 
 #[test]
+fn a_range_beyond_the_width_of_the_rig_is_refused() {
+    let set = |value| Request::Set(SettingValue { number: 1, value }); // MAX_DISPARITY
+    let input = Input::default().ask(set(150.0)).rig(&rig(DIMS).encode(0));
+    let input = input.ask(set(130.0)).ask(set(100.0));
+    let (answers, _) =
+        replayed(&mut Session::new(BOARD), &mut Box::new(BoardMemory::CLEARED), input);
+    let is_accepted = answers.iter().map(|(_, outcome)| *outcome == Outcome::Accepted);
+    assert_eq!(is_accepted.collect::<Vec<_>>(), [true, true, false, true], "{answers:?}");
+}
+
+/// Times that a still scene allows are none for an autopilot.
+#[test]
 fn a_pair_of_two_moments_is_matched_where_nothing_moves() {
     for (still_us, is_matched) in [(None, false), (Some(21_000), false), (Some(30_000), true)] {
         let mut camera =
             scripted(|_, paint| Some(CapturedPair { times_us: Some([5_000, 27_000]), ..paint()? }));
         camera.still_us = still_us;
-        let mut board = Running::start(Session::new(BOARD), &Port::with_look(1), camera);
-        let head = heads(&board.ask(1, Request::Start))[0];
+        let (port, autopilot) = (Port::with_look(1), Port::default());
+        let mut board =
+            Running::start(Session::new(BOARD), &port, camera).with_autopilot(&autopilot);
+        let numbers = RigUpdate { focal_px: 110.0, baseline_m: 0.1, offset_px: 0.0 };
+        port.send(1, rig_numbers(numbers));
+        let head = heads(&board.ask(2, Request::Start))[0];
+        board.turns(2);
+        let told = mavlink_frames(&autopilot.bytes());
+        let critical = told.iter().find(|(id, _)| *id == 0).map(|(_, heartbeat)| heartbeat[7] == 5);
+        assert_eq!(critical, is_matched.then_some(true), "without a view nothing is sent");
         assert_eq!(head.pair.unwrap().skew_us, Some(22_000), "it is told all the same");
         assert_eq!(
             (head.segments > 10, head.health.of_pair().contains(HealthFlags::SKEW)),

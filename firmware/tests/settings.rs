@@ -3,8 +3,8 @@
 use crate::support::flash::Flash;
 use crate::support::live::{DIMS, Running, rig, rig_numbers, scripted};
 use crate::support::port::{Port, heads, mavlink_frames};
-use linestereo::obstacles::Obstacles;
-use linestereo::{Matcher, Options, Params, units::Confidence};
+use linestereo::obstacles::{Obstacles, Sector};
+use linestereo::{Area, Matcher, Options, Params, units::Confidence};
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
 use linestereo_firmware::painter::Painter;
@@ -419,6 +419,28 @@ fn a_burst_of_commands_does_not_stop_the_pairs() {
     assert_eq!(answers, 200);
 }
 
+/// Objects outside of the areas that are matched may stand in the way.
+#[test]
+fn directions_are_not_taken_from_areas_of_a_pair() {
+    let mut memory = Box::new(BoardMemory::CLEARED);
+    let params = Params { rig: Some(RIG.rig().unwrap()), ..Params::DEFAULT };
+    let plan = Vehicle::DEFAULT.directions().plan(&params, DIMS).unwrap();
+    Painter::new(DIMS).next_pair(&mut *memory, None).unwrap();
+    let mut matcher = Matcher::new(params, DIMS).unwrap();
+    let middle = [Area { left: 40, top: 20, right: 90, bottom: 70 }];
+    let seen = [None, Some(&middle[..])].map(|areas| {
+        matcher.forget_health(); // the second pair is the first again
+        let options = Options { areas, ..Options::default() };
+        let matched = memory.run(None, &mut matcher, options).unwrap();
+        assert!(matched.is_fit() && matched.obstacle_points().count() > 0);
+        let mut obstacles = Obstacles::new();
+        matched.update_obstacles(&plan, &mut obstacles, 0);
+        let is_known = |sector| !matches!(sector, Sector::Outside | Sector::Unknown);
+        (obstacles.is_fit(), obstacles.sectors(&plan, 0).any(is_known))
+    });
+    assert_eq!(seen, [(true, true), (false, false)]);
+}
+
 /// Directions of the first pair are those of the core; each frame has its own, until the setting is
 /// off.
 #[test]
@@ -430,8 +452,7 @@ fn a_host_that_wants_directions_gets_them_with_each_pair() {
     let mut matcher = Matcher::new(params, DIMS).unwrap();
     let matched = memory.run(None, &mut matcher, Options::default()).unwrap();
     let mut obstacles = Obstacles::new();
-    let (points, flags) = (matched.obstacle_points(), matched.health().flags);
-    obstacles.update(&plan.on_ground(matched.ground()), matched.segments(), points, flags, 0);
+    matched.update_obstacles(&plan, &mut obstacles, 0);
     let record =
         |(index, sector)| SectorRecord::new(index, sector, obstacles.drop_off(&plan, index, 0));
     let expected: Vec<_> = (0..).zip(obstacles.sectors(&plan, 0)).filter_map(record).collect();

@@ -66,13 +66,7 @@ impl Directions {
             self.known.mark_missing();
             return Err(Status::NoPair);
         };
-        self.known.update(
-            &self.plan.on_ground(matched.ground()),
-            matched.segments(),
-            matched.obstacle_points(),
-            matched.health().flags,
-            time_us,
-        );
+        matched.update_obstacles(&self.plan, &mut self.known, time_us);
         if matched.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
     }
 

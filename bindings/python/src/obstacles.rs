@@ -53,13 +53,7 @@ impl PyObstacles {
             self.view = None;
         }
         let (_, obstacles) = self.view.get_or_insert_with(|| (plan, Obstacles::new()));
-        obstacles.update(
-            &plan.on_ground(matched.ground()),
-            matched.segments(),
-            matched.obstacle_points(),
-            matched.health().flags,
-            time_us,
-        );
+        matched.update_obstacles(&plan, obstacles, time_us);
         Ok(())
     }
 

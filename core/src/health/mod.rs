@@ -121,6 +121,8 @@ pub struct Findings<'a> {
     /// Segments were matched; without them nothing is said of few matches, and of matches beyond
     /// infinity.
     pub has_segments: bool,
+    /// The whole pair was matched, not areas of it: points are everywhere.
+    pub is_whole: bool,
 }
 
 impl PairHealth {
@@ -140,11 +142,16 @@ pub(crate) struct OfPoints {
 }
 
 impl OfPoints {
-    pub(crate) fn new(images: [Gray<'_>; 2], support: Support<'_>, row_offset: i32) -> Self {
+    pub(crate) fn new(
+        images: [Gray<'_>; 2],
+        support: Support<'_>,
+        row_offset: i32,
+        is_whole: bool,
+    ) -> Self {
         Self {
             evenness: evenness::measure(images, support, row_offset),
             still: still::measure(images, support),
-            tear: tear::find(images, support),
+            tear: tear::find(images, support, is_whole),
         }
     }
 
@@ -167,7 +174,7 @@ impl Measured {
     pub(crate) fn new(images: [Gray<'_>; 2], found: &Findings<'_>) -> Self {
         let [left, right] = images;
         Self {
-            of_points: OfPoints::new(images, found.support, found.row_offset),
+            of_points: OfPoints::new(images, found.support, found.row_offset, found.is_whole),
             by_edges: rows::measure(left, right, found.matches),
         }
     }

@@ -8,8 +8,8 @@
 //!     by how far they stand out
 //! of these, with the row below moved by 2 to 24 px to both sides: the lowest
 //! torn, where that is below 3/4, unless the points above and below have one disparity; of fewer
-//!     than 240 columns only if a third of these points change theirs by the shift: four, or two
-//!     where it is below 1/2
+//!     than 240 columns, and where areas alone are matched, only if a third of these points change
+//!     theirs by the shift: four, or two where it is below 1/2
 //! ```
 //! The edge of a table across the whole picture stands out as well, but its rows are not alike when
 //! moved. Those of a checkerboard are: there points have the last word.
@@ -71,11 +71,11 @@ pub struct Tear {
 }
 
 /// Looks for a tear.
-pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>) -> Option<Tear> {
+pub(super) fn find(images: [Gray<'_>; 2], support: Support<'_>, is_whole: bool) -> Option<Tear> {
     // The left image moved to the right has larger disparities, the right one smaller ones.
     images.into_iter().zip([1, -1]).find_map(|(image, sign)| {
         standing_out(image).into_iter().find_map(|row| {
-            let Continuation { shift, few } = continuation(image, row)?;
+            let Continuation { shift, few } = continuation(image, row, is_whole)?;
             let tear = Tear { row: u16::try_from(row).ok()?, shift: (sign * shift) as i16 };
             confirms(support, tear, few).then_some(tear)
         })
@@ -110,16 +110,18 @@ struct Continuation {
 }
 
 /// Looks below a row of an image.
-fn continuation(image: Gray<'_>, row: i32) -> Option<Continuation> {
+fn continuation(image: Gray<'_>, row: i32, is_whole: bool) -> Option<Continuation> {
     let rows = Rows::new(image, row)?;
     let [least, most] = SHIFTS;
     let shifts = (-most..=most).filter(|shift| shift.abs() >= least);
     // Half of the columns say which one.
     let (_, shift) = shifts.map(|shift| (rows.moved::<true>(shift), shift)).min()?;
     let [moved, as_they_are] = [shift, 0].map(|shift| rows.moved::<false>(shift));
-    let is_small = rows.upper.len() - 2 * (most as usize) < ENOUGH;
+    // Points outside of areas could have denied it.
+    let is_enough = is_whole && rows.upper.len() - 2 * (most as usize) >= ENOUGH;
     let few = if 2 * moved < as_they_are { FEW_IF_CLEAR } else { FEW };
-    (4 * moved < 3 * as_they_are).then_some(Continuation { shift, few: is_small.then_some(few) })
+    (4 * moved < 3 * as_they_are)
+        .then_some(Continuation { shift, few: (!is_enough).then_some(few) })
 }
 
 /// True where the points above and below a tear do not deny it, or, of a small image, more than
@@ -229,7 +231,15 @@ mod tests {
 
     /// Looks with points of these disparities: rows of 40 of them at 4, 12, 20 and 28 px.
     fn found(
-        [left, right]: [Gray<'_>; 2],
+        images: [Gray<'_>; 2],
+        disparity_q6: impl Fn(usize, usize) -> Option<i16>,
+    ) -> Option<(u16, i16)> {
+        looked(images, true, disparity_q6)
+    }
+
+    fn looked(
+        images: [Gray<'_>; 2],
+        is_whole: bool,
         disparity_q6: impl Fn(usize, usize) -> Option<i16>,
     ) -> Option<(u16, i16)> {
         let points: [_; 40 * 4] = core::array::from_fn(|i| match disparity_q6(i / 40, i % 40) {
@@ -239,7 +249,7 @@ mod tests {
             None => SupportPoint::none(),
         });
         let support = Support::new(&Params::default(), DIMS, &points, 0);
-        find([left, right], support).map(|tear| (tear.row, tear.shift))
+        find(images, support, is_whole).map(|tear| (tear.row, tear.shift))
     }
 
     /// Looks without points.
@@ -262,6 +272,19 @@ mod tests {
         // Nearer to the border there are points on one side alone.
         let rows = [7, 8, 23, 24].map(|below| alone(&torn(below, 6), &whole).is_some());
         assert_eq!(rows, [false, true, true, false]);
+    }
+
+    #[test]
+    fn where_areas_alone_are_matched_their_points_have_to_say_the_same() {
+        let (whole, torn) = (torn(9, 0), torn(9, 6));
+        let images = [view(&torn), view(&whole)];
+        let of_area = |below: i16| {
+            looked(images, false, |row, column| {
+                (column < 4).then_some(if row > 0 { below } else { 640 })
+            })
+        };
+        assert_eq!(looked(images, false, |_, _| None), None);
+        assert_eq!([640, 640 + 6 * 64].map(of_area), [None, Some((9, 6))]);
     }
 
     #[test]

@@ -98,6 +98,7 @@ fn findings<'a>(matches: &'a [Match], counts: &'a Counts) -> Findings<'a> {
         range: RangeCheck::default(),
         row_offset: 0,
         has_segments: true,
+        is_whole: true,
     }
 }
 
@@ -219,6 +220,7 @@ fn what_is_matched_has_limits_that_raise_flags_beyond_them() {
         range,
         row_offset: 0,
         has_segments: true,
+        is_whole: true,
     };
     let raised = |limits: &HealthLimits, before| {
         let mut health = PairHealth { now: before, ..PairHealth::default() };

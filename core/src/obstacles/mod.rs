@@ -218,7 +218,9 @@ impl Obstacles {
     /// among `points` ([`Matched::obstacle_points`](crate::Matched::obstacle_points));
     /// `time_us` is its time of capture, us of a monotonic clock, `health` its
     /// [flags](crate::health::PairHealth::flags). A pair that is not fit to be used changes no
-    /// sector but by age.
+    /// sector but by age. The whole pair has to be matched: what stands outside of
+    /// [areas](crate::Options::areas) is not seen.
+    /// [`Matched::update_obstacles`](crate::Matched::update_obstacles) takes all of it from a pair.
     #[inline(never)]
     pub fn update(
         &mut self,

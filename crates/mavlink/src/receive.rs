@@ -39,7 +39,7 @@ pub enum Received {
         /// Its new value.
         value: f32,
     },
-    /// TIMESYNC.
+    /// TIMESYNC: a question of anybody, an answer of the autopilot.
     Timesync(Timesync),
 }
 
@@ -166,10 +166,11 @@ impl Receiver {
             _ => {
                 let tc1 = [b0, b1, b2, b3, b4, b5, b6, b7];
                 let (ts1, to) = rest.split_first_chunk()?;
-                is_own(*to.first_chunk()?).then_some(Received::Timesync(Timesync {
-                    tc1: i64::from_le_bytes(tc1),
-                    ts1: i64::from_le_bytes(*ts1),
-                }))
+                let times =
+                    Timesync { tc1: i64::from_le_bytes(tc1), ts1: i64::from_le_bytes(*ts1) };
+                // The question went to all: other computers on the line answer it as well.
+                let is_taken = times.tc1 == 0 || head[5..7] == [own[0], AUTOPILOT];
+                (is_taken && is_own(*to.first_chunk()?)).then_some(Received::Timesync(times))
             }
         }
     }
@@ -181,6 +182,8 @@ impl Default for Receiver {
     }
 }
 
+/// MAV_COMP_ID_AUTOPILOT1.
+const AUTOPILOT: u8 = 1;
 const PARAM_REQUEST_READ: u32 = 20;
 const PARAM_REQUEST_LIST: u32 = 21;
 const PARAM_SET: u32 = 23;

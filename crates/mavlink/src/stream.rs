@@ -1,8 +1,8 @@
-//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and what
-//! becomes of a pair that is not fit to be used.
+//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and the policy
+//! for pairs that are not fit to be used or show nothing in any direction.
 //!
 //! # "No data" at autopilots
-//! | policy | sent while the pair is unfit | PX4 | ArduPilot |
+//! | policy | sent while the pair is unfit or shows nothing | PX4 | ArduPilot |
 //! |---|---|---|---|
 //! | `Silent` | no distances | stops after 0.5 s, holds its position after 5 s | free after 1 to 1.75 s |
 //! | `Block` | the blocking distance in every sector in view | stops at once, on the spot | stops at once; backs away from what is nearer than its margin |
@@ -16,7 +16,8 @@ use crate::messages::{DistanceSensor, Heartbeat, ObstacleDistance, SystemStatus,
 use crate::pace::Pace;
 use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 
-/// Content of the messages while the pair is not fit to be used.
+/// Content of the messages while the pair is not fit to be used, or nothing is known of any
+/// direction in view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Policy {
     /// Heartbeats only.
@@ -51,7 +52,7 @@ pub struct AutopilotParams {
     pub component: u8,
     /// Distances a second; 10 ..= 20.
     pub rate_hz: u8,
-    /// Content while the pair is not fit to be used.
+    /// Content while the pair is not fit to be used, or nothing is known of any direction in view.
     pub policy: Policy,
     /// Shortest distance that can be measured, cm; 1 or more, below the range. ArduPilot ignores
     /// what is nearer, so that nothing nearer is sent.
@@ -162,12 +163,15 @@ impl AutopilotStream {
         write: &mut impl FnMut(&[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
         if self.heartbeat.is_due(now_us) {
-            let status =
-                if obstacles.is_fit() { SystemStatus::Active } else { SystemStatus::Critical };
+            let status = if sees(obstacles, plan, now_us) {
+                SystemStatus::Active
+            } else {
+                SystemStatus::Critical
+            };
             self.sender.send(&Heartbeat { status }, write)?;
         }
         if !self.distances.is_due(now_us)
-            || (self.params.policy == Policy::Silent && !obstacles.is_fit())
+            || (self.params.policy == Policy::Silent && !sees(obstacles, plan, now_us))
         {
             return Ok(());
         }
@@ -188,7 +192,7 @@ impl AutopilotStream {
         now_us: u64,
     ) -> ObstacleDistance {
         let AutopilotParams { min_distance_cm, block_cm, .. } = self.params;
-        let is_blocked = self.params.policy == Policy::Block && !obstacles.is_fit();
+        let is_blocked = self.params.policy == Policy::Block && !sees(obstacles, plan, now_us);
         let mut distances = [UNKNOWN_CM; 72];
         for (distance, index) in distances.iter_mut().zip(0..plan.sectors()) {
             // The edge of a drop-off is sent as an obstacle.
@@ -239,6 +243,16 @@ impl AutopilotStream {
             signal_quality: 0,
         })
     }
+}
+
+/// True when the last pair is fit to be used and something is known of a direction in view. Of two
+/// covered cameras, in the dark and before a blank wall nothing is.
+fn sees(obstacles: &Obstacles, plan: &ObstaclePlan, now_us: u64) -> bool {
+    let is_known = |index| {
+        !matches!(obstacles.sector(plan, index, now_us), Sector::Outside | Sector::Unknown)
+            || obstacles.drop_off(plan, index, now_us).is_some()
+    };
+    obstacles.is_fit() && (0..plan.sectors()).any(is_known)
 }
 
 /// Puts each obstacle into the sectors beside it too, if they are in view and hold nothing nearer.

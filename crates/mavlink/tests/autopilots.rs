@@ -14,7 +14,7 @@ use linestereo::obstacles::{ObstaclePlan, Obstacles};
 use linestereo::results::{ImagePosition, Match, Owner, Techniques};
 use linestereo::units::{Confidence, Disparity, Position};
 use linestereo_mavlink::{AutopilotParams, AutopilotStream, Policy};
-use mavlink::dialects::common::{MavMessage, OBSTACLE_DISTANCE_DATA};
+use mavlink::dialects::common::{MavMessage, MavState, OBSTACLE_DISTANCE_DATA};
 
 /// RANGE_STREAM_TIMEOUT_US and TIMEOUT_HOLD_US.
 const PX4_STALE_MS: u64 = 500;
@@ -319,6 +319,29 @@ fn block_stops_both_at_once() {
 }
 
 #[test]
+fn pairs_that_show_nothing_count_as_those_that_are_not_fit() {
+    let flight = fly(policy(Policy::Block), &[], END, END);
+    assert_eq!(flight.px4(0, END), Px4Says::Stops);
+    assert_eq!(flight.ardu(0, END), ArduSays::BacksAway);
+    let silent = fly(policy(Policy::Silent), &[], END, END);
+    assert_eq!(silent.px4(PX4_HOLD_MS + NEXT, END), Px4Says::Holds);
+    // An obstacle that is kept is known; when it is forgotten, nothing is.
+    let (plan, mut heartbeat) = (plan(), Vec::new());
+    let obstacles = seen(&plan, &[edge(160, 15.0)], 0);
+    for now_us in [0, 1_000_000] {
+        let mut stream = AutopilotStream::new(policy(Policy::Block), &plan).unwrap();
+        let turned = stream.turn(&obstacles, &plan, now_us, &mut |frame: &[u8]| {
+            if let (_, MavMessage::HEARTBEAT(message)) = read(frame) {
+                heartbeat.push(message.system_status);
+            }
+            Ok::<(), ()>(())
+        });
+        assert_eq!(turned, Ok(()));
+    }
+    assert_eq!(heartbeat, [MavState::MAV_STATE_ACTIVE, MavState::MAV_STATE_CRITICAL]);
+}
+
+#[test]
 fn unknown_stops_px4_for_good_and_frees_ardupilot_when_nothing_is_kept() {
     let flight = fly(policy(Policy::Unknown), &far(), UNFIT, END);
     assert_eq!(
@@ -394,7 +417,7 @@ fn distances_are_never_0_clear_is_beyond_the_range_and_outside_stays_unknown() {
 #[test]
 fn the_sensor_ahead_is_clear_only_if_all_ahead_is() {
     let plan = plan();
-    let params = AutopilotParams { widen: false, ..Default::default() };
+    let params = AutopilotParams { widen: false, ..policy(Policy::Unknown) };
     let stream = AutopilotStream::new(params, &plan).unwrap();
     let ahead = |matches: &[Match]| {
         let distances = stream.distances(&seen(&plan, matches, 0), &plan, 0);

@@ -275,7 +275,8 @@ fn a_port_that_fails_ends_the_turn() {
 /// turn.
 #[test]
 fn nothing_known_is_65535_everywhere() {
-    let sent = messages(AutopilotParams::default(), 1, 1_000_000, true);
+    let params = AutopilotParams { policy: Policy::Unknown, ..AutopilotParams::default() };
+    let sent = messages(params, 1, 1_000_000, true);
     let theirs::MavMessage::OBSTACLE_DISTANCE(found) = read(&sent[1].1).1 else {
         panic!("{sent:?}")
     };
@@ -393,6 +394,13 @@ fn requests() -> (Vec<Vec<u8>>, Vec<Received>) {
         frames.push(frame_of(header, &theirs::MavMessage::TIMESYNC(times)));
     }
     expected.push(Received::Timesync(Timesync { tc1: 0, ts1: 5_000_000_000 }));
+    // Answers, of which that of the autopilot is taken.
+    let answer = theirs::TIMESYNC_DATA { tc1: 9, ts1: 8, ..theirs::TIMESYNC_DATA::default() };
+    for (system_id, component_id) in [(1, 191), (255, 1), (1, 1)] {
+        let header = MavHeader { system_id, component_id, sequence: 7 };
+        frames.push(frame_of(header, &theirs::MavMessage::TIMESYNC(answer.clone())));
+    }
+    expected.push(Received::Timesync(Timesync { tc1: 9, ts1: 8 }));
     (frames, expected)
 }
 

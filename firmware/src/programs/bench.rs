@@ -6,7 +6,7 @@ use crate::ports::{ByteSink, Clock};
 use crate::vehicle::Vehicle;
 use linestereo::results::Counts;
 use linestereo::unstable::{Observer, Stage, StageEvent};
-use linestereo::{Matched, Matcher, Options, health::HealthFlags, obstacles::ObstaclePlan};
+use linestereo::{Matched, Matcher, Options, obstacles::ObstaclePlan};
 
 /// Cost of the stages of one pair, in the unit of the clock.
 pub type Costs = [u64; Stage::ALL.len()];
@@ -42,8 +42,8 @@ impl<C: Clock> Observer for StageClock<'_, C> {
     }
 }
 
-/// Instructions of the obstacles of the last pair, as of a good one, and of sending them to an
-/// autopilot; and the bytes sent.
+/// Instructions of the obstacles of the last pair and of sending them to an autopilot; and the bytes
+/// sent.
 pub fn measure_autopilot(
     matched: &Matched<'_>,
     clock: &impl Clock,
@@ -53,7 +53,7 @@ pub fn measure_autopilot(
     autopilot.set_view(Some(*view));
     let mut count = Count(0);
     let start = clock.now();
-    autopilot.see(matched, HealthFlags::GOOD, 0);
+    autopilot.see(matched, 0);
     let seen = clock.now();
     autopilot.turn(0, &mut count);
     let sent = clock.now();

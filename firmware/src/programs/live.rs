@@ -9,7 +9,7 @@ use crate::ports::{
     ByteSink, ByteSource, CapturedPair, Clock, FrameStart, NoPort, PairSource, Room, packets,
 };
 use crate::session::{Reply, Session, failed_frame};
-use linestereo::{Cores, Dims, Options, results::Match};
+use linestereo::{Cores, Dims, Options, health::HealthLimits, results::Match};
 use linestereo_mavlink::{ParamId, Received};
 use linestereo_wire::{
     Answer, CaptureReport, Command, DELIMITER, Decoder, FrameHead, FrameTimes, Health, MAX_COMMAND,
@@ -429,7 +429,10 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
         if !health.is_refused() {
             self.autopilot.set_view(self.session.directions(pair.dims));
         }
-        self.autopilot.see(&matched, health.flags, now_us); // of the clock of its turns
+        // A vehicle moves, whatever the build allows of the times of a still scene.
+        if health.skew_us.is_none_or(|skew_us| skew_us <= HealthLimits::DEFAULT.skew_us) {
+            self.autopilot.see(&matched, now_us); // of the clock of its turns
+        }
         let head =
             FrameHead::new(0, time_us, pair.dims, captured, matched.counts()).with_pair(&health);
         let found = Found { matches: matched.segments(), objects: &objects, seen_us: now_us };

@@ -7,7 +7,7 @@ use crate::ports::ByteSink;
 use crate::vehicle::Vehicle;
 use linestereo::obstacles::{ObstacleParams, ObstaclePlan};
 use linestereo::unstable::{Fnv, Stage, StageDigests};
-use linestereo::{Matched, Matcher, Options, Params, Rig, health::HealthFlags};
+use linestereo::{Matched, Matcher, Options, Params, Rig};
 use linestereo_boards::Board;
 use linestereo_boards::built_in::digests::Digests;
 use linestereo_boards::built_in::{Case, first_difference};
@@ -78,19 +78,15 @@ pub fn view(case: &Case) -> Option<ObstaclePlan> {
     ObstacleParams::DEFAULT.plan(&params, case.dims).ok()
 }
 
-/// Digest of what an autopilot gets: of matches and support points as those of a good pair, then of
-/// the pair as it is.
+/// Digest of the bytes that an autopilot gets: of the pair, and after a pair that is missing.
 fn autopilot(view: &ObstaclePlan, matched: &Matched<'_>) -> u32 {
     let mut autopilot = Autopilot::new(Vehicle::DEFAULT);
     autopilot.set_view(Some(*view));
     let mut digest = Digest(Fnv::EMPTY);
-    let flags = matched.health().flags;
-    for (health, time_us) in
-        [(HealthFlags::GOOD, 0), (flags, 100_000), (HealthFlags::UNFIT, 200_000)]
-    {
-        autopilot.see(matched, health, time_us);
-        autopilot.turn(time_us, &mut digest);
-    }
+    autopilot.see(matched, 0);
+    autopilot.turn(0, &mut digest);
+    autopilot.miss();
+    autopilot.turn(100_000, &mut digest);
     digest.0.value()
 }
 

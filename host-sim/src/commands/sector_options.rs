@@ -15,16 +15,16 @@ use linestereo_mavlink::Policy;
 #[command(next_help_heading = "Distance per direction")]
 pub(super) struct SectorArgs {
     /// List the nearest obstacle and drop-off of each direction, 72 sectors of 5 degrees; needs a
-    /// rig.
-    #[arg(long)]
+    /// rig and the whole pair.
+    #[arg(long, conflicts_with = "only_objects")]
     pub(super) sectors: bool,
     #[command(flatten)]
     plan: SectorPlanArgs,
     /// Draw the sectors from above, as PNG.
-    #[arg(long, value_name = "FILE.png")]
+    #[arg(long, value_name = "FILE.png", conflicts_with = "only_objects")]
     pub(super) fan: Option<OutputPath>,
     /// Write obstacles for an autopilot: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "only_objects")]
     pub(super) mavlink: Option<OutputPath>,
     /// Messages for a pair that is not fit to be used: docs/autopilots.md.
     #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]

@@ -42,8 +42,9 @@ pub struct Args {
     #[command(flatten)]
     objects: ObjectArgs,
     /// List the nearest obstacle and drop-off of each direction in each line, by its pair alone;
-    /// needs a rig. ROS 2 messages always have them, and keep for a while what was seen.
-    #[arg(long, help_heading = "Distance per direction")]
+    /// needs a rig. ROS 2 messages have them unless objects alone are matched, and keep for a
+    /// while what was seen.
+    #[arg(long, help_heading = "Distance per direction", conflicts_with = "only_objects")]
     sectors: bool,
     #[command(flatten, next_help_heading = "Distance per direction")]
     sector_plan: SectorPlanArgs,

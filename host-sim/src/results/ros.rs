@@ -153,6 +153,9 @@ impl<W: Write> RosFile<W> {
         if self.directions.as_ref().is_none_or(|(known, _)| *known != plan) {
             self.directions = None;
         }
+        if result.in_areas {
+            return Ok(()); // what stands elsewhere is not seen
+        }
         let (_, obstacles) = self.directions.get_or_insert_with(|| (plan, Obstacles::new()));
         let (points, time_us) = (result.obstacle_points.iter().copied(), stamp.ns / 1000);
         let (plan, health) = (plan.on_ground(result.ground), result.health.of_pair());
