@@ -13,7 +13,7 @@ use tempfile::TempDir;
 const GIVEN: Dims = Dims { width: 40, height: 20 };
 
 fn frame(matched: Dims) -> Frame<'static> {
-    Frame { given: GIVEN, matched, image_name: Some("left.png") }
+    Frame { given: GIVEN, matched, image: Some(Path::new("left.png")) }
 }
 
 struct Folder(TempDir);

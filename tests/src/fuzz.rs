@@ -156,9 +156,11 @@ pub fn objects(bytes: &[u8]) {
     let matched = [DIMS, Dims { width: 48, height: 36 }, Dims { width: 31, height: 23 }]
         [usize::from(reduction % 3)];
     let path = file(["o.json", "o.txt", "o.csv", "o.pgm"][usize::from(kind % 4)], text);
-    let Ok(objects) =
-        regions::load(&path, None, Frame { given: DIMS, matched, image_name: Some("left.png") })
-    else {
+    let Ok(objects) = regions::load(
+        &path,
+        None,
+        Frame { given: DIMS, matched, image: Some(Path::new("left.png")) },
+    ) else {
         return;
     };
     assert!(objects.list.len() <= regions::MAX_OBJECTS);

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 pub const EXIF_REMEDY: &str = "all images of a rig need the same orientation: remove the EXIF \
      orientation from all (exiftool -Orientation= FILES), or turn the pixels of all (mogrify \
      -auto-orient FILES)";
-/// Names of arrays that a message lists.
+/// Names that a message lists.
 const LISTED: usize = 8;
 
 /// Why frames cannot be used: one line that says what is wrong and what to do.
@@ -197,7 +197,11 @@ fn text_of_arrays(names: &[String]) -> String {
     if names.is_empty() {
         return "it holds no array; store one with numpy.savez".to_owned();
     }
-    let listed = names[..names.len().min(LISTED)].join(", ");
+    format!("it holds the arrays {}; call the one with disparities disp", listed(names))
+}
+
+/// The first names of a list.
+pub(crate) fn listed(names: &[String]) -> String {
     let more = if names.len() > LISTED { ", ..." } else { "" };
-    format!("it holds the arrays {listed}{more}; call the one with disparities disp")
+    names[..names.len().min(LISTED)].join(", ") + more
 }

@@ -150,9 +150,7 @@ impl Objects<'_> {
 
     fn read(&self, path: &Path, setup: &Setup<'_>, pair: &StoredPair) -> Result<OfPair, String> {
         let image = pair.left();
-        let name = image.file_name().map(|name| name.to_string_lossy());
-        let frame =
-            Frame { given: setup.given, matched: setup.dims(), image_name: name.as_deref() };
+        let frame = Frame { given: setup.given, matched: setup.dims(), image: Some(image) };
         if let Some(detections) = &self.detections {
             let told = pair
                 .images

@@ -2,8 +2,9 @@
 //!
 //! Annotations are an object with `annotations`, and perhaps `images` and `categories`; results are
 //! a list of annotations. An annotation has a `segmentation` (run lengths or polygons), else a
-//! `bbox` (left, top, width, height). In a file of several images those of the image that is called
-//! like the left one are taken; where only numbers tell images apart, there may be one image.
+//! `bbox` (left, top, width, height). In a file of several images those of the image are taken whose
+//! `file_name` ends like the path of the left one, in as many parts as any other; where only numbers
+//! tell images apart, there may be one image.
 //!
 //! # Bounds
 //! Lists are told apart into their texts first and read one by one, of 1 MiB at most: a value of
@@ -117,13 +118,23 @@ fn wanted_image(
     images: &[Image],
     frame: Frame<'_>,
 ) -> Result<Option<String>, ObjectsError> {
-    let stem =
-        |name: &str| Path::new(name).file_name().map(|name| name.to_string_lossy().into_owned());
-    let wanted = frame.image_name.and_then(stem);
-    let named = images.iter().find(|image| {
-        let name = image.file_name.as_deref().and_then(stem);
-        name.is_some() && name == wanted
+    let left = frame.image.map_or(String::new(), |image| {
+        let whole = std::path::absolute(image).unwrap_or_else(|_| image.to_path_buf());
+        whole.to_string_lossy().into_owned()
     });
+    let common = |image: &Image| common_parts(image.file_name.as_deref().unwrap_or(""), &left);
+    let most = images.iter().map(common).max().unwrap_or(0);
+    let candidates: Vec<&Image> =
+        images.iter().filter(|image| most > 0 && common(image) == most).collect();
+    if candidates.len() > 1 {
+        let candidates = candidates.iter().filter_map(|image| image.file_name.clone()).collect();
+        return Err(ObjectsError::SeveralImages {
+            path: path.to_path_buf(),
+            image: left,
+            candidates,
+        });
+    }
+    let named = candidates.first().copied();
     if let Some(image) = named.or(images.first().filter(|_| images.len() == 1))
         && let (Some(width), Some(height)) = (image.width, image.height)
         && (width, height) != (frame.given.width.into(), frame.given.height.into())
@@ -141,11 +152,18 @@ fn wanted_image(
     if ids.len() > 1 || images.len() > 1 {
         return Err(ObjectsError::NoSuchImage {
             path: path.to_path_buf(),
-            image: wanted.unwrap_or_default(),
+            image: left,
             images: ids.len().max(images.len()),
         });
     }
     Ok(None)
+}
+
+/// Number of last parts that two paths share. Both kinds of slashes separate parts.
+fn common_parts(a: &str, b: &str) -> usize {
+    let [a, b] =
+        [a, b].map(|path| path.rsplit(['/', '\\']).filter(|part| !matches!(*part, "" | ".")));
+    a.zip(b).take_while(|(a, b)| a == b).count()
 }
 
 fn shape(annotation: &Value, given: Dims) -> Result<Shape, Why> {
@@ -202,4 +220,45 @@ fn project_list(list: &[&RawValue], frame: Frame<'_>) -> Objects {
 
 fn numbers(value: &Value) -> Option<Vec<f64>> {
     value.as_array()?.iter().map(Value::as_f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Object, Pixels};
+    use super::*;
+
+    /// Left edges of the boxes that are taken for an image; box `n` is of image `n`.
+    fn taken(image: &str, files: &[&str]) -> Result<Vec<u16>, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        let (images, annotations): (Vec<_>, Vec<_>) = (0..)
+            .zip(files)
+            .map(|(id, file)| {
+                let annotation = serde_json::json!({"image_id": id, "bbox": [id, 0, 5, 5]});
+                (serde_json::json!({"id": id, "file_name": file}), annotation)
+            })
+            .unzip();
+        let file = serde_json::json!({"images": images, "annotations": annotations});
+        std::fs::write(&path, file.to_string()).unwrap();
+        let dims = Dims { width: 40, height: 20 };
+        let frame = Frame { given: dims, matched: dims, image: Some(Path::new(image)) };
+        let objects = load(&path, frame).map_err(|error| error.to_string())?;
+        let left = |object: &Object| match object.pixels {
+            Pixels::Box(area) => area.left,
+            Pixels::Mask(_) => u16::MAX,
+        };
+        Ok(objects.list.iter().map(left).collect())
+    }
+
+    #[test]
+    fn images_are_told_apart_by_the_end_of_their_paths() {
+        let files = ["right/1.png", "left/1.png", "set\\night\\left\\1.png", "left/2.png"];
+        assert_eq!(taken("/x/day/left/2.png", &files), Ok(vec![3]));
+        assert_eq!(taken("/x/right/1.png", &files), Ok(vec![0]));
+        assert_eq!(taken("night/left/1.png", &files), Ok(vec![2]));
+        assert_eq!(taken("elsewhere/2.png", &files), Ok(vec![3]));
+        let error = taken("cam0/1.png", &files[..2]).unwrap_err();
+        assert!(error.contains("right/1.png, left/1.png"), "{error}");
+        assert!(taken("left/3.png", &files).unwrap_err().contains("none of them called"));
+    }
 }

@@ -26,7 +26,7 @@ mod run_length;
 mod table;
 mod yolo;
 
-use crate::error::FrameError;
+use crate::error::{FrameError, listed};
 use crate::untrusted::{self, OBJECTS_BYTES};
 use core::fmt::Write;
 use linestereo::objects::{RegionError, Run};
@@ -106,10 +106,24 @@ pub enum ObjectsError {
     NoSuchImage {
         /// The COCO file.
         path: PathBuf,
-        /// Name of the left image.
+        /// Path of the left image.
         image: String,
         /// Number of images in the file.
         images: usize,
+    },
+    /// A COCO file of several images that are called like the left one.
+    #[error(
+        "{path} holds several images whose \"file_name\" fits {image} alike: {}; write the folders \
+         of the left image into it",
+        listed(.candidates)
+    )]
+    SeveralImages {
+        /// The COCO file.
+        path: PathBuf,
+        /// Path of the left image.
+        image: String,
+        /// Names of these images in the file.
+        candidates: Vec<String>,
     },
 }
 
@@ -235,8 +249,8 @@ pub struct Frame<'a> {
     pub given: Dims,
     /// Of the left image as matched.
     pub matched: Dims,
-    /// File name of the left image, for files about several.
-    pub image_name: Option<&'a str>,
+    /// Path of the left image, for files about several.
+    pub image: Option<&'a Path>,
 }
 
 impl Frame<'_> {

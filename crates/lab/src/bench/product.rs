@@ -75,8 +75,7 @@ impl Pair {
     /// The disparity of each object of a label image that has one, by its label, px.
     pub(crate) fn objects(&self, max_disparity: u16, mask: &Path) -> Result<BTreeMap<u16, f64>> {
         let dims = self.dims()?;
-        let objects =
-            regions::load(mask, None, Frame { given: dims, matched: dims, image_name: None })?;
+        let objects = regions::load(mask, None, Frame { given: dims, matched: dims, image: None })?;
         let (mut engine, result) = self.run(&Params { max_disparity, ..Params::default() })?;
         let regions = objects.list.iter().filter_map(|object| object.region(dims).ok());
         let regions = regions.filter(|_| is_fit(result.health));

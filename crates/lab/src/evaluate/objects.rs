@@ -271,7 +271,7 @@ fn reduced_box(mut drawn: Object, own: Dims, matched: Dims) -> Object {
 
 /// Objects of a file about images of the size `own`, reduced to `matched`.
 fn objects(path: &Path, own: Dims, matched: Dims) -> Result<Vec<Object>> {
-    let found = regions::load(path, None, Frame { given: own, matched, image_name: None })?;
+    let found = regions::load(path, None, Frame { given: own, matched, image: None })?;
     ensure!(found.skipped.objects() == 0, "{}: {}", path.display(), found.skipped.summary());
     Ok(found.list)
 }
