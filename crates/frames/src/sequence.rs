@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Sides are called left and right, L and R, infra1 and infra2 and so on, in any case: [`SIDES`].
-//! Where the names in two folders are times that differ, pairs are those that are nearest to each
-//! other. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
+//! Where names in two folders are times that differ, pairs are those that are nearest to each other
+//! of all. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
@@ -72,8 +72,8 @@ impl PairFiles {
         if let Self::Source(pair) = self {
             return pair.times_us();
         }
-        let [left, right] = self.paths().map(|path| time_us(&stem(path)));
-        Some([left?, right?])
+        let [left, right] = self.paths().map(|path| time_ns(&stem(path)));
+        Some([left? / 1000, right? / 1000])
     }
 
     /// When the left image was captured, ns, where its name, its message or its video says so.
@@ -81,7 +81,7 @@ impl PairFiles {
     pub fn time_ns(&self) -> Option<u64> {
         match self {
             Self::Source(pair) => pair.time_ns(),
-            _ => self.times_us().map(|[left, _]| left.saturating_mul(1000)),
+            _ => time_ns(&stem(self.paths()[0])),
         }
     }
 }
@@ -133,13 +133,13 @@ pub(crate) fn numbers(name: &str) -> Vec<u128> {
     digits.map(|digits| digits.parse().unwrap_or(u128::MAX)).collect()
 }
 
-fn time_us(name: &str) -> Option<u64> {
+fn time_ns(name: &str) -> Option<u64> {
     let is_number = name.bytes().all(|byte| byte.is_ascii_digit());
     let number = || name.parse::<u64>().ok();
     match name.len() {
         _ if !is_number => None,
-        digits if NS_DIGITS.contains(&digits) => Some(number()? / 1000),
-        digits if US_DIGITS.contains(&digits) => number(),
+        digits if NS_DIGITS.contains(&digits) => number(),
+        digits if US_DIGITS.contains(&digits) => number()?.checked_mul(1000),
         _ => None,
     }
 }
@@ -190,25 +190,30 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Files of one name in two folders; where names are times, those nearest to each other as well.
+/// Files of one name in two folders; where names are times, those nearest to each other as well. A
+/// time that an image of the other folder has exactly is nearest to that one alone.
 fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
     let named = |paths: Vec<PathBuf>| paths.into_iter().map(|path| (stem(&path), path)).collect();
-    let (mut sequence, [left, right]) = matched(named(left), named(right));
-    if !sequence.pairs.is_empty() {
-        return sequence; // names are equal, and some images are lost
-    }
-    let nearest = |name: &str, others: &BTreeMap<String, PathBuf>| {
-        let time = time_us(name)?;
-        let others =
-            others.keys().filter_map(|other| Some((time_us(other)?.abs_diff(time), other.clone())));
-        others.min().map(|(_, other)| other)
+    let names = [named(left), named(right)];
+    let [left_times, right_times] = names.each_ref().map(|names: &ByName| {
+        let timed = names.keys().filter_map(|name| Some((time_ns(name)?, name.clone())));
+        timed.collect::<BTreeMap<u64, String>>()
+    });
+    let [left, right] = names;
+    let (mut sequence, [left, right]) = matched(left, right);
+    let nearest = |name: &str, others: &BTreeMap<u64, String>| {
+        let time = time_ns(name)?;
+        let around =
+            others.range(..time).next_back().into_iter().chain(others.range(time..).next());
+        around.min_by_key(|(other, _)| other.abs_diff(time)).map(|(_, other)| other.clone())
     };
     let mut found = Vec::new();
     for (name, path) in &left {
-        if let Some(other) = nearest(name, &right)
-            && nearest(&other, &left).as_ref() == Some(name)
+        if let Some(other) = nearest(name, &right_times)
+            && let Some(partner) = right.get(&other)
+            && nearest(&other, &left_times).as_ref() == Some(name)
         {
-            found.push(pair(name, path.clone(), right[&other].clone()));
+            found.push(pair(name, path.clone(), partner.clone()));
         }
     }
     sequence.alone -= 2 * found.len();
@@ -326,10 +331,31 @@ mod tests {
 
     #[test]
     fn long_numbers_are_times() {
-        assert_eq!(time_us("1403715273262142976"), Some(1_403_715_273_262_142));
-        assert_eq!(time_us("1403715273262142"), Some(1_403_715_273_262_142));
-        assert_eq!((time_us("0001"), time_us("x1403715273262142976")), (None, None));
-        assert_eq!(time_us("20240501120059123"), None, "a date");
+        assert_eq!(time_ns("1403715273262142976"), Some(1_403_715_273_262_142_976));
+        assert_eq!(time_ns("1403715273262142"), Some(1_403_715_273_262_142_000));
+        assert_eq!((time_ns("0001"), time_ns("x1403715273262142976")), (None, None));
+        assert_eq!(time_ns("20240501120059123"), None, "a date");
+        let [left, right] =
+            ["left", "right"].map(|side| PathBuf::from(format!("{side}/1403715273262142976.png")));
+        let files = PairFiles::Two([left, right]);
+        assert_eq!(files.time_ns(), Some(1_403_715_273_262_142_976));
+        assert_eq!(files.times_us(), Some([1_403_715_273_262_142; 2]));
+    }
+
+    #[test]
+    fn one_equal_name_leaves_the_others_to_their_times() {
+        let time = |ms: u64| (1_403_715_273_262_142_976 + 1_000_000 * ms).to_string();
+        let found = |left: &[u64], right: &[u64]| {
+            let files = |side: &str, times: &[u64]| -> Vec<String> {
+                times.iter().map(|&ms| format!("{side}/{}.png", time(ms))).collect()
+            };
+            let names = names(&[files("left", left), files("right", right)].concat().join(" "));
+            let ms = |name: &String| left.iter().copied().find(|&ms| time(ms) == *name).unwrap();
+            (names.0.iter().map(ms).collect::<Vec<_>>(), names.1)
+        };
+        assert_eq!(found(&[0, 50, 100], &[3, 50, 98]), (vec![0, 50, 100], 0));
+        // Lost images of a synchronised pair have no partner.
+        assert_eq!(found(&[0, 50, 100, 150], &[0, 50, 150, 200]), (vec![0, 50, 150], 2));
     }
 
     #[test]
