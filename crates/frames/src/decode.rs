@@ -205,13 +205,18 @@ pub fn load_values(path: &Path) -> Result<(Dims, Vec<u16>), FrameError> {
     let values = match image.color() {
         image::ColorType::L16 => image.into_luma16().into_raw(),
         image::ColorType::L8 => image.into_luma8().into_raw().into_iter().map(u16::from).collect(),
-        // Grey stored as a palette or as three equal channels.
-        _ => {
-            let rgb = image.into_rgb8();
+        // Grey stored as a palette, as three equal channels or with transparency.
+        color => {
+            let step = match color.bytes_per_pixel() / color.channel_count() {
+                1 => 257, // of 8 bits as 16
+                2 => 1,
+                _ => return Err(FrameError::NoTruth(path.to_path_buf())),
+            };
+            let rgb = image.into_rgb16();
             if rgb.pixels().any(|pixel| pixel.0 != [pixel.0[0]; 3]) {
-                return Err(FrameError::ColouredTruth(path.to_path_buf()));
+                return Err(FrameError::NoTruth(path.to_path_buf()));
             }
-            rgb.pixels().map(|pixel| u16::from(pixel.0[0])).collect()
+            rgb.pixels().map(|pixel| pixel.0[0] / step).collect()
         }
     };
     Ok((dims, values))
@@ -397,6 +402,32 @@ mod tests {
             image.save(&path).unwrap();
             assert_eq!(load_gray(&path).unwrap().pixels, [76, 150, 29], "{name}");
         }
+    }
+
+    #[test]
+    fn values_keep_their_16_bits_in_every_layout() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("truth.png");
+        let read = |image: DynamicImage| {
+            image.save(&path).unwrap();
+            load_values(&path).map(|(_, values)| values).map_err(|error| error.to_string())
+        };
+        let values = [0_u16, 1, 255, 256, 12_345, 65_535];
+        let wide = image::ImageBuffer::from_fn(6, 1, |x, _| image::Luma([values[x as usize]]));
+        let wide = DynamicImage::ImageLuma16(wide);
+        for image in [
+            DynamicImage::from(wide.to_luma_alpha16()),
+            wide.to_rgb16().into(),
+            wide.to_rgba16().into(),
+            wide,
+        ] {
+            assert_eq!(read(image), Ok(values.to_vec()));
+        }
+        let narrow = image::GrayImage::from_raw(3, 1, vec![0, 7, 255]).unwrap();
+        let narrow = DynamicImage::ImageLuma8(narrow);
+        assert_eq!(read(narrow.to_rgba8().into()), Ok(vec![0, 7, 255]));
+        let coloured = image::RgbImage::from_raw(1, 1, vec![1, 2, 3]).unwrap();
+        assert!(read(coloured.into()).unwrap_err().contains("is coloured or holds floats"));
     }
 
     #[test]

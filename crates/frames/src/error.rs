@@ -28,9 +28,12 @@ pub enum FrameError {
         "{0} is not a readable image ({1}); give a PNG, JPEG, PGM, PPM, TIFF, BMP or WebP file"
     )]
     Decode(PathBuf, String),
-    /// A file of disparities or a mask is not grey.
-    #[error("{0} is coloured; ground truth and masks are 8 or 16-bit grey")]
-    ColouredTruth(PathBuf),
+    /// A file of disparities or a mask is no grey image of 8 or 16 bits.
+    #[error(
+        "{0} is coloured or holds floats; store ground truth and masks as 8 or 16-bit grey, float \
+         disparities as PFM or NPY"
+    )]
+    NoTruth(PathBuf),
     /// The image is smaller or larger than the core accepts.
     #[error("{0}: {1}; {remedy}", remedy = remedy_of_size(.1))]
     Size(PathBuf, ViewError),
