@@ -7,6 +7,7 @@ use linestereo_rig::{Calibration, CalibrationError, Camera, CameraError, CameraS
 use serde::Deserialize;
 use std::io;
 use std::path::{Path, PathBuf};
+use toml::Value;
 
 /// The version of the format that is written.
 const VERSION: u32 = 1;
@@ -30,8 +31,9 @@ pub struct Quality {
     pub views: u32,
     /// Root mean square of the reprojection error over both cameras, px.
     pub stereo_rms_px: f64,
-    /// Mean difference of rows of the same corner after rectification, px.
-    pub vertical_residual_px: f64,
+    /// Mean difference of rows of the same corner after rectification, px; `None` where the rig
+    /// cannot be rectified.
+    pub vertical_residual_px: Option<f64>,
     /// `good`, `usable` or `repeat`.
     pub verdict: String,
 }
@@ -141,14 +143,18 @@ impl RigFile {
         if let Some(Quality { source, views, stereo_rms_px, vertical_residual_px, verdict }) =
             &self.quality
         {
+            // As TOML quotes text.
+            let [source, verdict] = [source, verdict].map(|text| Value::from(text.as_str()));
+            let residual = vertical_residual_px
+                .map_or(String::new(), |px| format!("vertical_residual_px = {px:?}\n"));
             let _ = write!(
                 text,
                 "\n[quality]\n\
-                 source = {source:?}\n\
+                 source = {source}\n\
                  views = {views}\n\
                  stereo_rms_px = {stereo_rms_px:?}\n\
-                 vertical_residual_px = {vertical_residual_px:?}\n\
-                 verdict = {verdict:?}\n"
+                 {residual}\
+                 verdict = {verdict}\n"
             );
         }
         text
@@ -214,8 +220,9 @@ mod tests {
         let right = Camera::new(dims, [499.0, 498.0], [310.0, 250.0], 0.0, lens).unwrap();
         let (turn, shift) = (quaternion([0.01, -0.02, 0.03]), [-0.1, 0.001, -0.002]);
         let calibration = Calibration::new(left, right, turn, shift).unwrap();
+        // Of a rig that cannot be rectified, from a folder with an odd name.
         let quality =
-            Quality { source: "a \"quoted\" source".into(), views: 9, ..Quality::default() };
+            Quality { source: "a \"quoted\" \u{1b}".into(), views: 9, ..Quality::default() };
         let file = RigFile { calibration, quality: Some(quality) };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rig.toml");

@@ -114,10 +114,7 @@ pub fn run(args: &Args) -> Result<()> {
             source: format!("{used} pairs of photos of a {}", args.board_options.described(&board)),
             views: used as u32,
             stereo_rms_px: estimate.rms,
-            vertical_residual_px: assessment
-                .rectified
-                .as_ref()
-                .map_or(f64::NAN, |rectified| rectified.vertical),
+            vertical_residual_px: assessment.rectified.as_ref().map(|rectified| rectified.vertical),
             verdict: assessment.verdict.to_string(),
         };
         let file = RigFile { calibration: estimate.calibration, quality: Some(quality) };
