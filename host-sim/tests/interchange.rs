@@ -268,6 +268,8 @@ fn fisheyes_and_skew_are_carried_or_refused() {
     let rig = good(&[&fisheye]).rig;
     let lens = rig.calibration.camera(CameraSide::Right).lens();
     assert_eq!(lens, Lens::Fisheye { k: [-0.2, 0.05, 0.003, 0.004] });
+    let foxglove = good(&[&KALIBR.replace("radtan", "kannala_brandt")]).rig;
+    assert_eq!(foxglove.calibration, rig.calibration);
     for to in [Format::OpencvYaml, Format::OpencvXml, Format::Kalibr, Format::Ros, Format::Euroc] {
         let found = written(&rig, to).rig.calibration;
         let right = |of: &Calibration| *of.camera(CameraSide::Right);

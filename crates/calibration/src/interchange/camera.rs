@@ -41,7 +41,7 @@ impl LensModel {
             | "plumb_bob"
             | "rational_polynomial"
             | "brown-conrady" => Ok(Some(Self::BrownConrady)),
-            "equidistant" | "equi" | "fisheye" => Ok(Some(Self::Fisheye)),
+            "equidistant" | "equi" | "fisheye" | "kannala_brandt" => Ok(Some(Self::Fisheye)),
             "none" | "" => Ok(None),
             other => {
                 let what = other.chars().take(24).collect::<String>();
