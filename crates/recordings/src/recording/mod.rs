@@ -68,11 +68,22 @@ struct Stored {
 struct Topic {
     name: String,
     content: Content,
+    /// A message of it cannot be read, which matters where the topic is used.
+    is_broken: bool,
     images: Vec<Stored>,
     /// The first one that says anything.
     info: Option<CameraInfo>,
     info_changes: bool,
     frame_id: String,
+}
+
+/// The calibration of a camera.
+#[derive(Clone, Copy, Debug)]
+struct Calibration<'a> {
+    topic: &'a str,
+    info: &'a CameraInfo,
+    /// Later messages differ from it.
+    changes: bool,
 }
 
 /// A recording that was scanned.
@@ -112,13 +123,17 @@ pub(crate) fn pairs(
     let files = Files::open(path, |reader, file| scan.file(reader, file))?;
     let all = scan.topics().map_err(fault)?;
     let chosen = choice.topics(&all).map_err(fault)?;
+    let infos = choice.infos(&all, chosen);
+    for topic in chosen.into_iter().chain(infos.into_iter().flatten()) {
+        topic.check().map_err(fault)?;
+    }
     let counts = chosen.map(|topic| topic.images.len());
     let (pairs, alone) =
         pairing::pairs(chosen.map(|topic| topic.images.clone()), choice.window_ns());
     if pairs.is_empty() {
         return Err(fault(RecordingFault::NoPair(counts, choice.window_ms)));
     }
-    let infos = choice.infos(&all, chosen);
+    let infos = infos.map(|topic| topic?.calibration());
     let (rig, told) = match pairs.iter().take(MOST_UNREAD).find_map(|[left, _]| size(&files, left))
     {
         Some(images) => {
@@ -182,17 +197,15 @@ impl Scan {
                         schemas.get(&channel.schema_id).map_or("", String::as_str),
                         channel.message_encoding,
                     );
-                    let Some(kind) = Kind::of(schema, &encoding) else {
+                    let name = channel.topic;
+                    let kind = Kind::of(schema, &encoding);
+                    let Some(kind) = kind.filter(|_| name.len() <= MOST_NAME_BYTES) else {
                         if schema.ends_with("Image") && foreign.is_none() {
                             *foreign = Some(format!("{schema} in {encoding}"));
                         }
                         channels.remove(&channel.id);
                         return Ok(());
                     };
-                    let name = channel.topic;
-                    if name.len() > MOST_NAME_BYTES {
-                        return Err(RecordingFault::TooMany("bytes in the name of a topic"));
-                    }
                     let at = names.get(&name).copied().unwrap_or(topics.len());
                     if at == MOST_TOPICS {
                         return Err(RecordingFault::TooMany("topics"));
@@ -206,14 +219,17 @@ impl Scan {
                 Record::Message { header, data } => {
                     let Some(&(at, kind)) = channels.get(&header.channel_id) else { return Ok(()) };
                     let topic = &mut topics[at];
-                    if kind.content == Content::Calibration {
-                        return topic.calibrated(&data, kind);
-                    }
-                    *images += 1;
+                    let is_calibration = kind.content == Content::Calibration;
+                    *images += usize::from(!is_calibration);
                     if *images > MOST_IMAGES {
                         return Err(RecordingFault::TooMany("images"));
                     }
-                    topic.take(&data, header.log_time, (file, place), kind)?;
+                    let taken = if is_calibration {
+                        topic.calibrated(&data, kind)
+                    } else {
+                        topic.take(&data, header.log_time, (file, place), kind)
+                    };
+                    topic.is_broken |= taken.is_none();
                 }
                 _ => {}
             }
@@ -236,29 +252,36 @@ impl Scan {
 
 impl Topic {
     fn new(name: String, content: Content) -> Self {
-        let frame_id = String::new();
-        Self { name, content, images: Vec::new(), info: None, info_changes: false, frame_id }
+        let (frame_id, images) = (String::new(), Vec::new());
+        Self { name, content, is_broken: false, images, info: None, info_changes: false, frame_id }
     }
 
     fn has_images(&self) -> bool {
         self.content != Content::Calibration
     }
 
-    fn broken(&self) -> RecordingFault {
-        RecordingFault::Image(
-            self.name.clone(),
-            "the message ends early, or is of another type; record it again".to_owned(),
-        )
+    /// An error where a message of it cannot be read.
+    fn check(&self) -> Result<(), RecordingFault> {
+        let what = "the message ends early, or is of another type; record it again";
+        let broken = || RecordingFault::Image(self.name.clone(), what.to_owned());
+        if self.is_broken { Err(broken()) } else { Ok(()) }
     }
 
+    /// Its calibration, if it has one.
+    fn calibration(&self) -> Option<Calibration<'_>> {
+        let info = self.info.as_ref()?;
+        Some(Calibration { topic: &self.name, info, changes: self.info_changes })
+    }
+
+    /// Keeps the place of an image; `None` where the message cannot be read.
     fn take(
         &mut self,
         data: &[u8],
         log_time: u64,
         (file, place): (u16, Place),
         kind: Kind,
-    ) -> Result<(), RecordingFault> {
-        let header = kind.header(data).ok_or_else(|| self.broken())?;
+    ) -> Option<()> {
+        let header = kind.header(data)?;
         if self.images.is_empty() {
             self.frame_id = header.frame_id.chars().take(MOST_NAME_BYTES).collect();
         }
@@ -267,11 +290,12 @@ impl Topic {
         let stamp_ns =
             if stamp_ns == 0 { i64::try_from(log_time).unwrap_or(i64::MAX) } else { stamp_ns };
         self.images.push(Stored { file, place, stamp_ns, kind });
-        Ok(())
+        Some(())
     }
 
-    fn calibrated(&mut self, data: &[u8], kind: Kind) -> Result<(), RecordingFault> {
-        let info = kind.calibration(data).ok_or_else(|| self.broken())?;
+    /// Keeps a calibration; `None` where the message cannot be read.
+    fn calibrated(&mut self, data: &[u8], kind: Kind) -> Option<()> {
+        let info = kind.calibration(data)?;
         // A driver that is not ready sends zeros.
         let is_blank = |info: &CameraInfo| info.k[0] == 0.0 && info.p[0] == 0.0;
         match &self.info {
@@ -280,7 +304,7 @@ impl Topic {
             }
             _ => self.info = Some(info),
         }
-        Ok(())
+        Some(())
     }
 }
 
@@ -344,5 +368,43 @@ impl Recording {
     #[must_use]
     pub fn frame_id(&self) -> &str {
         &self.frame_id
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mcap::Writer;
+    use crate::ros::{cdr, sent};
+
+    /// Pairs of a recording that holds a message without fields in this topic.
+    fn pairs_beside(broken: &str) -> Result<usize, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.mcap");
+        let mut writer = Writer::new(Vec::new(), "test").unwrap();
+        let message =
+            cdr::write(&sent::image(sent::Stamp { ns: 5, frame_id: "" }, [2, 2], &[9; 4]));
+        let message = message.unwrap();
+        for topic in ["/left/image", "/right/image", "/rear/image", "/rear/camera_info"] {
+            let kind = if topic.ends_with("image") { "Image" } else { "CameraInfo" };
+            let channel = writer.channel(topic, &format!("sensor_msgs/msg/{kind}"), "").unwrap();
+            if kind == "Image" {
+                writer.message(channel, 5, &message).unwrap();
+            }
+            if topic == broken {
+                writer.message(channel, 6, &[]).unwrap();
+            }
+        }
+        std::fs::write(&path, writer.finish().unwrap()).unwrap();
+        let found = pairs(&path, &Choice::default());
+        found.map(|(pairs, ..)| pairs.len()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn what_is_wrong_in_topics_that_are_not_used_does_not_matter() {
+        assert_eq!(pairs_beside("/rear/image"), Ok(1));
+        assert_eq!(pairs_beside("/rear/camera_info"), Ok(1));
+        let error = pairs_beside("/left/image").unwrap_err();
+        assert!(error.contains("an image of /left/image: the message ends early"), "{error}");
     }
 }

@@ -5,8 +5,9 @@
 //! those of both `P`. Binning and region of `CameraInfo` turn the numbers of the full image into
 //! those of the images as sent, which have to have the size that this makes.
 
-use super::RecordingFault;
-use super::topics::{Infos, is_rectified};
+use super::topics::is_rectified;
+use super::{Calibration, RecordingFault};
+use crate::ros::kind::NO_ROTATION;
 use crate::ros::messages::{CameraInfo, RegionOfInterest};
 use core::fmt::Write;
 use linestereo_frames::rectified::{Dims, check_centre_of};
@@ -18,20 +19,22 @@ use std::path::{Path, PathBuf};
 pub(super) fn of(
     path: &Path,
     topics: [&str; 2],
-    infos: Infos<'_>,
+    infos: [Option<Calibration<'_>>; 2],
     images: Dims,
 ) -> Result<(StoredRig, String), RecordingFault> {
     let unknown = |what: &str| Ok((StoredRig::Unknown, format!("no rig in the recording: {what}")));
     let fault = |unfit: Unfit| RecordingFault::Calibration(unfit.to_string());
-    let [Some((left_topic, left, left_changes)), Some((right_topic, right, right_changes))] = infos
-    else {
+    let [Some(left_info), Some(right_info)] = infos else {
         return unknown("it has no CameraInfo for both cameras");
     };
-    let full = [left, right];
-    let [left, right] =
-        [as_sent(left, images).map_err(fault)?, as_sent(right, images).map_err(fault)?];
-    let changes =
-        if left_changes || right_changes { ", the first of several that differ" } else { "" };
+    let infos = [left_info, right_info];
+    let left = as_sent(left_info.info, images).map_err(fault)?;
+    let right = as_sent(right_info.info, images).map_err(fault)?;
+    let changes = if infos.iter().any(|info| info.changes) {
+        ", the first of several that differ"
+    } else {
+        ""
+    };
     let named = topics.map(is_rectified);
     if named[0] != named[1] {
         return Err(RecordingFault::Calibration(
@@ -46,10 +49,8 @@ pub(super) fn of(
         return unknown("its CameraInfo is of cameras that are not calibrated");
     }
     if !is_rectified {
-        let rig = StoredRig::Raw(vec![
-            raw(path, left_topic, full[0], images),
-            raw(path, right_topic, full[1], images),
-        ]);
+        let files = infos.map(|Calibration { topic, info, .. }| raw(path, topic, info, images));
+        let rig = StoredRig::Raw(files.to_vec());
         return Ok((rig, format!("raw, rectified by their CameraInfo{changes}")));
     }
     let rig = match RectifiedRig::of_projections([&left.p, &right.p], None) {
@@ -101,12 +102,11 @@ fn as_sent(info: &CameraInfo, images: Dims) -> Result<CameraInfo, Unfit> {
 /// True for a camera whose images need no rectification.
 fn is_ideal(info: &CameraInfo) -> bool {
     let same = |a: f64, b: f64| (a - b).abs() < 1e-9;
-    let straight = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
     let p = &info.p;
     let projected = [p[0], p[1], p[2], p[4], p[5], p[6], p[8], p[9], p[10]];
     let pairs = |a: &[f64; 9], b: &[f64; 9]| a.iter().zip(b).all(|(a, b)| same(*a, *b));
     info.d.iter().all(|&value| value == 0.0)
-        && pairs(&info.r, &straight)
+        && pairs(&info.r, &NO_ROTATION)
         && pairs(&info.k, &projected)
 }
 

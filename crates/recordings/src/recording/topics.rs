@@ -4,11 +4,11 @@
 //! /stereo/left/image_rect, /stereo/right/image_rect     names that differ by the side alone: left and right, infra1 and infra2, 0 and 1, ..
 //! best first                                            rectified, not coloured, not compressed
 //! /stereo/left/camera_info                              in the namespace of the images, else the only one of that side
+//!                                                       whose words are of the image's name
 //! ```
 
 use super::{RecordingFault, Topic};
 use crate::ros::kind::Content;
-use crate::ros::messages::CameraInfo;
 use linestereo_frames::{SIDES, without_side};
 
 /// Longest time between two images of a pair, ms, where none is given.
@@ -24,8 +24,9 @@ const RAW: [&str; 6] =
 /// Topics that a message lists.
 const LISTED: usize = 8;
 
-/// Of both cameras the topic with its calibration, that, and whether it changes.
-pub(super) type Infos<'a> = [Option<(&'a str, &'a CameraInfo, bool)>; 2];
+/// Words in names of calibrations, besides those that their images have.
+const CALIBRATION: [&str; 7] =
+    ["camera", "cam", "info", "calib", "calibration", "intrinsics", "parameters"];
 
 /// Topics and limits by which pairs are taken from a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,8 +83,12 @@ impl Choice {
         }
     }
 
-    /// The calibrations of both.
-    pub(super) fn infos<'a>(&self, all: &'a [Topic], chosen: [&Topic; 2]) -> Infos<'a> {
+    /// The topics with the calibrations of both.
+    pub(super) fn infos<'a>(
+        &self,
+        all: &'a [Topic],
+        chosen: [&Topic; 2],
+    ) -> [Option<&'a Topic>; 2] {
         let named = |images: &Topic| {
             let base = images.name.strip_suffix("/compressed").unwrap_or(&images.name);
             let name =
@@ -91,19 +96,22 @@ impl Choice {
             all.iter().find(|topic| !topic.has_images() && topic.name == name)
         };
         let by_side = |eye: usize| {
+            let of_images = words(&chosen[eye].name);
+            // Names of other heads have words of their own: those of /back/left and /front/left.
+            let is_near = |name: &str| {
+                let mut all = words(name).into_iter();
+                all.all(|word| of_images.contains(&word) || CALIBRATION.contains(&&*word))
+            };
             let of_side = |topic: &&Topic| {
                 let mut sides = sides();
                 !topic.has_images()
                     && sides.any(|side| without_side(&topic.name, side[eye]).is_some())
+                    && is_near(&topic.name)
             };
             let mut found = all.iter().filter(of_side);
             found.next().filter(|_| found.next().is_none())
         };
-        let of = |eye: usize| {
-            let topic = named(chosen[eye]).or_else(|| by_side(eye))?;
-            Some((&*topic.name, topic.info.as_ref()?, topic.info_changes))
-        };
-        [of(0), of(1)]
+        [0, 1].map(|eye| named(chosen[eye]).or_else(|| by_side(eye)))
     }
 }
 
@@ -113,7 +121,8 @@ fn sides() -> impl Iterator<Item = [&'static str; 2]> {
 
 /// Pairs of topics with images whose names differ by the side alone.
 fn by_sides(all: &[Topic]) -> Vec<[&Topic; 2]> {
-    let with_images = || all.iter().filter(|topic| topic.has_images() && !topic.images.is_empty());
+    let is_used = |topic: &&Topic| !topic.images.is_empty() || topic.is_broken;
+    let with_images = || all.iter().filter(|topic| topic.has_images()).filter(is_used);
     let mut found: Vec<[&Topic; 2]> = Vec::new();
     for [left_side, right_side] in sides() {
         for left in with_images() {
@@ -138,20 +147,26 @@ pub(super) fn is_rectified(topic: &str) -> bool {
 /// `image_rect_raw` and `imageRect` are rectified, `image_not_rectified` and `image_raw` are not;
 /// `None` of other parts.
 fn says_rectified(part: &str) -> Option<bool> {
+    let words = words(part);
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&&**word));
+    match (has(&RECTIFIED), has(&NOT)) {
+        (true, is_not) => Some(!is_not),
+        (false, _) => has(&RAW).then_some(false),
+    }
+}
+
+/// Words of a name in small letters: `left`, `image` and `rect` of `/left/imageRect`.
+fn words(name: &str) -> Vec<String> {
     let mut words = String::new();
     let mut was_lower = false;
-    for letter in part.chars() {
+    for letter in name.chars() {
         if letter.is_ascii_uppercase() && was_lower {
             words.push(' ');
         }
         was_lower = letter.is_ascii_lowercase();
         words.push(if letter.is_ascii_alphanumeric() { letter.to_ascii_lowercase() } else { ' ' });
     }
-    let has = |list: &[&str]| words.split(' ').any(|word| list.contains(&word));
-    match (has(&RECTIFIED), has(&NOT)) {
-        (true, is_not) => Some(!is_not),
-        (false, _) => has(&RAW).then_some(false),
-    }
+    words.split_whitespace().map(str::to_owned).collect()
 }
 
 /// The best are lowest.
@@ -217,6 +232,33 @@ mod tests {
             let names: Vec<String> = rests[..=best].iter().flat_map(|rest| sides(rest)).collect();
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             assert_eq!(chosen(&names), Ok(sides(rests[best])));
+        }
+    }
+
+    #[test]
+    fn a_calibration_is_of_the_head_of_its_images() {
+        let of = |image: &str, infos: &[&str]| -> [Option<String>; 2] {
+            let images = ["left", "right"].map(|side| image.replace("SIDE", side));
+            let infos: Vec<[String; 2]> = infos
+                .iter()
+                .map(|info| ["left", "right"].map(|side| info.replace("SIDE", side)))
+                .collect();
+            let names = images.iter().chain(infos.as_flattened());
+            let all = topics(&names.map(String::as_str).collect::<Vec<_>>());
+            let found = Choice::default().infos(&all, [&all[0], &all[1]]);
+            found.map(|topic| topic.map(|topic| topic.name.clone()))
+        };
+        let sides = |info: &str| ["left", "right"].map(|side| Some(info.replace("SIDE", side)));
+        for (image, infos, found) in [
+            ("/front/SIDE/image", &["/back/SIDE/camera_info"][..], None),
+            ("/front/SIDE/image", &["/back_SIDE_info"], None),
+            ("/front/SIDE/image", &["/back/SIDE/camera_info", "/front_SIDE_info"], Some(1)),
+            ("/front/SIDE/image", &["/SIDE/info", "/front/SIDE/camera_info"], Some(1)),
+            ("/robot/image/SIDE", &["/robot/camera_info/SIDE/info"], Some(0)),
+            ("/SIDE/gray/image_rect/compressed", &["/SIDE/camera_info"], Some(0)),
+        ] {
+            let found = found.map_or([None, None], |at: usize| sides(infos[at]));
+            assert_eq!(of(image, infos), found, "{image} {infos:?}");
         }
     }
 

@@ -87,12 +87,17 @@ pub(super) fn compressed(message: &[u8]) -> Option<CompressedImage<'static>> {
     Some(CompressedImage { header, format: String::new(), data: data.into() })
 }
 
-/// Calibration of a camera; `None` where a matrix is missing.
+/// Calibration of a camera, matrices that are not set as zeros; `None` where one is of another
+/// size.
 pub(super) fn calibration(message: &[u8]) -> Option<CameraInfo> {
     let CameraCalibration { width, height, distortion_model, d, k, r, p } =
         CameraCalibration::decode(message).ok()?;
-    let (k, r, p) = (k.try_into().ok()?, r.try_into().ok()?, p.try_into().ok()?);
+    let (k, r, p) = (matrix(&k)?, matrix(&r)?, matrix(&p)?);
     Some(CameraInfo { height, width, distortion_model, d, k, r, p, ..CameraInfo::default() })
+}
+
+fn matrix<const N: usize>(values: &[f64]) -> Option<[f64; N]> {
+    if values.is_empty() { Some([0.0; N]) } else { values.try_into().ok() }
 }
 
 #[cfg(test)]
@@ -119,10 +124,11 @@ mod tests {
             "2^64 - 1 bytes"
         );
         assert!(image(&[0xff; 11]).is_none(), "no end");
-        assert_eq!(calibration(&[]), None, "matrices are missing");
         let doubles =
             |tag: u8, count: usize| [&[tag, 8 * count as u8][..], &vec![0; 8 * count]].concat();
         let matrices = [doubles(0x32, 9), doubles(0x3a, 9), doubles(0x42, 12)].concat();
         assert_eq!(calibration(&matrices).unwrap().p, [0.0; 12]);
+        assert_eq!(calibration(&doubles(0x32, 9)).unwrap().r, [0.0; 9], "not set");
+        assert_eq!(calibration(&doubles(0x3a, 8)), None);
     }
 }

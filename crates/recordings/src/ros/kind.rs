@@ -5,6 +5,8 @@ use super::{cdr, foxglove};
 
 /// Most coefficients of a lens.
 const MOST_COEFFICIENTS: usize = 64;
+/// The rotation of a camera that is not turned, by rows.
+pub const NO_ROTATION: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// Content of a message that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +73,7 @@ impl Kind {
             if self.is_foxglove { foxglove::calibration(message) } else { cdr::read(message) };
         let info: CameraInfo =
             info.filter(|info: &CameraInfo| info.d.len() <= MOST_COEFFICIENTS)?;
-        Some(CameraInfo { header: Header::default(), ..info })
+        let r = if info.r == [0.0; 9] { NO_ROTATION } else { info.r }; // nobody set it
+        Some(CameraInfo { header: Header::default(), r, ..info })
     }
 }

@@ -1,6 +1,7 @@
 //! Messages that are sent. Positions are in m, in the optical frame of the left camera: x right,
 //! y down, z forward (REP 103).
 
+use super::kind::NO_ROTATION;
 use super::messages::{
     CameraInfo, Detection3D, Detection3DArray, DiagnosticArray, DiagnosticStatus, Header, Image,
     LaserScan, Marker, MarkerArray, ObjectHypothesisWithPose, PointCloud2, PointField, Pose,
@@ -148,7 +149,7 @@ pub fn camera_info(
         distortion_model: "plumb_bob".to_owned(),
         d: vec![0.0; 5],
         k: [f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0],
-        r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        r: NO_ROTATION,
         p: [f, 0.0, x, along, 0.0, f, y, 0.0, 0.0, 0.0, 1.0, 0.0],
         ..CameraInfo::default()
     }
