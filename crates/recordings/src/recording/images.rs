@@ -18,14 +18,23 @@ pub(super) fn grey(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
 }
 
 fn compressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
-    StoredGray::of_file(&kind.compressed(message).ok_or(EARLY)?.data, RECORD_BYTES)
+    let image = kind.compressed(message).ok_or(EARLY)?;
+    let stored = StoredGray::of_file(&image.data, RECORD_BYTES)?;
+    Ok(if holds_mosaic(&image.format) { stored.of_mosaic() } else { stored })
+}
+
+/// The file is a mosaic, in the words of ROS: `bayer_rggb8; jpeg compressed `, with nothing or a
+/// mosaic behind `compressed`. Another encoding there is what it was turned into.
+fn holds_mosaic(format: &str) -> bool {
+    let (encoding, file) = format.split_once(';').unwrap_or((format, ""));
+    let turned_into = file.split_once("compressed").map_or("", |(_, encoding)| encoding.trim());
+    mosaic(encoding.trim()).is_some() && (turned_into.is_empty() || mosaic(turned_into).is_some())
 }
 
 fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
     let image = kind.image(message).ok_or(EARLY)?;
-    let is_mosaic = image.encoding.starts_with("bayer_");
-    let encoding = if is_mosaic { bayer(&image.encoding) } else { &image.encoding };
-    let layout = match encoding {
+    let mosaic = mosaic(&image.encoding);
+    let layout = match mosaic.unwrap_or(&image.encoding) {
         // Rows of luma come first, those of colour behind them.
         "mono8" | "8UC1" | "nv12" | "nv21" | "nv24" => PixelBytes::Grey,
         "yuv422" | "uyvy" => PixelBytes::Luma { at: 1 },
@@ -55,25 +64,29 @@ fn uncompressed(message: &[u8], kind: Kind) -> Result<StoredGray, String> {
     }
     let rows = image.data.chunks_exact(step).take(height).map(|bytes| &bytes[..row]);
     let stored = StoredGray::of_rows([image.width, image.height], layout, rows)?;
-    Ok(if is_mosaic { stored.of_mosaic() } else { stored })
+    Ok(if mosaic.is_some() { stored.of_mosaic() } else { stored })
 }
 
-/// The encoding of a mosaic's values; of one that is not known its own name.
-fn bayer(encoding: &str) -> &str {
-    let (order, bits) =
-        encoding.trim_start_matches("bayer_").split_at_checked(4).unwrap_or_default();
-    match (order, bits) {
-        ("rggb" | "bggr" | "gbrg" | "grbg", "8") => "mono8",
-        ("rggb" | "bggr" | "gbrg" | "grbg", "16") => "mono16",
-        _ => encoding,
+/// The encoding of a mosaic's values; `None` of other encodings.
+fn mosaic(encoding: &str) -> Option<&'static str> {
+    match encoding.strip_prefix("bayer_")?.split_at_checked(4)? {
+        ("rggb" | "bggr" | "gbrg" | "grbg", "8") => Some("mono8"),
+        ("rggb" | "bggr" | "gbrg" | "grbg", "16") => Some("mono16"),
+        _ => None,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ros::messages::{Header, Image};
+    use crate::ros::messages::{CompressedImage, Header, Image};
     use linestereo_frames::grey::Values;
+
+    /// 2x2 px: 0, 100, 100, 0.
+    const CHESSBOARD_PNG: &[u8] =
+        b"\x89PNG\x0d\x0a\x1a\x0a\x00\x00\x00\x0dIHDR\x00\x00\x00\x02\x00\x00\x00\x02\x08\x00\x00\
+        \x00\x00W\xddR\xf8\x00\x00\x00\x0cIDATx\x9cc`H\x01B\x00\x02^\x00\xc9\xedH\x84\xef\x00\
+        \x00\x00\x00IEND\xaeB`\x82";
 
     fn read(
         encoding: &str,
@@ -130,6 +143,24 @@ mod tests {
                 panic!("{order}")
             };
             assert!(found.iter().all(|&grey| u32::from(grey) == 4 * grey_of), "{order} {found:?}");
+        }
+        // A file is not turned into grey, or is already.
+        for (format, is_mosaic) in [
+            ("bayer_rggb8; png compressed ", true),
+            ("bayer_rggb8; jpeg compressed bayer_rggb8", true),
+            ("bayer_gbrg16;png", true),
+            ("bayer_rggb8; jpeg compressed bgr8", false),
+            ("mono8; jpeg compressed ", false),
+            ("png", false),
+            ("", false),
+        ] {
+            let (header, format) = (Header::default(), format.to_owned());
+            let image = CompressedImage { header, format, data: CHESSBOARD_PNG.into() };
+            let kind = Kind { content: Content::CompressedImage, is_foxglove: false };
+            let found = super::grey(&crate::ros::cdr::write(&image).unwrap(), kind).unwrap();
+            let Values::Eight(found) = found.values else { panic!("8 bits") };
+            let expected = if is_mosaic { [50; 4] } else { [0, 100, 100, 0] };
+            assert_eq!(found, expected, "{}", image.format);
         }
         assert!(read("bayer_rgbg8", [2, 2], &[0; 4], 2).unwrap_err().contains("bayer_rgbg8"));
     }
