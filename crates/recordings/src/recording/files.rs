@@ -90,12 +90,17 @@ fn paths(root: &Path) -> Result<Vec<PathBuf>, RecordingFault> {
                  the folder"
             )));
         }
-    } else if let Some(missing) = promised(root)?.into_iter().find(|name| !found.contains(name)) {
-        let missing = missing.display();
-        return Err(RecordingFault::Folder(format!(
-            "its {METADATA} names {missing}, which is not there; copy the whole folder, or give \
-             the .mcap files one by one"
-        )));
+    } else {
+        let promised = promised(root)?;
+        if let Some(missing) = promised.iter().find(|name| !found.contains(name)) {
+            let missing = missing.display();
+            return Err(RecordingFault::Folder(format!(
+                "its {METADATA} names {missing}, which is not there; copy the whole folder, or \
+                 give the .mcap files one by one"
+            )));
+        }
+        // Others were put beside them: results, for example.
+        found.retain(|name| promised.is_empty() || promised.contains(name));
     }
     Ok(found.iter().map(|name| root.join(name)).collect())
 }
@@ -184,6 +189,12 @@ mod tests {
             .map(|path| path.file_name().unwrap().to_owned())
             .collect();
         assert_eq!(names, ["bag_0.MCAP", "bag_9.mcap", "bag_10.mcap"]);
+        let listed = "relative_file_paths:\n  - bag_10.mcap\n  - bag_9.mcap\n";
+        fs::write(bag.path().join("metadata.yaml"), listed).unwrap();
+        assert_eq!(
+            paths(bag.path()).unwrap(),
+            names[1..].iter().map(|name| bag.path().join(name)).collect::<Vec<_>>()
+        );
         let alone = folder(&["one.mcap"]);
         assert!(is_recording(alone.path()) && paths(alone.path()).unwrap().len() == 1);
         // Images beside a recording are what was asked for.
