@@ -6,7 +6,8 @@
 //! baseline `B` in metres stands in the right projection, `P[0][3] = -fx' B`. There is no pose: it
 //! follows from both rectifications (see [`pose::from_rectification`]). `plumb_bob` is `k1 k2 p1 p2
 //! k3`, `rational_polynomial` has `k4 k5 k6` too, `equidistant` and Foxglove's `kannala_brandt` are
-//! `k1 .. k4`. `binning_x`, `binning_y` and `roi` of a message turn the camera matrix into that of the images as sent.
+//! `k1 .. k4`. `binning_x`, `binning_y` and `roi` of a message turn the camera matrix into that of
+//! the images as sent.
 //!
 //! # Source
 //! ROS `sensor_msgs/CameraInfo.msg` and REP 104; `camera_calibration_parsers` for the file.

@@ -2,9 +2,9 @@
 //!
 //! Annotations are an object with `annotations`, and perhaps `images` and `categories`; results are
 //! a list of annotations. An annotation has a `segmentation` (run lengths or polygons), else a
-//! `bbox` (left, top, width, height). In a file of several images those of the image are taken whose
-//! `file_name` ends like the path of the left one, in as many parts as any other; where only numbers
-//! tell images apart, there may be one image.
+//! `bbox` (left, top, width, height). In a file of several images those of the one image are
+//! taken whose `file_name` shares the most last parts with the path of the left image; where only
+//! numbers tell images apart, there may be one image.
 //!
 //! # Bounds
 //! Lists are told apart into their texts first and read one by one, of 1 MiB at most: a value of
