@@ -3,6 +3,7 @@
 
 use crate::support::{
     failed, json, json_lines, linestereo, refused, save, says, stderr, stdout, succeed, tells,
+    with_drawn_pairs,
 };
 use linestereo::Dims;
 use linestereo_sim::scene::Kind;
@@ -105,6 +106,23 @@ fn a_report_is_one_file() {
     let page = fs::read_to_string(at.join("page.html")).unwrap();
     assert_eq!(page.matches("data:image/jpeg;base64,").count(), 4);
     refused(at, "report nowhere -o page.html", &["is no folder"]);
+}
+
+#[test]
+fn each_frame_of_a_report_has_its_own_rig() {
+    let folder = with_drawn_pairs();
+    let at = folder.path();
+    let scene = at.join("rec/2/scene.json");
+    let mut other: Value = serde_json::from_slice(&fs::read(&scene).unwrap()).unwrap();
+    other["rectified"]["focal_px"] = 777.into();
+    fs::write(&scene, other.to_string()).unwrap();
+    succeed(at, "report rec -o page.html");
+    let page = fs::read_to_string(at.join("page.html")).unwrap();
+    let data = page.split_once("id=\"data\">").unwrap().1.split_once("</script>").unwrap().0;
+    let frames: Value = serde_json::from_str(data).unwrap();
+    let focal = |frame: usize| frames[frame]["pinhole"][0].as_f64().unwrap();
+    assert_eq!((focal(1), focal(0)), (777.0, focal(2)));
+    assert_ne!(focal(0), 777.0);
 }
 
 #[test]

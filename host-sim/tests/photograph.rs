@@ -7,6 +7,7 @@ use std::fs;
 use std::io::Write;
 use std::net::TcpStream;
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 use tempfile::TempDir;
 
 const SIZE: [u16; 2] = [40, 30];
@@ -86,7 +87,14 @@ fn what_fails_is_said_and_leaves_no_half_pair() {
     let closed = |stream: &mut TcpStream, _: u16, _: u8| {
         let _ = stream.shutdown(std::net::Shutdown::Both);
     };
+    // At another speed, say.
+    let garbage = |stream: &mut TcpStream, _: u16, _: u8| {
+        while stream.write_all(&[0x55; 64]).is_ok() {
+            thread::sleep(Duration::from_millis(20));
+        }
+    };
     for ((address, _), word) in [
+        (board(garbage), "no photograph in 5 s, though bytes came; check --baud"),
         (board(no_pair), "photo 1 of 1: the board refused: the cameras delivered no complete pair"),
         (board(lost_pixels), "pixels were lost on the way"),
         (board(closed), "was closed"),

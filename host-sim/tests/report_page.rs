@@ -65,17 +65,14 @@ fn every_rejected_segment_is_logged_with_its_reason() {
 }
 
 fn page(runs: &[Run]) -> String {
-    let setup = PageSetup {
-        title: "two scenes".to_owned(),
-        max_disparity: 64,
-        rig: Some(Rig::new(300.0, 0.1, 0.0).unwrap().with_principal_point([159.5, 119.5]).unwrap()),
-        many: true,
-    };
-    let mut page = Page::new(setup);
+    let rig = Rig::new(300.0, 0.1, 0.0).unwrap().with_principal_point([159.5, 119.5]).unwrap();
+    let mut page = Page::new(PageSetup { title: "two scenes".to_owned(), many: true });
     for (run, index) in runs.iter().zip(0..) {
         let Run { images, result, rejected, objects, tests } = run;
         page.push(&PageFrame {
             name: format!("frame {index}"),
+            max_disparity: 64,
+            rig: Some(rig),
             images,
             result,
             rejected,
@@ -356,10 +353,11 @@ fn a_page_without_a_rig_says_what_is_missing() {
     let Some(browser) = browser() else { return };
     let Run { images, mut result, rejected, .. } = run(3);
     result.matches.iter_mut().for_each(|found| (found.depth, found.depth_sigma) = (None, None));
-    let setup = PageSetup { title: "pair".to_owned(), max_disparity: 64, rig: None, many: false };
-    let mut page = Page::new(setup);
+    let mut page = Page::new(PageSetup { title: "pair".to_owned(), many: false });
     page.push(&PageFrame {
         name: "pair".to_owned(),
+        max_disparity: 64,
+        rig: None,
         images: &images,
         result: &result,
         rejected: &rejected,

@@ -439,6 +439,30 @@ fn photographs_of_a_board_lie_under_its_segments() {
 }
 
 #[test]
+fn a_photograph_that_takes_longer_than_the_interval_is_not_begun_anew() {
+    let folder = TempDir::new().unwrap();
+    let (listener, address) = listening();
+    let _view = View::start(folder.path(), &format!("--tcp {address} --photograph 1"));
+    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
+    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    let head = PairHead { width: 64, height: 2, capture_time_us: 1, right_capture_time_us: None };
+    board.write_all(&packet(&Message::Photo(head))).unwrap();
+    board.set_read_timeout(Some(Duration::from_millis(300))).unwrap();
+    for place in 0..8 {
+        let list = [5; 16].into_iter().collect();
+        let pixels = Pixels { is_right: false, first: 16 * place, list };
+        board.write_all(&packet(&Message::Pixels(pixels))).unwrap();
+        let asked = board.read(&mut [0]).unwrap_or(0);
+        assert_eq!(asked, 0, "asked for another one at piece {place}");
+    }
+    let (is_right, first) = (true, 0);
+    let list = [5; 128].into_iter().collect();
+    board.write_all(&packet(&Message::Pixels(Pixels { is_right, first, list }))).unwrap();
+    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+}
+
+#[test]
 fn a_photograph_of_another_size_than_the_rig_is_left_out() {
     let folder = with_rig(RIG);
     let (listener, address) = listening();

@@ -1,7 +1,7 @@
 //! `linestereo photograph`: what a board's cameras see, as files.
 
 use crate::draw;
-use crate::monitor::photo::PhotoAssembler;
+use crate::monitor::photo::{PATIENCE, PhotoAssembler};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::output::OutputFiles;
 use anyhow::{Context, Result, bail};
@@ -12,9 +12,6 @@ use linestereo_wire::{Answer, Command, Decoder, MAX_PACKET, Message, Outcome, Re
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// A board that says nothing for so long does not answer.
-const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Save raw pairs of photos from a board's cameras, for calibration.
 #[derive(Debug, clap::Args)]
@@ -104,21 +101,29 @@ impl Camera {
         self.port.send(&command)?;
         let (mut buffer, mut photos, mut last) =
             ([0; 4096], PhotoAssembler::default(), Instant::now());
+        let mut is_silent = true;
         loop {
+            if last.elapsed() > PATIENCE {
+                let seconds = PATIENCE.as_secs();
+                if is_silent {
+                    bail!("no answer in {seconds} s; does the board run, and is the speed right?");
+                }
+                bail!(
+                    "no photograph in {seconds} s, though bytes came; check --baud, the cable, and \
+                     that the board has linestereo's firmware"
+                );
+            }
             let count = match self.port.read(&mut buffer)? {
                 Received::Bytes(count) => count,
                 Received::End => bail!("the port has ended"),
-                Received::Silence if last.elapsed() > PATIENCE => {
-                    bail!(
-                        "no answer in {} s; does the board run, and is the speed right?",
-                        PATIENCE.as_secs()
-                    )
-                }
                 Received::Silence => continue,
             };
-            last = Instant::now();
+            is_silent = false;
             for &byte in &buffer[..count] {
                 let Some(Ok(message)) = self.decoder.push(byte) else { continue };
+                if matches!(message, Message::Photo(_) | Message::Pixels(_)) {
+                    last = Instant::now();
+                }
                 if let Some(pair) = take(message, command.id, &mut photos, bar)? {
                     return Ok(pair);
                 }

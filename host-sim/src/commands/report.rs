@@ -103,10 +103,8 @@ fn add(
     let refusal = health::refusal(&matched.result).map(|why| format!("{}: {why}", pair.name));
     let Some(title) = title else { return Ok(refusal) };
     let (engine, params) = (&mut matcher.engine, &setup.params);
-    let page = page.get_or_insert_with(|| {
-        let (title, max_disparity, rig) = (title.to_owned(), params.max_disparity, params.rig);
-        Page::new(PageSetup { title, max_disparity, rig, many })
-    });
+    let setup_of_page = || PageSetup { title: title.to_owned(), many };
+    let page = page.get_or_insert_with(|| Page::new(setup_of_page()));
     let objects = objects.depths(setup, pair, engine).unwrap_or_default();
     if let Some(error) = objects.error {
         bail!("{error}");
@@ -114,6 +112,8 @@ fn add(
     let tests = (!many).then(|| TestTexts::new(&log, engine, params, &matched.result));
     page.push(&PageFrame {
         name: pair.name.clone(),
+        max_disparity: params.max_disparity,
+        rig: params.rig,
         images: &matched.images,
         result: &matched.result,
         rejected: &log.rejected(engine.matched().candidates()),

@@ -86,6 +86,11 @@ impl Link {
         self.waiting.is_none() && self.wanted.is_empty()
     }
 
+    /// Are the pixels of a photograph on their way?
+    pub fn is_photographing(&self) -> bool {
+        self.photos.is_arriving()
+    }
+
     /// Sends the next command, or the last one again.
     pub fn command(&mut self, port: &mut Port) -> Result<()> {
         match &mut self.waiting {

@@ -3,10 +3,15 @@
 //! # Bounds
 //! A photograph of more than the core's largest image is lost; at most one is held.
 
+use core::time::Duration;
 use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
 use linestereo_frames::GrayImage;
 use linestereo_wire::{PairHead, Pixels};
+use std::time::Instant;
+
+/// Nothing more comes of a photograph, or of a board that is asked for one, after so long.
+pub const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Pixels of a photograph did not arrive, or are more than there can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -18,6 +23,8 @@ pub struct PixelsLost;
 #[derive(Debug, Default)]
 pub struct PhotoAssembler {
     open: Option<[GrayImage; 2]>,
+    /// When the last of it arrived.
+    last: Option<Instant>,
 }
 
 impl PhotoAssembler {
@@ -25,6 +32,7 @@ impl PhotoAssembler {
     pub fn begin(&mut self, head: &PairHead) -> Result<(), PixelsLost> {
         let dims = Dims { width: head.width, height: head.height };
         let before = self.open.take();
+        self.last = Some(Instant::now());
         if !(1..=MAX_WIDTH).contains(&dims.width) || !(1..=MAX_HEIGHT).contains(&dims.height) {
             return Err(PixelsLost);
         }
@@ -36,6 +44,7 @@ impl PhotoAssembler {
     /// and what follows of it is skipped.
     pub fn add(&mut self, pixels: &Pixels) -> Result<Option<[GrayImage; 2]>, PixelsLost> {
         let Some(pair) = &mut self.open else { return Ok(None) };
+        self.last = Some(Instant::now());
         let image = &mut pair[usize::from(pixels.is_right)];
         if image.pixels.len() != pixels.first as usize
             || image.pixels.len() + pixels.list.len() > area(image.dims)
@@ -48,6 +57,11 @@ impl PhotoAssembler {
             pair.iter().all(|image| image.pixels.len() == area(image.dims))
         };
         Ok(self.open.take_if(is_complete))
+    }
+
+    /// Has one begun that is neither complete nor lost, and does more of it come?
+    pub fn is_arriving(&self) -> bool {
+        self.open.is_some() && self.last.is_some_and(|last| last.elapsed() <= PATIENCE)
     }
 
     /// Pixels that have arrived of the open photograph, and all that it has.
@@ -82,13 +96,13 @@ mod tests {
         photos.begin(&head(3)).unwrap();
         assert_eq!(photos.add(&pixels(false, 0, &[1, 2, 3, 4])), Ok(None));
         assert_eq!(photos.add(&pixels(true, 0, &[5; 6])), Ok(None));
-        assert_eq!(photos.progress(), (10, 12));
+        assert!(photos.progress() == (10, 12) && photos.is_arriving());
         let [left, right] = photos.add(&pixels(false, 4, &[5, 6])).unwrap().unwrap();
         assert_eq!(
             (left.pixels, right.pixels, left.dims),
             (vec![1, 2, 3, 4, 5, 6], vec![5; 6], right.dims)
         );
-        assert_eq!(photos.progress(), (0, 0));
+        assert!(photos.progress() == (0, 0) && !photos.is_arriving());
     }
 
     #[test]

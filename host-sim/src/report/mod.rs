@@ -41,6 +41,10 @@ const SHARED_STYLE: &str = include_str!("shared.css");
 /// A pair and what was found in it.
 pub struct PageFrame<'a> {
     pub name: String,
+    /// Disparities searched: 0 .. this, px.
+    pub max_disparity: u16,
+    /// Where depths are known; with a principal point directions too.
+    pub rig: Option<Rig>,
     pub images: &'a [GrayImage; 2],
     pub result: &'a FrameResult,
     pub rejected: &'a [Rejected],
@@ -53,10 +57,6 @@ pub struct PageFrame<'a> {
 /// Settings common to all pairs of a page.
 pub struct PageSetup {
     pub title: String,
-    /// Disparities searched: 0 .. this, px.
-    pub max_disparity: u16,
-    /// Where depths are known; with a principal point directions too.
-    pub rig: Option<Rig>,
     /// There are several frames: smaller images.
     pub many: bool,
 }
@@ -67,6 +67,9 @@ type RejectedData<'a> = (f64, f64, f64, f64, usize, Option<&'a str>);
 #[derive(Serialize)]
 struct FrameData<'a> {
     name: String,
+    max_disparity: u16,
+    has_depth: bool,
+    pinhole: Option<(f64, f64, f64)>,
     size: [u16; 2],
     images: [String; 2],
     /// Colours span these disparities, px.
@@ -95,9 +98,6 @@ struct ObjectData {
 struct PageData<'a> {
     title: &'a str,
     version: &'static str,
-    max_disparity: u16,
-    has_depth: bool,
-    pinhole: Option<(f64, f64, f64)>,
     reasons: [(&'static str, &'static str); Rejection::ALL.len()],
 }
 
@@ -119,11 +119,14 @@ impl Page {
     }
 
     pub fn push(&mut self, frame: &PageFrame<'_>) -> anyhow::Result<()> {
-        let result = frame.result;
-        let range = ColourRange::of(result, self.setup.max_disparity);
+        let PageFrame { result, max_disparity, rig, .. } = *frame;
+        let range = ColourRange::of(result, max_disparity);
         let [left, right] = frame.images;
         let data = FrameData {
             name: frame.name.clone(),
+            max_disparity,
+            has_depth: rig.is_some(),
+            pinhole: rig.and_then(pinhole),
             size: [left.dims.width, left.dims.height],
             images: [data_uri(left, self.setup.many)?, data_uri(right, self.setup.many)?],
             range: [range.far, range.near],
@@ -135,14 +138,14 @@ impl Page {
             bars: result
                 .bars
                 .iter()
-                .map(|bar| bar_data(bar, self.setup.rig, frame.tests.of_bar(bar)))
+                .map(|bar| bar_data(bar, rig, frame.tests.of_bar(bar)))
                 .collect(),
             rejected: frame
                 .rejected
                 .iter()
                 .map(|lost| rejected(lost, frame.tests.of(lost.ends)))
                 .collect(),
-            points: self.points(result),
+            points: points(result, rig),
             objects: frame.objects.iter().map(object).collect(),
             counts: listing::counts(&result.counts),
             health: health::advice(result.health).collect(),
@@ -161,23 +164,11 @@ impl Page {
         self.frames.push(serde_json::json!({"name": name, "error": error}).to_string());
     }
 
-    fn points(&self, result: &FrameResult) -> Vec<(u16, u16, f64, Option<f64>)> {
-        let every = result.points.len().div_ceil(MOST_POINTS).max(1);
-        let depth = |disparity| {
-            self.setup.rig.and_then(|rig| finite_metres(rig.depth(disparity))).map(thousandths)
-        };
-        let points = result.points.iter().step_by(every);
-        points.map(|p| (p.x, p.y, hundredths(p.disparity.to_num()), depth(p.disparity))).collect()
-    }
-
     pub fn html(&self) -> serde_json::Result<String> {
         let setup = &self.setup;
         let data = serde_json::to_string(&PageData {
             title: &setup.title,
             version: env!("CARGO_PKG_VERSION"),
-            max_disparity: setup.max_disparity,
-            has_depth: setup.rig.is_some(),
-            pinhole: setup.rig.and_then(pinhole),
             reasons: Rejection::ALL.map(|reason| (reason.name(), meaning(reason))),
         })?;
         let frames = harmless(&format!("[{}]", self.frames.join(",\n")));
@@ -231,6 +222,15 @@ fn data_uri(image: &GrayImage, small: bool) -> image::ImageResult<String> {
         ("png", gray_png(image)?)
     };
     Ok(format!("data:image/{kind};base64,{}", BASE64_STANDARD.encode(bytes)))
+}
+
+/// Position, disparity, depth.
+fn points(result: &FrameResult, rig: Option<Rig>) -> Vec<(u16, u16, f64, Option<f64>)> {
+    let every = result.points.len().div_ceil(MOST_POINTS).max(1);
+    let depth =
+        |disparity| rig.and_then(|rig| finite_metres(rig.depth(disparity))).map(thousandths);
+    let points = result.points.iter().step_by(every);
+    points.map(|p| (p.x, p.y, hundredths(p.disparity.to_num()), depth(p.disparity))).collect()
 }
 
 /// x0, y0, x1, y1, d0, d1, sigma, confidence, owner, z0, z1, sigma of z0, of z1, feature, window,
@@ -313,7 +313,7 @@ mod tests {
     #[test]
     fn a_page_needs_nothing_else_and_no_name_ends_its_script() {
         let title = "</script><b>&".to_owned();
-        let setup = PageSetup { title, max_disparity: 64, rig: None, many: false };
+        let setup = PageSetup { title, many: false };
         let mut page = Page::new(setup);
         page.push_error("</script>", "broken");
         let html = page.html().unwrap();

@@ -125,9 +125,9 @@ function drawTop() {
   box.replaceChildren();
   parts.top = new Map();
   const say = text => element(box, "p", { class: "faint" }, text);
-  if (!setup.has_depth) return say("Metres need a rig: give --focal-px and --baseline-m, --scene, or --rig.");
-  if (!setup.pinhole) return say("Directions need a focal length: only the product of focal length and baseline is known.");
-  const [f, cx] = setup.pinhole, across = (x, z) => (x - cx) * z / f;
+  if (!frame.has_depth) return say("Metres need a rig: give --focal-px and --baseline-m, --scene, or --rig.");
+  if (!frame.pinhole) return say("Directions need a focal length: only the product of focal length and baseline is known.");
+  const [f, cx] = frame.pinhole, across = (x, z) => (x - cx) * z / f;
   const placed = frame.segments.filter(s => s.z0 !== null && s.z1 !== null);
   const depths = [...placed.flatMap(s => [s.z0, s.z1]), ...frame.points.filter(p => p[3] !== null).map(p => p[3])];
   if (!depths.length) return say("Nothing was placed.");
@@ -262,8 +262,8 @@ function describe(s) {
   };
   const from = (a, b, unit) => a === b ? unit(a) : `${unit(a)} to ${unit(b)}`;
   put("disparity", from(s.d0, s.d1, px));
-  if (setup.has_depth) put("depth", from(s.z0, s.z1, metres));
-  put("uncertainty", `± ${s.sigma.toFixed(2)} px` + (s.sz0 !== null && setup.has_depth ? `, ± ${Math.max(s.sz0, s.sz1 ?? 0).toFixed(3)} m` : ""));
+  if (frame.has_depth) put("depth", from(s.z0, s.z1, metres));
+  put("uncertainty", `± ${s.sigma.toFixed(2)} px` + (s.sz0 !== null && frame.has_depth ? `, ± ${Math.max(s.sz0, s.sz1 ?? 0).toFixed(3)} m` : ""));
   put("confidence", percent(s.confidence));
   if (s.isBar) {
     put("width", px(s.width));
@@ -359,7 +359,7 @@ function show(index) {
     return;
   }
   const count = Object.fromEntries(frame.counts), [w, h] = frame.size;
-  $("summary").textContent = `${w} × ${h} px, disparities below ${setup.max_disparity} px: ${count.matched} of ${count.segments_left} segments matched, ${count.points} points, ${frame.bars.length} bars`;
+  $("summary").textContent = `${w} × ${h} px, disparities below ${frame.max_disparity} px: ${count.matched} of ${count.segments_left} segments matched, ${count.points} points, ${frame.bars.length} bars`;
   $("legend").replaceChildren();
   const [far, near] = frame.range;
   element($("legend"), "span", {}, `${far} px, far`);

@@ -39,7 +39,7 @@ struct Show<'a> {
     /// Directions that the board sent, which know its support points, and their frame.
     sectors: Option<(u32, Vec<Direction>)>,
     told: Instant,
-    /// When the last photograph was asked for.
+    /// When the last photograph was asked for, or the last of it arrived.
     photographed: Option<Instant>,
     /// Set-up of its frames by the options; `None` until their size is known.
     setup: Option<Setup<'a>>,
@@ -134,6 +134,10 @@ impl Show<'_> {
     /// Asks the board for a photograph, where one is due, and for the visitors' boxes, where they
     /// are others than before.
     fn ask(&mut self) {
+        // The board would begin anew, and pairs are matched between photographs.
+        if self.link.is_photographing() {
+            self.photographed = Some(Instant::now());
+        }
         let every = self.args.photograph.map(|seconds| Duration::from_secs(seconds.into()));
         if every.is_some_and(|every| self.photographed.is_none_or(|last| last.elapsed() >= every))
             && self.link.is_answered()

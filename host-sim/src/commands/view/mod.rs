@@ -52,7 +52,7 @@ pub struct Args {
     /// Send a command to the board, as linestereo monitor --send does; may be given several times.
     #[arg(long, value_name = "COMMAND", conflicts_with_all = ["path", "camera"])]
     send: Vec<String>,
-    /// Ask the board for a photograph at this interval.
+    /// Ask the board for a photograph so long after the last one has arrived.
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=3600), conflicts_with_all = ["path", "camera"])]
     photograph: Option<u32>,
     #[command(flatten)]
