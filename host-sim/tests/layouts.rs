@@ -444,6 +444,9 @@ fn plain_folders_sequences_and_side_by_side() {
         ("x/1.png", image_of(2 * WIDTH + 1, HEIGHT, texture)),
         ("x/square.png", image_of(48, 48, |_, _| 0)),
     ]);
+    let sequence = Dataset::sequence(set.path(), false).unwrap();
+    let found = (layouts(&sequence.pairs), sequence.alone, &*sequence.pairs[0].name);
+    assert_eq!(found, (vec![(Layout::SideBySide, 1)], 0, "x/1"));
     let scene = only(&set, Layout::SideBySide);
     assert_eq!((scene.left.pixels[47], scene.right.pixels[0]), (texture(47, 0), texture(49, 0)));
 }

@@ -49,10 +49,6 @@ impl Dataset {
         let mut found = Self::default();
         found.search(root)?;
         if found.pairs.is_empty() {
-            found.pairs = plain::side_by_side_tree(root)?;
-            name_below(root, &mut found.pairs);
-        }
-        if found.pairs.is_empty() {
             return Err(FrameError::Layout(root.to_path_buf(), LayoutFault::NotRecognised));
         }
         Ok(found)
@@ -89,7 +85,15 @@ impl Dataset {
             self.pairs.append(&mut taken.pairs);
             self.alone += taken.alone;
             Ok(descend)
-        })
+        })?;
+        if self.pairs.is_empty() {
+            self.pairs = plain::side_by_side_tree(root, self.is_lenient)?;
+            name_below(root, &mut self.pairs);
+            if !self.pairs.is_empty() {
+                self.alone = 0;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -98,10 +98,13 @@ pub(crate) fn side_by_side(
 }
 
 /// The images of a tree that hold both views.
-pub(crate) fn side_by_side_tree(root: &Path) -> Result<Vec<StoredPair>, FrameError> {
+pub(crate) fn side_by_side_tree(
+    root: &Path,
+    is_lenient: bool,
+) -> Result<Vec<StoredPair>, FrameError> {
     let mut found = Vec::new();
     walk(root, |folder| {
-        found.extend(side_by_side(folder, false)?.into_iter().filter(|pair| {
+        found.extend(side_by_side(folder, is_lenient)?.into_iter().filter(|pair| {
             let sides = dimensions(pair.left());
             sides.is_ok_and(|(width, height)| u64::from(width) >= LEAST_ASPECT * u64::from(height))
         }));
