@@ -4,6 +4,7 @@ use crate::calibration::{Calibration, Rig};
 use crate::image::{grey, view};
 use crate::records::{self, Answer};
 use crate::refused;
+use core::fmt::Display;
 use linestereo::image::{Span, shrink_to_valid};
 use linestereo::results::ImagePosition;
 use linestereo::units::{Disparity, Position};
@@ -11,7 +12,7 @@ use linestereo::{Area, Dims, Matched, Options, Params, Region, objects::Run};
 use linestereo_frames::{GrayImage, MatchedPair, PairBuffers};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use std::time::Instant;
 
@@ -50,7 +51,7 @@ impl PyMatcher {
             if let Ok(rig) = rig.cast::<Rig>() {
                 params.rig = Some(rig.get().rig);
             } else if let Ok(found) = rig.cast::<Calibration>() {
-                params.rig = Some(found.borrow().rig);
+                params.rig = Some(found.try_borrow().map_err(in_use)?.rig);
                 calibration = Some(found.clone().unbind());
             } else {
                 return Err(PyValueError::new_err("rig is neither a Rig nor a Calibration"));
@@ -79,13 +80,20 @@ impl PyMatcher {
             view(image, spans)?;
         }
         if let Some(calibration) = &self.calibration {
-            let mut calibration = calibration.bind(py).try_borrow_mut()?;
+            let mut calibration = calibration.bind(py).try_borrow_mut().map_err(in_use)?;
             usable.clone_from(&calibration.usable);
             let calibration = &mut *calibration;
             images = py.detach(|| calibration.pair(&images))?;
         }
         py.detach(|| self.matched(images, usable, times_us))
     }
+}
+
+/// Of a calibration that another thread rectifies with.
+fn in_use(error: impl Display) -> PyErr {
+    PyRuntimeError::new_err(format!(
+        "the Calibration is in use ({error}); give each thread one of its own"
+    ))
 }
 
 impl PyMatcher {
@@ -196,6 +204,9 @@ impl PyMatched {
         };
         let (rig, points) = (rig.centred(self.dims()), points.as_array());
         let place = |[x, y, disparity]: [f32; 3]| {
+            if [x, y, disparity].iter().any(|number| number.is_nan()) {
+                return [f64::NAN; 3];
+            }
             let at = ImagePosition {
                 x: Position::saturating_from_num(x),
                 y: Position::saturating_from_num(y),

@@ -264,6 +264,9 @@ def test_points_have_places_in_space(result):
     z = points["depth"]
     assert np.allclose(xyz[:, 2], z)
     assert np.allclose(xyz[:, 0], (points["x"] - 159.5) * z / 200, atol=2e-3) and np.allclose(xyz[:, 1], (points["y"] - 119.5) * z / 200, atol=2e-3)
+    points["disparity"][0], before = np.nan, points["disparity"][0]
+    assert np.isnan(result.xyz[0]).all()
+    points["disparity"][0] = before
     with pytest.raises(ValueError, match="places in space need a rig"):
         linestereo.match(wall(0), wall(12), max_disparity=32).xyz
 

@@ -195,7 +195,7 @@ class Result:
 
     @property
     def xyz(self) -> npt.NDArray[np.float64]:
-        """Places of the points in m, shape (n, 3): x right, y down, z forward of the left camera; nan where the depth is infinite. Needs a rig."""
+        """Places of the points in m, shape (n, 3): x right, y down, z forward of the left camera; nan where the depth is infinite, or a number of the point nan. Needs a rig."""
         points = self.points
         return self._pair.xyz(np.stack([points[name].astype(np.float32) for name in ("x", "y", "disparity")], axis=1))
 
