@@ -4,7 +4,8 @@
 //! ```text
 //! OutputPath    a file that is named on the command line to be written: `commands::arguments`
 //!               knows them by this type
-//! spare         none of them is among the files that a command found for itself
+//! spare         none of them is among the files that a command is about to read
+//! remember_inputs  none of them is among those that it has read, whichever output it is
 //! OutputFiles   written beside their destinations, then renamed together
 //! LineFile      one that grows line by line
 //! print, say, detail   results and notes on stdout; more, for who asks, on stderr
@@ -18,13 +19,14 @@ use anyhow::{Result, anyhow, bail};
 use core::ops::Deref;
 use core::sync::atomic::{AtomicBool, Ordering};
 use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png::PngEncoder};
-use linestereo_frames::untrusted::printable;
+use linestereo_frames::untrusted::{self, printable};
 use serde::Serialize;
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::ffi::OsString;
 use std::fs::{self, File, Permissions};
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use tempfile::{NamedTempFile, TempPath};
 
 /// Links in a row that are followed to a file that is not there.
@@ -38,6 +40,26 @@ const MOST_ON_TERMINAL: usize = 16 << 10;
 static QUIET: AtomicBool = AtomicBool::new(false);
 /// Details are told.
 static VERBOSE: AtomicBool = AtomicBool::new(false);
+
+/// Places of the files that were read.
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Has no output replace a file that is read from here on.
+pub fn remember_inputs() {
+    untrusted::observe(|path| {
+        READ.lock().unwrap_or_else(PoisonError::into_inner).insert(place(path));
+    });
+}
+
+/// Refuses a place where a file was read.
+pub fn check_unread(place: &Path) -> Result<()> {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    if read.contains(place) { Err(is_input(place)) } else { Ok(()) }
+}
+
+fn is_input(path: &Path) -> anyhow::Error {
+    anyhow!("{} is one of the files that are read; write to another one", path.display())
+}
 
 /// File to be written, or stdout.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -93,8 +115,13 @@ pub fn print(text: &str) -> Result<()> {
 /// Writes a note for people to stderr, unless they want none.
 pub fn note(text: &str) {
     if !is_quiet() {
-        eprintln!("{}", printable(text));
+        tell(text);
     }
+}
+
+/// Writes a line to stderr; where nobody reads it, it is dropped.
+pub fn tell(text: &str) {
+    let _ = writeln!(io::stderr(), "{}", printable(text));
 }
 
 /// Do people read stdout?
@@ -122,7 +149,7 @@ pub fn say(text: &str) -> Result<()> {
 /// Tells on stderr what a command takes and does, where that is asked for.
 pub fn detail(text: impl FnOnce() -> String) {
     if VERBOSE.load(Ordering::Relaxed) {
-        eprintln!("{}", printable(&text()));
+        tell(&text());
     }
 }
 
@@ -166,9 +193,7 @@ pub fn spare<'a>(
     let inputs: HashSet<&Path> = inputs.into_iter().collect();
     let inputs: HashSet<PathBuf> = inputs.into_iter().map(place).collect();
     match outputs.find(|path| inputs.contains(&place(path))) {
-        Some(path) => {
-            bail!("{} is one of the files that are read; write to another one", path.display())
-        }
+        Some(path) => Err(is_input(path)),
         None => Ok(()),
     }
 }
@@ -180,11 +205,17 @@ pub struct OutputFiles {
     /// Devices and pipes cannot be renamed onto; they are written last.
     direct: Vec<(PathBuf, Vec<u8>)>,
     stdout: Option<Vec<u8>>,
+    repairs: bool,
 }
 
 impl OutputFiles {
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Files that replace those that were read, because these are not as they should be.
+    pub fn of_repair() -> Self {
+        Self { repairs: true, ..Self::default() }
     }
 
     /// Writes one file's contents to a temporary file in the destination's folder, or keeps them
@@ -231,6 +262,9 @@ impl OutputFiles {
 
     /// Puts every file in its place, and what is for stdout there.
     pub fn commit(self) -> Result<()> {
+        for (_, path) in self.staged.iter().filter(|_| !self.repairs) {
+            check_unread(path)?;
+        }
         for (file, path) in self.staged {
             file.persist(&path).map_err(|error| cannot_write(&path, &error.error))?;
         }
@@ -247,6 +281,18 @@ impl OutputFiles {
         self.commit()?;
         if is_free { say(text) } else { Ok(()) }
     }
+
+    /// The same; then the results that were asked for on stdout, between notes for people, unless a
+    /// file went there.
+    pub fn commit_and_tell(self, before: &str, results: &str, after: &str) -> Result<()> {
+        let is_free = self.stdout.is_none();
+        self.commit()?;
+        match is_free {
+            true if is_quiet() => print(results),
+            true => print(&[before, results, after].concat()),
+            false => Ok(()),
+        }
+    }
 }
 
 /// A file that grows line by line beside its destination, and appears there when it is whole.
@@ -261,6 +307,7 @@ pub struct LineFile {
 impl LineFile {
     pub fn new(path: &Path) -> Result<Self> {
         let path = place(path);
+        check_unread(&path)?;
         let open = || match fs::metadata(&path) {
             Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
             Ok(there) if !there.is_file() => Ok((File::options().write(true).open(&path)?, None)),
@@ -276,6 +323,7 @@ impl LineFile {
     /// Puts it in its place.
     pub fn commit(self) -> Result<()> {
         let Self { mut file, temporary, path } = self;
+        check_unread(&path)?;
         file.flush().map_err(|error| cannot_write(&path, &error))?;
         let persist =
             |name: TempPath| name.persist(&path).map_err(|error| cannot_write(&path, &error.error));

@@ -1,6 +1,7 @@
 //! Other programs of this machine: run with a time limit, with their output caught and with errors
 //! that say what to do. Debian's packages are installed where a program is missing, only for root.
 
+use crate::output::tell;
 use anyhow::{Context, Result, anyhow, bail};
 use core::time::Duration;
 use std::io::Read;
@@ -80,7 +81,7 @@ pub(crate) fn install(what_for: &str, packages: &[&str]) -> Result<()> {
     // the next one finds.
     static INSTALLING: Mutex<()> = Mutex::new(());
     let _installing = INSTALLING.lock().unwrap_or_else(PoisonError::into_inner);
-    eprintln!("installing {list}");
+    tell(&format!("installing {list}"));
     let apt = |arguments: &[&str]| {
         let mut command = Command::new("apt-get");
         command

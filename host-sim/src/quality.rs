@@ -93,38 +93,6 @@ pub struct Wall<'a> {
 }
 
 impl Wall<'_> {
-    /// Figures of the points of pairs, and the answers of the last one.
-    pub fn evaluate(&self, pairs: &[Vec<Point>]) -> (Quality, Vec<WallAnswer>) {
-        let mut answers = Vec::new();
-        let mut each = Vec::new();
-        for points in pairs {
-            answers = self.answers(points);
-            each.push(self.of_pair(&mut answers));
-        }
-        let middle = |of: fn(&Quality) -> Option<f64>| median(each.iter().filter_map(of));
-        let Area { left, top, right, bottom } = self.region;
-        let mut all = Quality {
-            pairs: pairs.len(),
-            region: [left, top, right - left, bottom - top],
-            cells: self.cells(),
-            fill_rate: middle(|one| Some(one.fill_rate)).unwrap_or(0.0),
-            off_plane: middle(|one| one.off_plane),
-            sub_pixel_rms_px: middle(|one| one.sub_pixel_rms_px),
-            distance_m: middle(|one| one.distance_m),
-            tilt_deg: middle(|one| one.tilt_deg),
-            plane_fit_rms_m: middle(|one| one.plane_fit_rms_m),
-            plane_fit_rms: middle(|one| one.plane_fit_rms),
-            z_accuracy_m: middle(|one| one.z_accuracy_m),
-            z_accuracy: middle(|one| one.z_accuracy),
-            disparity_error_px: middle(|one| one.disparity_error_px),
-            ..Quality::default()
-        };
-        if pairs.len() > 1 {
-            self.add_noise(pairs, &mut all);
-        }
-        (all, answers)
-    }
-
     fn columns(&self) -> (usize, usize) {
         centres(self.region.left, self.region.right)
     }
@@ -205,27 +173,95 @@ impl Wall<'_> {
         }
         quality
     }
+}
 
-    fn add_noise(&self, pairs: &[Vec<Point>], quality: &mut Quality) {
-        let mut by_pixel: HashMap<(u16, u16), Vec<f64>> = HashMap::new();
-        for point in pairs
-            .iter()
-            .flatten()
-            .filter(|point| self.region.contains(point.x.into(), point.y.into()))
-        {
-            by_pixel.entry((point.x, point.y)).or_default().push(point.disparity.to_num());
+/// Figures of pairs, one after the other: of each pixel only its mean and spread are kept.
+#[derive(Debug, Default)]
+pub struct WallFigures {
+    each: Vec<Quality>,
+    pixels: HashMap<(u16, u16), Pixel>,
+    /// Of the last pair.
+    answers: Vec<WallAnswer>,
+}
+
+/// Answers of a pixel over the pairs.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    disparity: Spread,
+    depth: Spread,
+}
+
+impl WallFigures {
+    pub fn push(&mut self, wall: &Wall<'_>, points: &[Point]) {
+        self.answers = wall.answers(points);
+        self.each.push(wall.of_pair(&mut self.answers));
+        let stereo = wall.stereo();
+        for point in points.iter().filter(|p| wall.region.contains(p.x.into(), p.y.into())) {
+            let pixel = self.pixels.entry((point.x, point.y)).or_default();
+            let disparity = point.disparity.to_num();
+            pixel.disparity.add(disparity);
+            if let Some((fb, offset)) = stereo {
+                pixel.depth.add(fb / (disparity + offset));
+            }
         }
-        let least = pairs.len().div_ceil(2).max(2);
-        let repeated: Vec<&Vec<f64>> =
-            by_pixel.values().filter(|values| values.len() >= least).collect();
-        quality.repeated_pixels = Some(repeated.len());
-        quality.temporal_noise_px = median(repeated.iter().map(|values| deviation(values)));
-        if let Some((fb, offset)) = self.stereo() {
-            let depths =
-                |values: &&Vec<f64>| values.iter().map(|d| fb / (d + offset)).collect::<Vec<f64>>();
-            let deviations = repeated.iter().map(|values| deviation(&depths(values)));
-            quality.temporal_noise_m = median(deviations);
+    }
+
+    /// Number of pairs.
+    pub fn pairs(&self) -> usize {
+        self.each.len()
+    }
+
+    /// Figures of all pairs, and the answers of the last one, of this wall.
+    pub fn of_all(self, wall: &Wall<'_>) -> (Quality, Vec<WallAnswer>) {
+        let middle = |of: fn(&Quality) -> Option<f64>| median(self.each.iter().filter_map(of));
+        let Area { left, top, right, bottom } = wall.region;
+        let mut all = Quality {
+            pairs: self.pairs(),
+            region: [left, top, right - left, bottom - top],
+            cells: wall.cells(),
+            fill_rate: middle(|one| Some(one.fill_rate)).unwrap_or(0.0),
+            off_plane: middle(|one| one.off_plane),
+            sub_pixel_rms_px: middle(|one| one.sub_pixel_rms_px),
+            distance_m: middle(|one| one.distance_m),
+            tilt_deg: middle(|one| one.tilt_deg),
+            plane_fit_rms_m: middle(|one| one.plane_fit_rms_m),
+            plane_fit_rms: middle(|one| one.plane_fit_rms),
+            z_accuracy_m: middle(|one| one.z_accuracy_m),
+            z_accuracy: middle(|one| one.z_accuracy),
+            disparity_error_px: middle(|one| one.disparity_error_px),
+            ..Quality::default()
+        };
+        if self.pairs() > 1 {
+            let least = self.pairs().div_ceil(2).max(2);
+            let is_repeated = |pixel: &&Pixel| pixel.disparity.count >= least;
+            let repeated: Vec<&Pixel> = self.pixels.values().filter(is_repeated).collect();
+            all.repeated_pixels = Some(repeated.len());
+            all.temporal_noise_px = median(repeated.iter().map(|p| p.disparity.deviation()));
+            let depths = repeated.iter().filter(|_| wall.rig.is_some());
+            all.temporal_noise_m = median(depths.map(|pixel| pixel.depth.deviation()));
         }
+        (all, self.answers)
+    }
+}
+
+/// Mean and squares of distances from it, value by value (Welford, 1962).
+#[derive(Clone, Copy, Debug, Default)]
+struct Spread {
+    count: usize,
+    mean: f64,
+    squares: f64,
+}
+
+impl Spread {
+    fn add(&mut self, value: f64) {
+        self.count += 1;
+        let from_old = value - self.mean;
+        self.mean += from_old / self.count as f64;
+        self.squares += from_old * (value - self.mean);
+    }
+
+    fn deviation(&self) -> f64 {
+        (self.squares / (self.count as f64 - 1.0).max(1.0)).sqrt()
     }
 }
 
@@ -247,12 +283,6 @@ fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
     upper_median(values.collect(), f64::total_cmp)
-}
-
-fn deviation(values: &[f64]) -> f64 {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (squares / (values.len() as f64 - 1.0).max(1.0)).sqrt()
 }
 
 /// Angle between the plane and the image; needs focal length and principal point.

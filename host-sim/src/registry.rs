@@ -195,7 +195,7 @@ impl Package {
             }
             fs::create_dir_all(&folder)
                 .with_context(|| format!("cannot make {}", folder.display()))?;
-            let mut output = OutputFiles::new();
+            let mut output = OutputFiles::of_repair();
             for (name, bytes) in &files {
                 output.add(&folder.join(name), bytes)?;
             }

@@ -1,9 +1,10 @@
 //! The program as a user calls it: what `run --objects`, `sequence` and `report` write, and how
 //! they fail.
 
+use crate::rectify;
 use crate::support::{
-    failed, json, json_lines, linestereo, refused, save, says, stderr, stdout, succeed, tells,
-    with_drawn_pairs,
+    all_refused, failed, json, json_lines, linestereo, program, refused, save, says, stderr,
+    stdout, succeed, tells, with_drawn_pairs,
 };
 use linestereo::Dims;
 use linestereo_sim::scene::Kind;
@@ -123,6 +124,62 @@ fn each_frame_of_a_report_has_its_own_rig() {
     let focal = |frame: usize| frames[frame]["pinhole"][0].as_f64().unwrap();
     assert_eq!((focal(1), focal(0)), (777.0, focal(2)));
     assert_ne!(focal(0), 777.0);
+}
+
+#[test]
+fn quiet_hides_no_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 1);
+    fs::write(at.join("rig.toml"), rectify::RIG).unwrap();
+    for (line, word) in [
+        ("run 0001_left.png 0001_right.png --query 160,120", "160,120"),
+        ("explain 0001_left.png 0001_right.png 160,120", "search"),
+        ("quality 0001_left.png 0001_right.png", "wall in"),
+        ("plan-rig --hfov-deg 70 --baseline-m 0.1", "focal length"),
+        ("convert-rig rig.toml", "baseline"),
+    ] {
+        let [all, quiet] = ["", "-q "].map(|quiet| linestereo(at, &format!("{quiet}{line}")));
+        let [all, quiet] = [all, quiet].map(|output| String::from_utf8(output.stdout).unwrap());
+        assert!(quiet.contains(word) && all.contains(quiet.trim_end()), "{line}: {quiet}");
+    }
+}
+
+#[test]
+fn options_without_effect_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 1);
+    let (run, sectors) = ("run 0001_left.png 0001_right.png", "--sectors, --fan or --mavlink");
+    let cases: [(&str, &str); 6] = [
+        (&format!("{run} --camera-yaw 30"), sectors),
+        (&format!("{run} --sector-range 3"), sectors),
+        (&format!("{run} --sector-heights -1 1"), sectors),
+        (&format!("{run} --drop-depth 0.1"), sectors),
+        ("sequence . --sector-range 3", "add --sectors, or --out FILE.mcap"),
+        (&format!("sequence . {RIG} --out a.mcap --camera-yaw 30"), "in the camera's frame"),
+    ];
+    all_refused(at, &cases);
+    refused(at, "monitor x.bin --json --record -", &["both write to stdout"]);
+    succeed(at, &format!("sequence . {RIG} --out a.mcap --sector-range 3 --no-points"));
+    let messages = fs::read(at.join("a.mcap")).unwrap();
+    let has = |topic: &[u8]| messages.windows(topic.len()).any(|bytes| bytes == topic);
+    assert!(has(b"/linestereo/segments") && !has(b"/linestereo/points"));
+}
+
+#[cfg(unix)]
+#[test]
+fn notes_that_nobody_reads_are_dropped() {
+    let folder = tempfile::tempdir().unwrap();
+    recording(folder.path(), 1);
+    for line in
+        ["run 0001_left.png 0001_right.png -v --max-disparity 64", "sequence .", "monitor --help"]
+    {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = program(folder.path(), line).stderr(writer).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{line}");
+    }
 }
 
 #[test]

@@ -100,6 +100,25 @@ fn files_that_a_command_finds_are_not_replaced_either() {
     ] {
         refused(at, line, &["one of the files that are read"]);
     }
+    // Files that are read beside a pair, too.
+    let scene = fs::read(at.join("scene.json")).unwrap();
+    fs::create_dir_all(at.join("rec/1")).unwrap();
+    fs::copy(at.join("scene.json"), at.join("rec/1/scene.json")).unwrap();
+    for side in ["left", "right"] {
+        let image = at.join(format!("0001_{side}.png"));
+        fs::copy(&image, at.join(format!("rec/1/{side}.png"))).unwrap();
+    }
+    for line in [
+        "run 0001_left.png 0001_right.png --json scene.json",
+        "explain 0001_left.png 0001_right.png 100,100 --picture scene.json",
+        "sequence rec --out rec/1/scene.json",
+        "report rec -o rec/1/scene.json",
+    ] {
+        refused(at, line, &["one of the files that are read"]);
+    }
+    for file in ["scene.json", "rec/1/scene.json"] {
+        assert_eq!(fs::read(at.join(file)).unwrap(), scene, "{file}");
+    }
     for file in ["0001_left.png", "raw/left.png"] {
         assert_eq!(fs::read(at.join(file)).unwrap(), before, "{file}");
     }

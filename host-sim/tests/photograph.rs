@@ -2,12 +2,12 @@
 
 use crate::monitor::{next_command, packet};
 use crate::support::{listening, refused, succeed};
+use core::time::Duration;
 use linestereo_wire::*;
 use std::fs;
 use std::io::Write;
 use std::net::TcpStream;
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
 use tempfile::TempDir;
 
 const SIZE: [u16; 2] = [40, 30];

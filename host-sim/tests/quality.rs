@@ -5,7 +5,7 @@ use crate::support::{all_refused, json, tells};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
 use linestereo::{Area, Dims, Rig};
-use linestereo_sim::quality::Wall;
+use linestereo_sim::quality::{Wall, WallFigures};
 use linestereo_sim::scene::{self, Pair, Pattern, Scene, Sensor, Surface, Texture};
 use linestereo_sim::scene_folder;
 use serde_json::Value;
@@ -146,7 +146,9 @@ fn figures_are_those_of_the_definitions() {
             .map(|(at, i)| point(at.0, at.1, if i < 2 { 9.0 } else { off(at) }))
             .collect()
     };
-    let (quality, answers) = wall.evaluate(&[pair(1.0), pair(-1.0)]);
+    let mut figures = WallFigures::default();
+    [1.0, -1.0].iter().for_each(|&sign| figures.push(&wall, &pair(sign)));
+    let (quality, answers) = figures.of_all(&wall);
     assert_eq!((quality.cells, answers.len()), (200, 190));
     assert!((quality.fill_rate - 0.95).abs() < 1e-9);
     assert!((quality.off_plane.unwrap() - 2.0 / 190.0).abs() < 1e-9);

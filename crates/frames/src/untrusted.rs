@@ -4,6 +4,7 @@
 //! ```text
 //! read, read_text, open   a file, of at most so many bytes
 //! guarded                 a decoder's panic is the error of its file
+//! observe                 every file that is opened from here on
 //! printable               text of others without what a terminal obeys
 //! ```
 //!
@@ -17,7 +18,7 @@ use std::fs::File;
 use std::io::{self, BufReader, ErrorKind, Read};
 use std::panic;
 use std::path::Path;
-use std::sync::Once;
+use std::sync::{Once, OnceLock};
 
 /// Most bytes of a file of settings: rigs, calibrations, `scene.json`, an image for a board's
 /// flash.
@@ -60,10 +61,22 @@ pub fn open(path: &Path, most: u64) -> io::Result<BufReader<File>> {
     if about.len() > most { Err(too_large(most)) } else { Ok(BufReader::new(file)) }
 }
 
+static OBSERVER: OnceLock<fn(&Path)> = OnceLock::new();
+
+/// Calls `opened` with the path of each file of others that this process opens from here on. The
+/// first observer stays.
+pub fn observe(opened: fn(&Path)) {
+    let _ = OBSERVER.set(opened);
+}
+
 /// A file whose reader takes one piece after the other, for as long as there are any.
 #[expect(clippy::disallowed_methods, reason = "the place that all others use")]
 pub fn opened(path: &Path) -> io::Result<File> {
-    File::open(path)
+    let file = File::open(path)?;
+    if let Some(observer) = OBSERVER.get() {
+        observer(path);
+    }
+    Ok(file)
 }
 
 fn too_large(most: u64) -> io::Error {

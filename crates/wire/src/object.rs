@@ -92,7 +92,7 @@ pub struct ObjectRecord {
     /// Depth at the centre, its standard deviation, and the nearest credible depth, 1/65536 m;
     /// `i32::MAX` is infinite.
     pub depth_q16: Option<[i32; 3]>,
-    /// Segments that support the answer.
+    /// Number of segments and support points that support the answer.
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range, 1/65536.
     pub confidence_q16: u16,

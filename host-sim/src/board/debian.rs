@@ -10,6 +10,7 @@
 //! Each part is made beside it and renamed into place, under a lock of its own: what is there is
 //! whole, and targets are made side by side.
 
+use crate::output::tell;
 use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
@@ -58,7 +59,10 @@ pub(super) fn toolchain(target: &str) -> Result<PathBuf> {
     let lock = fs::File::create(cache.join(format!("lock-{target}")))?;
     lock.lock()?;
     if !libraries.is_dir() {
-        eprintln!("building core for {target} once, about a minute, into {}", libraries.display());
+        tell(&format!(
+            "building core for {target} once, about a minute, into {}",
+            libraries.display()
+        ));
         let unfinished = tempfile::tempdir_in(&cache)?;
         build_core(unfinished.path(), &source, target)?;
         make_readable(unfinished.path())?;

@@ -2,6 +2,7 @@
 
 use super::toolchain::Toolchain;
 use super::{Board, top};
+use crate::output::tell;
 use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
@@ -207,7 +208,7 @@ fn run(command: &mut Command, what: &str) -> Result<()> {
     if !outcome.status.success() {
         let error =
             outcome.stderr.lines().find(|line| line.starts_with("error")).unwrap_or("it failed");
-        eprintln!("{}", outcome.stderr);
+        tell(&outcome.stderr);
         bail!("{what}: {error}");
     }
     Ok(())

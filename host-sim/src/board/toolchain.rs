@@ -11,6 +11,7 @@
 //! that plain cargo builds for them. Targets come to it one by one, as they are asked for.
 
 use super::{Board, debian, top};
+use crate::output::tell;
 use crate::programs;
 use anyhow::{Context, Result, bail};
 use core::time::Duration;
@@ -139,7 +140,7 @@ fn rustup(top: &Path, target: &str) -> Result<Toolchain> {
     if has_target().is_some() {
         return Ok(toolchain);
     }
-    eprintln!("rustup target add {target}");
+    tell(&format!("rustup target add {target}"));
     let added = programs::run(
         Command::new("rustup").args(["target", "add", target]).current_dir(top),
         RUSTUP_LIMIT,

@@ -85,7 +85,12 @@ pub fn run(args: &Args) -> Result<()> {
             let _ = writeln!(text, "{}: {}", args.to, path.display());
         }
     }
-    output.commit_and_say(&text)
+    // With a file it is a summary, and what was asked for without one.
+    if args.out.is_empty() {
+        output.commit_and_tell("", &text, "")
+    } else {
+        output.commit_and_say(&text)
+    }
 }
 
 fn summary(imported: &Imported) -> String {

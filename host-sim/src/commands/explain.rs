@@ -49,15 +49,13 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = OutputFiles::new();
     let picture = || draw::explanation(&matched.images[0], &explanation);
     output.add_made(args.picture.as_ref(), || Ok(draw::png(&picture())?))?;
-    let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
+    let mut before = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
     if pixel != args.pixel {
-        text.push_str(&format!(
+        before.push_str(&format!(
             "pixel {x},{y} is {},{} of the images as matched\n",
             pixel.0, pixel.1
         ));
     }
-    text.push_str(&explanation.to_string());
-    text.push_str(&health::summary(&matched.result));
-    text.push_str(&written([&args.picture]));
-    output.commit_and_say(&text)
+    let after = health::summary(&matched.result) + &written([&args.picture]);
+    output.commit_and_tell(&before, &explanation.to_string(), &after)
 }

@@ -37,7 +37,7 @@ pub mod sequence;
 pub mod view;
 
 use crate::engine::Engine;
-use crate::output::{OutputPath, print, say};
+use crate::output::{self, OutputPath, print, say};
 use anyhow::{Context, Result, bail};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::{Shell, generate};
@@ -116,6 +116,7 @@ pub fn main() -> ExitCode {
     program::run(NAME, command(), |matches| {
         let cli = Cli::from_arg_matches(matches)?;
         cli.verbosity.set();
+        output::remember_inputs();
         run_command(&cli)
     })
 }

@@ -6,11 +6,10 @@ use crate::monitor::link::{Event, Link};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
-use crate::output::{ClosedPipe, OutputPath, print};
+use crate::output::{ClosedPipe, OutputPath, check_unread, place, print, tell};
 use crate::results::health;
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use linestereo_frames::untrusted::printable;
 use linestereo_wire::{Health, Sectors};
 use std::fs::File;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -46,6 +45,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    if args.json && args.record.as_ref().is_some_and(OutputPath::is_stdout) {
+        bail!("--json and --record - both write to stdout; record to a file");
+    }
     let wanted = requests::parse(&args.send)?;
     let mut port = args.port.open_or(args.file.as_deref())?;
     let mut record = args.record.as_ref().map(Record::create).transpose()?;
@@ -73,6 +75,7 @@ impl Record {
         let file: Box<dyn Write> = if path.is_stdout() {
             Box::new(io::stdout())
         } else {
+            check_unread(&place(path))?;
             Box::new(File::create(&**path).map_err(|error| cannot_record(path, &error))?)
         };
         Ok(Self { path: path.to_path_buf(), file })
@@ -262,7 +265,10 @@ impl Screen {
         match self {
             Self::Live(bar) => bar.suspend(print),
             Self::Lines => print(),
-            Self::Json | Self::Notes => Ok(writeln!(io::stderr(), "{}", printable(note))?),
+            Self::Json | Self::Notes => {
+                tell(note);
+                Ok(())
+            }
         }
     }
 
@@ -275,7 +281,10 @@ impl Screen {
                 print(&format!("{last}{end}{summary}"))
             }
             Self::Lines => print(summary),
-            Self::Json | Self::Notes => Ok(write!(io::stderr(), "{summary}")?),
+            Self::Json | Self::Notes => {
+                tell(summary.trim_end());
+                Ok(())
+            }
         }
     }
 }

@@ -117,6 +117,11 @@ struct OfPair {
 }
 
 impl Objects<'_> {
+    /// Nothing but the objects is matched.
+    pub(super) fn is_only(&self) -> bool {
+        self.args.only_objects
+    }
+
     /// The depths of the objects of the pair that was matched last; `None` when nobody asked.
     pub(super) fn depths(
         &self,
@@ -210,7 +215,7 @@ impl Asked {
                 (Some(d), None, _) => write!(text, "{d:.2} px, sigma {:.2} px", object.sigma_px),
                 (None, None, reason) => write!(text, "{}", reason.unwrap_or("unknown")),
             };
-            let _ = writeln!(text, ", {} segments, p = {:.2}", object.support, object.confidence);
+            let _ = writeln!(text, ", support {}, p = {:.2}", object.support, object.confidence);
         }
         if self.list.len() > MOST_LISTED {
             let _ = writeln!(text, "and {} more objects", self.list.len() - MOST_LISTED);

@@ -71,9 +71,8 @@ pub fn run(args: &Args) -> Result<()> {
     let plan = RigPlan::new(focal, args.size, baseline, args.max_disparity, args.sigma_px)?;
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
-    let mut text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
-    text.push_str(&written([&args.json]));
-    output.commit_and_say(&text)
+    let text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
+    output.commit_and_tell("", &text, &written([&args.json]))
 }
 
 fn text(

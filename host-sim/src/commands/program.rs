@@ -17,7 +17,7 @@ const FAILURE: u8 = 2;
 /// Amount of printed text.
 #[derive(Debug, clap::Args)]
 pub struct Verbosity {
-    /// Print only results: no summary, notes or progress.
+    /// Print only the results that were asked for: no summary, notes or progress.
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// Print to stderr which sizes, rig, range and files are used.

@@ -1,13 +1,13 @@
 //! `linestereo quality`: depth quality on a flat wall.
 
 use super::arguments::number_in;
-use super::input::InputArgs;
+use super::input::{InputArgs, Setup};
 use super::pairs::{has_ended, named_bar, pairs_of, video_note};
 use super::player::Player;
 use super::{asked_for, written};
 use crate::draw;
 use crate::output::{OutputFiles, OutputPath, spare};
-use crate::quality::{Quality, Wall};
+use crate::quality::{Quality, Wall, WallFigures};
 use crate::results::health;
 use anyhow::{Context, Result, bail};
 use core::fmt::Write;
@@ -61,12 +61,12 @@ pub fn run(args: &Args) -> Result<()> {
     spare(asked_for([&args.json, &args.picture]), pairs.iter().flat_map(StoredPair::files))?;
     let mut player = Player::new(&args.input, &args.left)?;
     let progress = named_bar(pairs.len());
-    let (mut points, mut last, mut flags) = (Vec::new(), None, Health::GOOD);
+    let (mut figures, mut last, mut flags) = (WallFigures::default(), None, Health::GOOD);
     let mut refusals = Vec::new();
     for pair in pairs {
         progress.set_message(pair.name.clone());
         let loaded = player.load(pair);
-        if loaded.is_err() && has_ended(&found) && !points.is_empty() {
+        if loaded.is_err() && has_ended(&found) && figures.pairs() > 0 {
             break;
         }
         let (loaded, setup, matcher) = loaded.with_context(|| pair.name.clone())?;
@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<()> {
         refusals.extend(
             health::refusal(&matched.result).filter(|_| !health::is_fit(matched.result.health)),
         );
-        points.push(matched.result.points);
+        figures.push(&wall(args, setup)?, &matched.result.points);
         last = Some(matched.images);
         progress.inc(1);
     }
@@ -86,12 +86,8 @@ pub fn run(args: &Args) -> Result<()> {
     let (Some([left, _]), Some(setup)) = (last, player.setup()) else {
         bail!("there are no pairs")
     };
-    if args.distance.is_some() && setup.params.rig.is_none() {
-        bail!("--distance needs depths; give --focal-px and --baseline-m, --scene, or --rig");
-    }
-    let region = region(args.region, setup.given, |pixel| setup.as_matched(pixel))?;
-    let wall = Wall { region, rig: setup.params.rig.as_ref(), distance_m: args.distance };
-    let (quality, answers) = wall.evaluate(&points);
+    let pairs = figures.pairs();
+    let (quality, answers) = figures.of_all(&wall(args, setup)?);
     let verdict = Verdict::of(&quality, args.distance);
     let text = text(&quality, args.distance, &verdict) + &health::remedies(flags);
     let mut output = OutputFiles::new();
@@ -103,11 +99,21 @@ pub fn run(args: &Args) -> Result<()> {
     output.add_made(args.picture.as_ref(), || {
         Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?)
     })?;
-    output.commit_and_say(&(text + &video_note(&found) + &written([&args.json, &args.picture])))?;
-    match refusals.first().filter(|_| answers.is_empty() && refusals.len() == points.len()) {
+    let notes = video_note(&found) + &written([&args.json, &args.picture]);
+    output.commit_and_tell("", &text, &notes)?;
+    match refusals.first().filter(|_| answers.is_empty() && refusals.len() == pairs) {
         Some(why) => bail!("nothing is measured; {why}"),
         None => Ok(()),
     }
+}
+
+/// The wall in the left image of pairs of this set-up.
+fn wall<'a>(args: &Args, setup: &'a Setup<'_>) -> Result<Wall<'a>> {
+    if args.distance.is_some() && setup.params.rig.is_none() {
+        bail!("--distance needs depths; give --focal-px and --baseline-m, --scene, or --rig");
+    }
+    let region = region(args.region, setup.given, |pixel| setup.as_matched(pixel))?;
+    Ok(Wall { region, rig: setup.params.rig.as_ref(), distance_m: args.distance })
 }
 
 fn region(

@@ -6,9 +6,8 @@ use crate::engine::FrameResult;
 use crate::output::{LineFile, OutputPath, cannot_write, is_terminal, print};
 use crate::results::directions::Direction;
 use crate::results::listing;
-use crate::results::ros::{Extra, Frame, RosFile, placed};
+use crate::results::ros::{Content, Frame, RosFile, placed};
 use anyhow::{Result, bail};
-use linestereo::obstacles::ObstacleParams;
 use linestereo_frames::regions::Object;
 use linestereo_frames::{GrayImage, StoredPair};
 use linestereo_recordings::ros::sent::{Label, Stamp};
@@ -49,18 +48,17 @@ impl Sink {
     /// Lines on stdout, lines in a file, or messages with these too where its name ends in .mcap.
     pub(super) fn new(
         out: Option<&OutputPath>,
-        with: &[Extra],
-        sectors: ObstacleParams,
+        content: Content<'_>,
         recording: Option<&Recording>,
     ) -> Result<Self> {
         let path = out.filter(|path| !path.is_stdout()).map(|path| path.to_path_buf());
-        if !with.is_empty() && !path.as_deref().is_some_and(is_mcap) {
+        if !content.extras.is_empty() && !path.as_deref().is_some_and(is_mcap) {
             bail!("--with writes messages; give --out FILE.mcap");
         }
         let to = match &path {
             None => To::Stdout,
             Some(path) if is_mcap(path) => {
-                let file = RosFile::new(LineFile::new(path)?, with, sectors);
+                let file = RosFile::new(LineFile::new(path)?, content);
                 To::Messages(Box::new(file.map_err(|error| cannot_write(path, &error))?))
             }
             Some(path) => To::Lines(LineFile::new(path)?),
@@ -129,10 +127,10 @@ impl Sink {
             To::Stdout => Ok(String::new()),
             To::Lines(file) => file.commit().map(|()| String::new()),
             To::Messages(file) => {
-                let has_points = file.has_points();
+                let has_places = file.has_places();
                 file.finish().map_err(|error| cannot_write(&self.path, &error))?.commit()?;
                 let none = "no points or segments are written: without focal length and baseline they have no place in space\n";
-                Ok(if has_points { String::new() } else { none.to_owned() })
+                Ok(if has_places { String::new() } else { none.to_owned() })
             }
         }
     }

@@ -97,10 +97,16 @@ fn add(
     page: &mut Option<Page>,
 ) -> Result<Option<String>> {
     let (loaded, setup, matcher) = player.load(pair)?;
+    // The first pair of many tells how far rows are apart.
+    if !many || matcher.engine.matcher.knows_rows() {
+        matcher.engine.areas = objects.areas(setup, pair);
+    }
     // With the tests of many pairs the page would be too large.
     let mut log = if many { CurveLog::outcomes_only() } else { CurveLog::default() };
     let matched = matcher.run_observed(setup, &loaded, pair.images.times_us(), &mut log)?;
-    let refusal = health::refusal(&matched.result).map(|why| format!("{}: {why}", pair.name));
+    let is_right = objects.is_only() && health::is_fit(matched.result.health);
+    let refusal = health::refusal(&matched.result).filter(|_| !is_right);
+    let refusal = refusal.map(|why| format!("{}: {why}", pair.name));
     let Some(title) = title else { return Ok(refusal) };
     let (engine, params) = (&mut matcher.engine, &setup.params);
     let setup_of_page = || PageSetup { title: title.to_owned(), many };

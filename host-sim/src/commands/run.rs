@@ -84,6 +84,7 @@ pub(super) fn pixel(text: &str) -> Result<(u16, u16), &'static str> {
 }
 
 pub fn run(args: &Args) -> Result<()> {
+    args.sectors.check()?;
     let left = args.left.clone();
     let files = args
         .right
@@ -124,17 +125,16 @@ pub fn run(args: &Args) -> Result<()> {
         })?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
-    let mut text = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
-    text.push_str(&summary(left.dims, &setup.params, &result, seconds));
-    text.push_str(&objects.as_ref().map_or(String::new(), Asked::summary));
-    text.extend(answers.queries.iter().flatten().map(Query::summary));
-    text.push_str(&notes);
-    text.push_str(&sectors.map(Directions::table).unwrap_or_default());
+    let mut before = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
+    before.push_str(&summary(left.dims, &setup.params, &result, seconds));
+    let mut results = objects.as_ref().map_or(String::new(), Asked::summary);
+    results.extend(answers.queries.iter().flatten().map(Query::summary));
+    results.push_str(&sectors.map(Directions::table).unwrap_or_default());
     let lists = [&args.json, &args.csv, &args.objects_csv, &args.ply, &args.pcd];
     let maps = [&args.depth_png, &args.depth_npy, &args.disparity_png, &args.pfm, &args.overlay];
     let sectors = [&args.sectors.fan, &args.sectors.mavlink];
-    text.push_str(&written(lists.into_iter().chain(maps).chain(sectors)));
-    output.commit_and_say(&text)?;
+    let after = notes + &written(lists.into_iter().chain(maps).chain(sectors));
+    output.commit_and_tell(&before, &results, &after)?;
     // The other results are written by now.
     if let Some(error) = objects.and_then(|objects| objects.error) {
         bail!("{error}");

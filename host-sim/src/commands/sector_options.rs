@@ -71,13 +71,25 @@ impl From<PolicyName> for Policy {
 }
 
 impl SectorArgs {
+    fn is_asked(&self) -> bool {
+        self.sectors || self.fan.is_some() || self.mavlink.is_some()
+    }
+
+    /// Refuses options of sectors that nobody asked for.
+    pub(super) fn check(&self) -> Result<()> {
+        if self.is_asked() {
+            return Ok(());
+        }
+        self.plan.refuse_unused("--sectors, --fan or --mavlink")
+    }
+
     /// Sectors of each direction; `None` when nobody asked.
     pub(super) fn directions(
         &self,
         setup: &Setup<'_>,
         result: &FrameResult,
     ) -> Result<Option<Directions>> {
-        if !self.sectors && self.fan.is_none() && self.mavlink.is_none() {
+        if !self.is_asked() {
             return Ok(None);
         }
         self.plan.directions(setup, result).map(Some)
@@ -85,6 +97,24 @@ impl SectorArgs {
 }
 
 impl SectorPlanArgs {
+    pub(super) fn has_yaw(&self) -> bool {
+        self.camera_yaw.is_some()
+    }
+
+    /// Refuses these options where nothing uses them; `needs` would.
+    pub(super) fn refuse_unused(&self, needs: &str) -> Result<()> {
+        let unused = [
+            (self.sector_range.is_some(), "--sector-range"),
+            (self.sector_heights.is_some(), "--sector-heights"),
+            (self.drop_depth.is_some(), "--drop-depth"),
+            (self.has_yaw(), "--camera-yaw"),
+        ];
+        match unused.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, name)) => bail!("{name} has no effect alone; add {needs}, or leave it out"),
+            None => Ok(()),
+        }
+    }
+
     /// Where the camera looks, degrees clockwise from ahead.
     pub(super) fn yaw_deg(&self) -> f32 {
         self.camera_yaw.unwrap_or(ObstacleParams::DEFAULT.yaw_deg)

@@ -8,11 +8,10 @@ use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
 use super::sector_options::SectorPlanArgs;
 use crate::interruption::{self, Interrupted};
-use crate::output::{OutputPath, is_quiet, say, spare};
+use crate::output::{OutputPath, is_quiet, say, spare, tell};
 use crate::results::health;
-use crate::results::ros::Extra;
+use crate::results::ros::{Content, Extra};
 use anyhow::{Result, bail};
-use linestereo_frames::untrusted::printable;
 use linestereo_frames::{StoredPair, layouts};
 use linestereo_recordings::{Footage, Video};
 use std::collections::BTreeMap;
@@ -29,7 +28,7 @@ pub struct Args {
     /// Write to this file and not to stdout; ROS 2 messages if its name ends in .mcap.
     #[arg(long, value_name = "FILE.jsonl|FILE.mcap")]
     out: Option<OutputPath>,
-    /// Leave the points out.
+    /// Leave the points out, and /linestereo/points of messages.
     #[arg(long)]
     no_points: bool,
     /// Also write these messages to --out FILE.mcap, besides points, segments and health.
@@ -66,8 +65,10 @@ pub fn run(args: &Args) -> Result<()> {
     let objects = args.objects.open(folder, &found)?;
     spare(asked_for([&args.out]), found.pairs.iter().flat_map(StoredPair::files))?;
     let wanted = args.sector_plan.wanted();
-    let mut sink = Sink::new(args.out.as_ref(), &args.with, wanted, found.of_recording())?;
     let mut player = Player::new(&args.input, folder)?;
+    let content = Content { extras: &args.with, sectors: wanted, no_points: args.no_points };
+    let mut sink = Sink::new(args.out.as_ref(), content, found.of_recording())?;
+    args.check_sectors(sink.is_ros())?;
     let mut tally = Tally { may_be_empty: args.objects.is_only(), ..Tally::default() };
     let progress = frames.count().map_or_else(|| bar(0, "{spinner} {pos} {msg}"), named_bar);
     for (number, pair) in frames.pairs(&found) {
@@ -104,7 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
     if out.is_some() {
         say(&notes)?;
     } else if !is_quiet() {
-        eprint!("{}", printable(&notes));
+        tell(notes.trim_end());
     }
     match frames.count().filter(|_| interruption::requested() || !has_ended(&found)) {
         Some(wanted) => tally.outcome(wanted, out),
@@ -112,6 +113,22 @@ pub fn run(args: &Args) -> Result<()> {
             bail!("no frame came; {}", notes.replace('\n', " "))
         }
         None => tally.outcome(tally.frames, out),
+    }
+}
+
+impl Args {
+    /// Refuses options of sectors that nothing here uses.
+    fn check_sectors(&self, is_ros: bool) -> Result<()> {
+        if !is_ros && !self.sectors {
+            return self.sector_plan.refuse_unused("--sectors, or --out FILE.mcap");
+        }
+        if is_ros && self.sector_plan.has_yaw() {
+            bail!(
+                "--camera-yaw turns no messages, whose scans are in the camera's frame; leave it \
+                 out, and turn that frame in your robot's transforms"
+            );
+        }
+        Ok(())
     }
 }
 

@@ -21,10 +21,12 @@ pub fn fan(directions: &Directions) -> RgbImage {
     let mut sheet = Sheet::new([SIDE; 2]);
     let seen: Vec<Direction> =
         directions.list().into_iter().filter(|one| one.state != "outside").collect();
-    let ahead_only = seen.iter().all(|one| one.direction_deg.abs() <= 90.0);
+    let half = 0.5 * directions.width_deg();
+    let widest = seen.iter().map(|one| one.direction_deg.abs()).fold(0.0, f64::max);
     let side = SIDE as f32;
-    let (origin, reach) = if ahead_only {
-        ((0.5 * side, 0.93 * side), 0.85 * side)
+    let (origin, reach) = if widest <= 90.0 {
+        let aside = (widest + half).min(90.0).to_radians().sin() as f32;
+        ((0.5 * side, 0.93 * side), (0.48 / aside).min(0.85) * side)
     } else {
         ((0.5 * side, 0.5 * side), 0.44 * side)
     };
@@ -33,7 +35,6 @@ pub fn fan(directions: &Directions) -> RgbImage {
         (origin.0 + reach * (share * sine) as f32, origin.1 - reach * (share * cosine) as f32)
     };
     let range = directions.range_m();
-    let half = 0.5 * directions.width_deg();
     let mut labels = vec![(place(0.0, 1.03), format!("{range} m"))];
     for Direction { direction_deg, state, distance_m, drop_off_m, .. } in seen {
         let mut wedge = |from: f64, to: f64, rgb: [u8; 3], alpha: f32| {

@@ -54,7 +54,7 @@ pub fn object(record: &ObjectRecord) -> String {
     };
     let ObjectDepth { disparity, sigma, metres, support, .. } = object;
     match metres.and_then(|metres| listing::finite_metres(metres.depth)) {
-        Some(metres) => format!("object {label}: {metres:.2} m, {support} segments"),
+        Some(metres) => format!("object {label}: {metres:.2} m, support {support}"),
         None => format!("object {label}: {disparity:.2} px, sigma {sigma:.2} px"),
     }
 }

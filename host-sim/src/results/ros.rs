@@ -65,6 +65,16 @@ pub enum Extra {
     Disparity,
 }
 
+/// What a file holds, besides what is always written.
+#[derive(Clone, Copy, Debug)]
+pub struct Content<'a> {
+    pub extras: &'a [Extra],
+    /// Range and heights of scans. Their frame looks where the camera looks, whatever the yaw.
+    pub sectors: ObstacleParams,
+    /// Points are left out.
+    pub no_points: bool,
+}
+
 #[derive(Clone, Debug)]
 pub struct Frame<'a> {
     pub images: &'a [GrayImage; 2],
@@ -81,18 +91,21 @@ pub struct Frame<'a> {
 pub struct RosFile<W: Write> {
     writer: Writer<W>,
     extras: Vec<Extra>,
+    no_points: bool,
     channels: Vec<(Topic, u16)>,
-    /// Range, heights and direction of scans.
+    /// Range and heights of scans.
     sectors: ObstacleParams,
     /// Kept from pair to pair, of the rig and size of the last one.
     directions: Option<(ObstaclePlan, Obstacles)>,
 }
 
 impl<W: Write> RosFile<W> {
-    pub fn new(out: W, extras: &[Extra], sectors: ObstacleParams) -> io::Result<Self> {
+    pub fn new(out: W, content: Content<'_>) -> io::Result<Self> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
+        let Content { extras, sectors, no_points } = content;
         let (extras, channels) = (extras.to_vec(), Vec::new());
-        Ok(Self { writer, extras, channels, sectors, directions: None })
+        let sectors = ObstacleParams { yaw_deg: 0.0, ..sectors };
+        Ok(Self { writer, extras, no_points, channels, sectors, directions: None })
     }
 
     /// The messages of a pair.
@@ -106,7 +119,9 @@ impl<W: Write> RosFile<W> {
             (frame.result, [frame.images[0].dims.width, frame.images[0].dims.height]);
         let rig = frame.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some());
         if let Some(rig) = rig {
-            self.send(POINTS, stamp, &sent::point_cloud(stamp, &points(rig, result)))?;
+            if !self.no_points {
+                self.send(POINTS, stamp, &sent::point_cloud(stamp, &points(rig, result)))?;
+            }
             self.send(SEGMENTS, stamp, &sent::lines(stamp, &lines(rig, result)))?;
             self.scans(stamp, frame)?;
             if let Some(labels) = &frame.objects {
@@ -173,8 +188,8 @@ impl<W: Write> RosFile<W> {
     }
 
     /// Anything had a place in space.
-    pub fn has_points(&self) -> bool {
-        self.channels.iter().any(|(topic, _)| *topic == POINTS)
+    pub fn has_places(&self) -> bool {
+        self.channels.iter().any(|(topic, _)| *topic == SEGMENTS)
     }
 
     pub fn finish(self) -> io::Result<W> {

@@ -35,7 +35,7 @@ use figures::{Group, Report, SetReport};
 use indicatif::ProgressBar;
 use linestereo_frames::untrusted;
 use linestereo_sim::commands::pairs::bar;
-use linestereo_sim::output::{OutputFiles, OutputPath, is_quiet, print};
+use linestereo_sim::output::{OutputFiles, OutputPath, is_quiet, print, tell};
 use opencv::Worker;
 use scoring::{DAMAGES, Scores, Task};
 use std::collections::BTreeMap;
@@ -139,7 +139,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         print(&text)?;
     }
     if !is_quiet() {
-        eprintln!("{pairs} pairs in {:.0} s", begin.elapsed().as_secs_f64());
+        tell(&format!("{pairs} pairs in {:.0} s", begin.elapsed().as_secs_f64()));
     }
     Ok(())
 }
@@ -169,7 +169,7 @@ fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
         Ok(opencv) => Ok(Some(opencv)),
         Err(error) if args.python.is_some() => Err(error),
         Err(error) => {
-            eprintln!("linestereo alone is scored, and no damaged images: {error}");
+            tell(&format!("linestereo alone is scored, and no damaged images: {error}"));
             Ok(None)
         }
     }
