@@ -13,7 +13,7 @@ use linestereo::Dims;
 use linestereo_sim::report::browser::Browser;
 use linestereo_wire::{
     Answer, Command as BoardCommand, Decoder, FrameHead, Health, MAX_COMMAND, Message,
-    ObjectRecord, Objects, Outcome, PairHead, Pixels, Regions, Request,
+    ObjectRecord, Objects, Outcome, PairHead, Pixels, Refusal, Regions, Request, send_objects,
 };
 use serde_json::{Value, json};
 use std::fs;
@@ -328,10 +328,31 @@ fn accepted(listener: &TcpListener) -> TcpStream {
 
 /// The next command, which is accepted.
 fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAND>) -> Request {
+    answered(board, decoder, Outcome::Accepted)
+}
+
+/// The next command, which has this outcome.
+fn answered(
+    board: &mut TcpStream,
+    decoder: &mut Decoder<BoardCommand, MAX_COMMAND>,
+    outcome: Outcome,
+) -> Request {
     let BoardCommand { id, request } = next_command(board, decoder).expect("no command in 20 s");
-    let answer = Answer { command: id, outcome: Outcome::Accepted };
-    board.write_all(&packet(&Message::Answer(answer))).unwrap();
+    board.write_all(&packet(&Message::Answer(Answer { command: id, outcome }))).unwrap();
     request
+}
+
+fn record(label: u16) -> ObjectRecord {
+    ObjectRecord {
+        label,
+        disparity_q6: Ok(64 * 12),
+        sigma_q6: 16,
+        slope_q10: [0; 2],
+        spread_q6: 0,
+        confidence_q16: 65_000,
+        support: 9,
+        depth_q16: Some([163_840, 6554, 160_000]),
+    }
 }
 
 #[test]
@@ -351,16 +372,6 @@ fn boxes_of_the_page_are_asked_of_the_board() {
         panic!()
     };
     assert_eq!((boxes.len(), boxes[0].label, boxes[0].left, boxes[0].bottom), (1, 0, 10, 40));
-    let record = |label| ObjectRecord {
-        label,
-        disparity_q6: Ok(64 * 12),
-        sigma_q6: 16,
-        slope_q10: [0; 2],
-        spread_q6: 0,
-        confidence_q16: 65_000,
-        support: 9,
-        depth_q16: Some([163_840, 6554, 160_000]),
-    };
     let list = [record(0)].into_iter().collect();
     board.write_all(&packet(&Message::Objects(Objects { sequence: 1, list }))).unwrap();
     let found = events.json("objects");
@@ -381,6 +392,56 @@ fn boxes_of_the_page_are_asked_of_the_board() {
         code == Some(2) && errors.contains("was closed") && errors.lines().count() == 1,
         "{errors}"
     );
+}
+
+#[test]
+fn depths_are_of_the_boxes_that_the_board_last_accepted() {
+    let folder = TempDir::new().unwrap();
+    let (listener, address) = listening();
+    let view = View::start(folder.path(), &format!("--tcp {address}"));
+    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
+    let mut events = view.events();
+    let nine: Vec<[u16; 4]> = (0..9).map(|at| [at, 0, at + 9, 9]).collect();
+    let records: Vec<ObjectRecord> = (0..10).map(record).collect();
+    let refused = Outcome::Refused(Refusal::Region(0));
+    // What is refused changes nothing, and ends nothing.
+    for (sequence, boxes, outcome) in
+        [(1, json!(nine), Outcome::Accepted), (2, json!([[0, 0, 9999, 9999]]), refused)]
+    {
+        let is_refused = outcome != Outcome::Accepted;
+        assert_eq!(view.post(&boxes.to_string()), 200);
+        answered(&mut board, &mut decoder, outcome);
+        let note = events.of("note");
+        assert!(note.contains("refused the boxes of the page: ") == is_refused, "{note}");
+        // Two packets: of nine boxes and of one that nobody drew.
+        send_objects(sequence, &records, &mut |packet| board.write_all(packet)).unwrap();
+        assert_eq!(events.json("objects")["objects"].as_array().unwrap().len(), 8);
+        let found = events.json("objects");
+        assert_eq!(found["boxes"], json!(nine));
+        let labels = found["objects"].as_array().unwrap().iter().map(|of| of["label"].as_u64());
+        assert_eq!(labels.collect::<Vec<_>>(), (0..10).map(Some).collect::<Vec<_>>());
+    }
+    assert_eq!(view.interrupt().0, Some(0));
+}
+
+#[test]
+fn boxes_over_a_recording_are_not_those_that_its_board_answered() {
+    let list = [record(0)].into_iter().collect();
+    let objects = packet(&Message::Objects(Objects { sequence: 1, list }));
+    let folder = with_file("run.bin", [frame(1, 3).concat(), objects].concat());
+    let view = View::start(folder.path(), "run.bin --repeat --rate 50");
+    assert_eq!(view.post("[[10,20,30,40]]"), 200);
+    let mut events = view.events();
+    events.of("boxes");
+    let found = events.json("objects");
+    assert_eq!((&found["boxes"], &found["objects"][0]["label"]), (&json!([]), &json!(0)));
+    // A pass of the recording after the other one is no restart of the board.
+    let mut link = events.json("link");
+    while link["complete"].as_u64().unwrap() < 3 {
+        link = events.json("link");
+    }
+    assert_eq!((&link["restarts"], &link["lost"]), (&json!(0), &json!(0)));
+    assert_eq!(view.interrupt().0, Some(0));
 }
 
 #[test]
@@ -425,6 +486,10 @@ fn photographs_of_a_board_lie_under_its_segments() {
     let view = View::start(folder.path(), &format!("--tcp {address} --photograph 1"));
     let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
     let mut events = view.events();
+    // None, since the cameras delivered no pair: another one is asked for a second later.
+    let none = Outcome::Refused(Refusal::NoPair);
+    assert_eq!(answered(&mut board, &mut decoder, none), Request::Photograph);
+    assert!(events.of("note").contains("refused photograph"));
     assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
     photo(&mut board, 77, 0);
     let expected = json!({"size": [64, 2], "grey": BASE64_STANDARD.encode([77; 128])});
@@ -622,6 +687,28 @@ fn a_visitor_sees_bars() {
     let Some((found, logged)) = visit(&address, &steps) else { return };
     let summary = found[3]["summary"].as_str().unwrap();
     assert!(summary.contains(&format!(" points, {} bars", bars.len())), "{summary}");
+    assert!(logged.iter().all(|line| !line.starts_with("exception")), "{logged:?}");
+}
+
+#[test]
+fn a_visitor_sees_obstacles_without_points_and_asks_for_sixteen_boxes_at_most() {
+    let folder = with_file("run.bin", [frame(1, 0).concat(), packet(&sectors())].concat());
+    let mut view = View::start(folder.path(), "run.bin --focal-px 300 --baseline-m 0.1");
+    view.shown();
+    let boxes: Vec<[u16; 4]> = (0..16).map(|at| [at, 0, at + 9, 9]).collect();
+    assert_eq!(view.post(&json!(boxes).to_string()), 200);
+    let address = format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
+    let has_obstacle = "document.getElementById('top').getContext('2d') \
+                        .getImageData(0, 0, 640, 480).data.some(value => value > 0)";
+    let steps = json!([
+        {"until": "linestereo.line().sequence === 1"},
+        {"until": has_obstacle},
+        {"until": "document.querySelectorAll('#objects li').length === 16"},
+        {"box": [50, 50, 150, 150]},
+        {"until": "document.getElementById('notes').innerText.includes('at most 16 boxes')"},
+    ]);
+    let Some((found, logged)) = visit(&address, &steps) else { return };
+    assert_eq!(found[4]["objects"].as_array().unwrap().len(), 16, "{found:?}");
     assert!(logged.iter().all(|line| !line.starts_with("exception")), "{logged:?}");
 }
 

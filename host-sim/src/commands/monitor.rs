@@ -133,7 +133,7 @@ impl Monitor {
                         })?;
                     }
                     for &byte in received {
-                        for event in self.link.push(byte)? {
+                        for event in self.link.push(byte) {
                             self.show(event)?;
                         }
                         if self.is_done() {
@@ -158,8 +158,9 @@ impl Monitor {
         match event {
             Event::Frame(_) if self.left == Some(0) => Ok(()), // came while a command is waited for
             Event::Frame(frame) => self.show_frame(&frame),
-            Event::Objects(list) => {
-                list.iter().try_for_each(|object| self.screen.note(&text::object(object)))
+            Event::Objects(objects) => {
+                let mut list = objects.list.iter();
+                list.try_for_each(|object| self.screen.note(&text::object(object)))
             }
             Event::Sectors(sectors) => self.screen.sectors(&sectors),
             Event::Photo([left, _]) => {
@@ -169,6 +170,7 @@ impl Monitor {
                 );
                 self.screen.note(&note)
             }
+            Event::Answer(answered) => self.screen.note(&answered.note()?),
             Event::Note(note) => self.screen.note(&note),
         }
     }

@@ -94,8 +94,14 @@ impl Assembler {
         self.finish_if_ended()
     }
 
+    /// No more comes of this run of the board: what follows is neither late nor lost.
+    pub fn end(&mut self) -> Option<Frame> {
+        self.last = None;
+        self.finish()
+    }
+
     /// No more comes of the open frame.
-    pub fn finish(&mut self) -> Option<Frame> {
+    fn finish(&mut self) -> Option<Frame> {
         let frame = self.open.take()?;
         if frame.missing() == 0 {
             self.counts.complete += 1;

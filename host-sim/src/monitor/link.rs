@@ -8,12 +8,12 @@ use super::photo::PhotoAssembler;
 use super::port::Port;
 use super::requests::{self, Wanted};
 use super::text;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, bail};
 use core::time::Duration;
 use linestereo_frames::GrayImage;
 use linestereo_wire::{
-    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, ObjectRecord,
-    Outcome, Request, Sectors, SettingValue,
+    Answer, Command, Counters, DecodeError, Decoder, Hello, MAX_PACKET, Message, Objects, Outcome,
+    Refusal, Request, Sectors, SettingValue,
 };
 use std::collections::VecDeque;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -32,14 +32,34 @@ const ATTEMPTS: u32 = 5;
 pub enum Event {
     /// A frame, complete or not.
     Frame(Frame),
-    /// Depths of the boxes that the board was asked for.
-    Objects(Vec<ObjectRecord>),
+    /// Depths of the boxes that the board was asked for; those of a frame come in several packets.
+    Objects(Box<Objects>),
     /// Nearest obstacle and nearest drop-off by direction, of the frame before.
     Sectors(Box<Sectors>),
     /// Both images as the cameras delivered them, before they were rectified.
     Photo([GrayImage; 2]),
+    /// The board's answer to a request.
+    Answer(Answered),
     /// A line for people.
     Note(String),
+}
+
+/// A request, and why the board refused it, if it did.
+#[derive(Clone, Debug)]
+pub struct Answered {
+    pub wanted: Wanted,
+    pub refusal: Option<Refusal>,
+}
+
+impl Answered {
+    /// A line for people; a refusal is an error.
+    pub fn note(&self) -> Result<String> {
+        let words = &self.wanted.words;
+        match &self.refusal {
+            None => Ok(format!("accepted: {words}")),
+            Some(refusal) => bail!("the board refused {words}: {refusal}"),
+        }
+    }
 }
 
 /// A command that was sent, and has no answer yet.
@@ -127,15 +147,15 @@ impl Link {
     }
 
     /// One byte from the board: the events that it completes, mostly none.
-    pub fn push(&mut self, byte: u8) -> Result<Vec<Event>> {
+    pub fn push(&mut self, byte: u8) -> Vec<Event> {
         self.bytes += 1;
         let event = match self.decoder.push(byte) {
-            None => return Ok(Vec::new()),
+            None => return Vec::new(),
             Some(Ok(Message::Frame(head))) => {
-                return Ok(self.frames.begin(head).map(Event::Frame).collect());
+                return self.frames.begin(head).map(Event::Frame).collect();
             }
             Some(Ok(Message::Segments(segments))) => self.frames.add(&segments).map(Event::Frame),
-            Some(Ok(Message::Objects(objects))) => Some(Event::Objects(objects.list.to_vec())),
+            Some(Ok(Message::Objects(objects))) => Some(Event::Objects(Box::new(objects))),
             Some(Ok(Message::Sectors(sectors))) => Some(Event::Sectors(Box::new(sectors))),
             Some(Ok(Message::Photo(head))) => {
                 self.photos.begin(&head).err().map(|lost| Event::Note(lost.to_string()))
@@ -166,7 +186,7 @@ impl Link {
                 self.last_hello = Some(hello);
                 note
             }
-            Some(Ok(Message::Answer(answer))) => self.answered(answer)?,
+            Some(Ok(Message::Answer(answer))) => self.answered(answer),
             Some(Err(error)) => {
                 if let DecodeError::Version { found } = error {
                     self.other_version = Some(found);
@@ -174,21 +194,21 @@ impl Link {
                 None // counted
             }
         };
-        Ok(event.into_iter().collect())
+        event.into_iter().collect()
     }
 
-    fn answered(&mut self, answer: Answer) -> Result<Option<Event>> {
-        let Some(waiting) = self.waiting.take_if(|waiting| waiting.command.id == answer.command)
-        else {
-            return Ok(None); // answered twice
+    fn answered(&mut self, answer: Answer) -> Option<Event> {
+        // `None` for one that is answered twice.
+        let Waiting { command, words, .. } =
+            self.waiting.take_if(|waiting| waiting.command.id == answer.command)?;
+        let refusal = match answer.outcome {
+            // Every few seconds; frames name the clock.
+            Outcome::Accepted if words == SYNC => return None,
+            Outcome::Accepted => None,
+            Outcome::Refused(refusal) => Some(refusal),
         };
-        match answer.outcome {
-            Outcome::Accepted if waiting.words == SYNC => Ok(None), // every few seconds; frames name the clock
-            Outcome::Accepted => Ok(Some(Event::Note(format!("accepted: {}", waiting.words)))),
-            Outcome::Refused(refusal) => {
-                Err(anyhow!("the board refused {}: {refusal}", waiting.words))
-            }
-        }
+        let wanted = Wanted { request: command.request, words };
+        Some(Event::Answer(Answered { wanted, refusal }))
     }
 
     /// Has the board give times in this computer's clock: its time in the middle of the question
@@ -205,10 +225,10 @@ impl Link {
             .push_front(Wanted { request: Request::SetClock(offset_us), words: SYNC.to_owned() });
     }
 
-    /// No more bytes come: the frame that is left incomplete.
+    /// No more bytes come of this run: the frame that is left incomplete.
     pub fn finish(&mut self) -> Option<Frame> {
         self.decoder.finish();
-        self.frames.finish()
+        self.frames.end()
     }
 
     /// True when no packet of a board, of this version or another one, was among the bytes.

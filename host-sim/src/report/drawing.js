@@ -115,9 +115,10 @@ export function drawPair(canvas, { width, height, picture, ground }, { points, s
 export function drawTop(canvas, points, span, sectors = []) {
   const context = canvas.getContext("2d"), [middle, base] = [canvas.width / 2, canvas.height - 20];
   context.clearRect(0, 0, canvas.width, canvas.height);
-  if (!points.length) return;
+  if (!points.length && !sectors.length) return;
   // Points seen through a window should not make the room small.
-  const far = 1.2 * points.map(p => p.z).sort((a, b) => a - b)[Math.floor(0.93 * (points.length - 1))];
+  const distances = points.map(p => p.z).sort((a, b) => a - b);
+  const far = 1.2 * (distances[Math.floor(0.93 * (distances.length - 1))] ?? Math.max(...sectors.map(sector => sector.distance)));
   const half = far * points.reduce((most, { x, z }) => Math.max(most, Math.abs(x / z)), 0.25);
   const scale = Math.min(canvas.width / (2 * half), (canvas.height - 30) / far), at = (x, z) => [middle + x * scale, base - z * scale];
   context.strokeStyle = context.fillStyle = "#888";

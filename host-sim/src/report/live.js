@@ -7,6 +7,8 @@ const words = JSON.parse($("words").textContent), advice = new Map(words.flags),
 const query = `?token=${new URLSearchParams(location.search).get("token")}`;
 /// Seconds that are charted, notes that are kept, side of the square of a point, px.
 const SECONDS = 60, MOST_NOTES = 20, SIDE = 2;
+/// Boxes that are asked for at the same time.
+const MOST_BOXES = words.most_boxes;
 
 let frame = null;         // the last one, with its picture, segments, bars and points
 let picture = null;       // of the frame that comes next
@@ -15,7 +17,7 @@ let boxes = [];           // as they are asked for, in px of the left image, end
 let answers = null;       // the boxes that the last pair was asked for, and their depths
 let dragged = null;
 let came = 0;             // frames of this second
-let counts = {}, before = {};
+let counts = null, before = null; // of the link: the last ones, and those of the second before
 const history = { rate: [], lost: [] };
 
 /// Draws what is new when the browser shows its next picture: not more often than anybody sees.
@@ -63,6 +65,7 @@ on("above", ({ points, rig, yaw_deg }) => {
   if (frame) frame.rig = rig;
 });
 on("sectors", list => {
+  if ($("hold").checked) return;
   const half = Math.PI / 180 * (list.length > 1 ? 180 / list.length : 2.5);
   const arc = ({ direction_deg }, distance, isEdge) => {
     const middle = Math.PI / 180 * (direction_deg - yaw);
@@ -75,7 +78,8 @@ on("sectors", list => {
 });
 on("objects", found => { answers = found; });
 on("boxes", list => { boxes = list.map(([left, top, right, bottom]) => ({ left, top, right, bottom })); });
-on("link", found => { counts = found; });
+// What was lost before this page was opened is not charted.
+on("link", found => { before ??= found; counts = found; });
 on("note", note);
 on("dropped", count => note(`this page was too slow: ${count} messages are left out`));
 on("end", summary => {
@@ -92,9 +96,15 @@ function note(text) {
 // ---- boxes
 
 function ask(list) {
+  const last = boxes;
   boxes = list;
+  const refused = why => {
+    note(why);
+    if (boxes === list) boxes = last;
+    due();
+  };
   const body = JSON.stringify(boxes.map(({ left, top, right, bottom }) => [left, top, right, bottom]));
-  fetch(`/boxes${query}`, { method: "POST", body }).then(answer => (answer.ok ? null : answer.text().then(note)), () => note("the boxes were not taken"));
+  fetch(`/boxes${query}`, { method: "POST", body }).then(answer => (answer.ok ? null : answer.text().then(refused)), () => refused("the boxes were not taken"));
   due();
 }
 
@@ -105,7 +115,7 @@ function answerOf({ left, top, right, bottom }) {
 
 function inPageWords({ disparity_px, sigma_px, depth_m, sigma_m, nearest_m, confidence, reason }) {
   const far = metres => metres ?? Infinity;
-  const found = { reason: reasons.get(reason) ?? reason, disparity: disparity_px, sigma: sigma_px, confidence, depth: far(depth_m), depth_sigma: sigma_m, nearest: far(nearest_m) };
+  const found = { reason: reasons.get(reason) ?? reason, disparity: disparity_px, sigma: sigma_px, confidence, depth: far(depth_m), depth_sigma: far(sigma_m), nearest: far(nearest_m) };
   return inWords(found, answers.rig);
 }
 
@@ -121,7 +131,10 @@ function list() {
   }), ...others);
 }
 
-onBoxes($("left"), () => [frame?.width ?? 1, frame?.height ?? 1], box => { dragged = box; due(); }, box => { if (frame) ask([...boxes, box]); });
+onBoxes($("left"), () => [frame?.width ?? 1, frame?.height ?? 1], box => { dragged = box; due(); }, box => {
+  if (boxes.length === MOST_BOXES) note(`at most ${MOST_BOXES} boxes; remove one`);
+  else if (frame) ask([...boxes, box]);
+});
 for (const id of ["show-segments", "show-bars", "show-points", "hold"]) $(id).addEventListener("change", due);
 
 // ---- what is shown
@@ -139,7 +152,7 @@ function show() {
   drawPair($("left"), frame, { ...shown, boxes: [...boxes, ...(dragged ? [dragged] : [])], span });
   const metres = frame.rig && span.map(d => (d + frame.rig.offset > 0 ? inMetres(frame.rig.product / (d + frame.rig.offset)) : "∞"));
   showLegend($("legend"), metres ?? span.map(d => `${d} px`), segments, span, frame.ground);
-  $("top-note").textContent = !frame.rig ? "Metres and directions need focal length and baseline." : above.length ? "" : "Nothing was placed.";
+  $("top-note").textContent = !frame.rig ? "Metres and directions need focal length and baseline." : above.length || sectors.length ? "" : "Nothing was placed.";
   drawTop($("top"), above, span, sectors);
 }
 
@@ -157,13 +170,13 @@ function chart(canvas, values) {
 }
 
 setInterval(() => {
-  const lost = ["lost", "missing_segments", "damaged"].reduce((sum, name) => sum + (counts[name] ?? 0) - (before[name] ?? 0), 0);
+  const lost = ["lost", "missing_segments", "damaged"].reduce((sum, name) => sum + (counts?.[name] ?? 0) - (before?.[name] ?? 0), 0);
   for (const [id, value] of [["rate", came], ["lost", lost]]) {
     history[id] = [...history[id], value].slice(-SECONDS);
     chart($(id), history[id]);
   }
   [came, before] = [0, counts];
-  $("counts").replaceChildren(...Object.entries(counts).flatMap(([name, value]) => ["dt", "dd"].map((tag, i) => {
+  $("counts").replaceChildren(...Object.entries(counts ?? {}).flatMap(([name, value]) => ["dt", "dd"].map((tag, i) => {
     const made = document.createElement(tag);
     made.textContent = i === 0 ? name.replaceAll("_", " ") : value;
     return made;

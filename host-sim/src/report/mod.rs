@@ -21,7 +21,7 @@ use linestereo::results::{Bar, Match, Rejection};
 use linestereo::{Rig, units::Depth};
 use linestereo_frames::GrayImage;
 use linestereo_frames::regions::{Object, Pixels};
-use linestereo_wire::Health;
+use linestereo_wire::{Health, MAX_REGIONS};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -187,7 +187,8 @@ impl Page {
 pub fn live_page(source: &str, nonce: &str) -> String {
     // Flags and reasons share names.
     let reasons = Reason::ALL.map(|reason| (reason.name(), reason.to_string()));
-    let words = json!({"flags": Health::ADVICE, "reasons": reasons}).to_string();
+    let words =
+        json!({"flags": Health::ADVICE, "reasons": reasons, "most_boxes": MAX_REGIONS}).to_string();
     // Behind what it imports it needs no imports.
     let script: String =
         LIVE_SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();

@@ -5,7 +5,7 @@ use super::{Args, Asked, LOOK, Pace, end, picture};
 use crate::commands::input::Setup;
 use crate::interruption;
 use crate::monitor::frames::Frame;
-use crate::monitor::link::{Event, Link};
+use crate::monitor::link::{Answered, Event, Link};
 use crate::monitor::port::{Port, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
@@ -19,11 +19,14 @@ use linestereo::{Area, Dims, obstacles::Sector};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::GrayImage;
 use linestereo_rig::CameraSide;
-use linestereo_wire::{ObjectRecord, RegionBox, Regions, Request, Sectors};
+use linestereo_wire::{ObjectRecord, Objects, RegionBox, Regions, Request, Sectors};
 use serde_json::json;
 use std::thread;
 use std::time::Instant;
 
+/// Requests of the page itself, not of --send.
+const PHOTOGRAPH: &str = "photograph for the page";
+const BOXES: &str = "the boxes of the page";
 /// Counts of the link are told this often.
 const COUNTS_EVERY: Duration = Duration::from_millis(250);
 
@@ -33,6 +36,10 @@ struct Show<'a> {
     server: &'a Server,
     link: Link,
     asked: Asked,
+    /// The visitors' boxes that the board last accepted.
+    accepted: Vec<RegionBox>,
+    /// Depths that the board sent, and their frame.
+    objects: (u32, Vec<ObjectRecord>),
     pace: Pace,
     /// A port that a board listens at.
     is_live: bool,
@@ -59,6 +66,8 @@ pub(super) fn show(args: &Args) -> Result<String> {
         server,
         link,
         asked: Asked::default(),
+        accepted: Vec::new(),
+        objects: (0, Vec::new()),
         pace: Pace::new(args),
         is_live,
         sectors: None,
@@ -70,6 +79,7 @@ pub(super) fn show(args: &Args) -> Result<String> {
     };
     let outcome = loop {
         let outcome = show.follow(&mut port);
+        show.link.finish();
         if outcome.is_err()
             || is_live
             || !args.repeat
@@ -88,9 +98,6 @@ pub(super) fn show(args: &Args) -> Result<String> {
             path.display(),
             show.link.bytes()
         );
-    }
-    if let Some(frame) = show.link.finish() {
-        show.frame(&frame)?;
     }
     show.tell_counts();
     if outcome.is_ok() && !interruption::requested() {
@@ -118,7 +125,7 @@ impl Show<'_> {
                 Received::End => return Ok(()),
                 Received::Bytes(length) => {
                     for &byte in &buffer[..length] {
-                        for event in self.link.push(byte)? {
+                        for event in self.link.push(byte) {
                             self.event(event)?;
                         }
                     }
@@ -143,7 +150,7 @@ impl Show<'_> {
             && self.link.is_answered()
         {
             self.photographed = Some(Instant::now());
-            self.link.ask(Wanted { request: Request::Photograph, words: "photograph".to_owned() });
+            self.link.ask(Wanted { request: Request::Photograph, words: PHOTOGRAPH.to_owned() });
         }
         if !self.asked.changed(self.server) {
             return;
@@ -153,16 +160,36 @@ impl Show<'_> {
             RegionBox::from((label, Area { left, top, right, bottom }))
         });
         let request = Request::SetRegions(Regions { boxes: boxes.collect(), only: false });
-        self.link.ask(Wanted { request, words: "the boxes of the page".to_owned() });
+        self.link.ask(Wanted { request, words: BOXES.to_owned() });
     }
 
     fn event(&mut self, event: Event) -> Result<()> {
         match event {
-            Event::Frame(frame) => self.frame(&frame)?,
-            Event::Objects(list) => self.objects(&list),
+            Event::Frame(frame) => {
+                self.objects.1.clear();
+                self.frame(&frame)?;
+            }
+            Event::Objects(objects) => self.objects(&objects),
             Event::Sectors(sectors) => self.directions(&sectors),
             Event::Photo(photo) => self.photo(&photo),
+            Event::Answer(answered) => self.answered(&answered)?,
             Event::Note(note) => self.note(&note),
+        }
+        Ok(())
+    }
+
+    /// Tells the visitors. A refusal of what --send asked for ends the program, one of what the
+    /// page asked for does not.
+    fn answered(&mut self, answered: &Answered) -> Result<()> {
+        let Wanted { request, words } = &answered.wanted;
+        match (answered.note(), request) {
+            (Err(error), _) if words != PHOTOGRAPH && words != BOXES => return Err(error),
+            (Err(error), _) => self.note(&error.to_string()),
+            (Ok(note), Request::SetRegions(regions)) => {
+                self.note(&note);
+                self.accepted = if words == BOXES { regions.boxes.to_vec() } else { Vec::new() };
+            }
+            (Ok(note), _) => self.note(&note),
         }
         Ok(())
     }
@@ -224,13 +251,23 @@ impl Show<'_> {
         }
     }
 
-    /// Depths by the board, of the visitors' boxes by their labels, or of those of --send.
-    fn objects(&self, list: &[ObjectRecord]) {
+    /// Depths by the board, whose packets of one frame belong together: of the visitors' boxes by
+    /// their labels, behind them of those of --send.
+    fn objects(&mut self, packet: &Objects) {
+        if self.objects.0 != packet.sequence {
+            self.objects = (packet.sequence, Vec::new());
+        }
+        self.objects.1.extend_from_slice(&packet.list);
+        let list = &self.objects.1;
         let object =
             |record: &ObjectRecord| listing::Object::new(record.label, &record.depth(), None);
-        let asked = |record: &ObjectRecord| self.asked.boxes.get(usize::from(record.label));
-        let objects: Vec<_> = list.iter().map(object).collect();
-        let boxes: Vec<_> = list.iter().filter_map(asked).collect();
+        let asked = |record: &ObjectRecord| {
+            let found = self.accepted.iter().find(|of| of.label == record.label)?;
+            Some([found.left, found.top, found.right, found.bottom])
+        };
+        let of_visitors = |record| Some((asked(record)?, object(record)));
+        let (boxes, mut objects): (Vec<_>, Vec<_>) = list.iter().filter_map(of_visitors).unzip();
+        objects.extend(list.iter().filter(|record| asked(record).is_none()).map(object));
         let has_metres = list.iter().any(|record| record.depth_q16.is_some());
         let told = json!({"boxes": boxes, "objects": objects, "rig": has_metres});
         self.server.send("objects", &[("objects", told.to_string())]);
