@@ -378,6 +378,8 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
     steps.push(json!({"files": [written[0][0], written[0][1], notes]}));
     steps.push(json!({"files": written[0], "text": true}));
     steps.push(json!({"settings": {"baseline": ""}, "changes": true}));
+    // 65600 is 64 in 16 bits.
+    steps.push(json!({"settings": {"max-disparity": "65600"}, "changes": true}));
     let (found, logged) = visit(page, &browser, &[], &steps);
     assert_eq!(logged.len(), 1, "the page alone is fetched, and nothing fails: {logged:?}");
     for (step, (name, images)) in found[1..].chunks(3).zip(&pairs) {
@@ -387,7 +389,7 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
         assert!(step[2]["summary"].as_str().unwrap().contains(" segments matched, "), "{name}");
         assert_eq!((&step[2]["error"], &step[2]["wide"]), (&json!(""), &json!(false)), "{name}");
     }
-    let [text_file, three, again, half_a_rig] = &found[1 + 3 * pairs.len()..] else {
+    let [text_file, three, again, half_a_rig, too_many] = &found[1 + 3 * pairs.len()..] else {
         panic!("{found:?}")
     };
     let refused = "notes.txt: not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG";
@@ -401,6 +403,7 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
         half_a_rig["error"],
         "metres need both, focal length and baseline; give the other one, or neither"
     );
+    assert!(too_many["error"].as_str().unwrap().contains("Disparities below"), "{too_many}");
 }
 
 /// All that a mouse does keys do, and what is drawn is told in words; a single photo is no pair.
@@ -468,6 +471,30 @@ fn a_camera_is_followed() {
     let health = frozen["health"].as_str().unwrap();
     assert!(health.contains("left_frozen: left image does not change"), "{frozen:?}");
     assert!(frozen["summary"].as_str().unwrap().starts_with("320x240: 0 of "), "{frozen:?}");
+}
+
+/// Before the camera is there it is asked for again, and files are chosen.
+#[test]
+fn files_take_the_place_of_a_camera_that_was_asked_for_before() {
+    let Some((page, browser)) = page().zip(browser()) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let files = files(folder.path(), &pairs()[..1]).remove(0);
+    let counted = "(() => { const of = navigator.mediaDevices, ask = of.getUserMedia.bind(of); \
+                   globalThis.streams = []; of.getUserMedia = async wanted => { \
+                   const made = await ask(wanted); streams.push(made); \
+                   await new Promise(then => setTimeout(then, 300)); return made; }; \
+                   return true; })()";
+    let twice = "(['camera', 'camera'].forEach(id => document.getElementById(id).click()), true)";
+    let is_off = "streams.length === 1 && \
+                  streams[0].getTracks().every(track => track.readyState === 'ended')";
+    let steps = json!([
+        {"until": counted}, {"until": twice}, {"files": files},
+        {"until": "document.getElementById('summary').checkVisibility()"}, {"until": is_off}
+    ]);
+    let flags = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream"];
+    let (found, _) = visit(page, &browser, &flags.map(str::to_owned), steps.as_array().unwrap());
+    let name = files[0].file_name().unwrap().to_str().unwrap();
+    assert!(found[4]["names"].as_str().unwrap().starts_with(name), "{}", found[4]);
 }
 
 /// State of the page at the fifth frame of a camera that repeats the drawn pair, brighter by each

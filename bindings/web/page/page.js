@@ -76,6 +76,9 @@ function pixelsOf(source, width, height) {
 }
 
 function settings() {
+  for (const field of $("settings").elements) {
+    if (!field.checkValidity()) throw new Refused(`${field.labels[0].textContent.trim()}: ${field.validationMessage}`);
+  }
   const number = id => ($(id).value === "" ? 0 : Number($(id).value));
   const [focal_px, baseline_m] = [number("focal"), number("baseline")];
   if ((focal_px === 0) !== (baseline_m === 0)) throw new Refused("metres need both, focal length and baseline; give the other one, or neither");
@@ -172,6 +175,7 @@ function showTop(points) {
 // ---- a camera that gives both images side by side
 
 async function startCamera() {
+  if (stream) return; // asked for twice
   if (!navigator.mediaDevices?.getUserMedia) throw new Refused("this browser gives no camera to this page; open it from disk, localhost or https");
   try {
     stream = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1280 } } });
@@ -218,9 +222,9 @@ function stopCamera() {
 
 function take(list) {
   if (list.length === 0) return;
-  stopCamera();
   const chosen = ordered(list);
   next(async () => {
+    stopCamera(); // also one that was asked for before
     if (chosen.length > 2) throw new Refused(`${chosen.length} files were given; give left and right, or one with both side by side`);
     files = chosen;
     boxes = [];
