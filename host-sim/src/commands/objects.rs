@@ -206,12 +206,15 @@ impl Asked {
             let name = object.name.as_deref().unwrap_or("object");
             let _ = write!(text, "{name} ({}): ", object.label);
             let _ = match (object.disparity_px, object.depth_m, object.reason) {
-                (_, Some(z), _) => write!(
-                    text,
-                    "{z:.3} m, sigma {:.3} m, nearest {:.3} m",
-                    object.sigma_m,
-                    object.nearest_m.unwrap_or(z)
-                ),
+                (_, Some(z), _) => {
+                    let sigma = object.sigma_m.map(|sigma| format!("{sigma:.3} m"));
+                    write!(
+                        text,
+                        "{z:.3} m, sigma {}, nearest {:.3} m",
+                        sigma.as_deref().unwrap_or("infinite"),
+                        object.nearest_m.unwrap_or(z)
+                    )
+                }
                 (Some(d), None, _) => write!(text, "{d:.2} px, sigma {:.2} px", object.sigma_px),
                 (None, None, reason) => write!(text, "{}", reason.unwrap_or("unknown")),
             };

@@ -150,7 +150,7 @@ fn labels(setup: &Setup<'_>, played: &Played) -> Vec<Label> {
             class: name.to_owned(),
             score: if is_told { told.score } else { 1.0 },
             id: told.id,
-            sigma_m: found.sigma_m,
+            sigma_m: found.sigma_m.unwrap_or(f64::INFINITY),
             ..Label::default()
         };
         placed(rig, area, found.disparity_px?, said)

@@ -183,7 +183,7 @@ function drawLists() {
     for (const o of frame.objects) {
       const row = element(objects, "tr"), number = { class: "number" };
       element(row, "td", {}, objectName(o));
-      element(row, "td", number, o.reason ? o.reason.replaceAll("_", " ") : o.depth_m === null ? "–" : `${metres(o.depth_m)} ± ${o.sigma_m.toFixed(3)}`);
+      element(row, "td", number, o.reason ? o.reason.replaceAll("_", " ") : o.depth_m === null ? "–" : `${metres(o.depth_m)} ± ${o.sigma_m?.toFixed(3) ?? "∞"}`);
       element(row, "td", number, o.disparity_px === null ? "–" : `${px(o.disparity_px)} ± ${o.sigma_px.toFixed(2)}`);
       element(row, "td", number, o.nearest_m === null ? "–" : metres(o.nearest_m));
       element(row, "td", number, o.support);

@@ -63,8 +63,8 @@ pub struct Query {
     pub sigma_px: f64,
     /// `None` without a rig or a disparity, and for an infinite depth.
     pub depth_m: Option<f64>,
-    /// 0 without a depth.
-    pub sigma_m: f64,
+    /// `None` without a depth, and where it is infinite.
+    pub sigma_m: Option<f64>,
     /// Probability that the disparity is within 1 px; 0 without a disparity.
     pub confidence: f64,
     /// Why there is no disparity.
@@ -82,7 +82,7 @@ impl Query {
                 disparity_px: Some(found.disparity.to_num()),
                 sigma_px: found.sigma.to_num(),
                 depth_m: found.depth.and_then(finite_metres),
-                sigma_m: found.depth_sigma.and_then(finite_metres).unwrap_or(0.0),
+                sigma_m: found.depth_sigma.and_then(finite_metres),
                 confidence: five_decimals(found.confidence.to_num()),
                 reason: None,
             },
@@ -94,7 +94,10 @@ impl Query {
         let Some(disparity) = self.disparity_px else {
             return format!("pixel {x},{y}: not known ({})\n", self.reason.unwrap_or_default());
         };
-        let metres = self.depth_m.map_or(String::new(), |z| format!(", {z:.3} +- {sigma_m:.3} m"));
+        let metres = self.depth_m.map_or(String::new(), |z| match sigma_m {
+            Some(sigma_m) => format!(", {z:.3} +- {sigma_m:.3} m"),
+            None => format!(", {z:.3} m, sigma infinite"),
+        });
         format!("pixel {x},{y}: {disparity:.2} +- {sigma_px:.2} px{metres}, p {confidence:.2}\n")
     }
 }
@@ -111,8 +114,8 @@ pub struct Object {
     pub sigma_px: f64,
     /// `None` without a rig or a disparity, and for an infinite depth.
     pub depth_m: Option<f64>,
-    /// 0 without a depth.
-    pub sigma_m: f64,
+    /// `None` without a depth, and where it is infinite.
+    pub sigma_m: Option<f64>,
     pub nearest_m: Option<f64>,
     pub support: u16,
     /// Probability that the disparity is within 1 px of the object's own range.
@@ -132,7 +135,7 @@ impl Object {
             disparity_px: object.map(|object| object.disparity.to_num()),
             sigma_px: object.map_or(0.0, |object| object.sigma.to_num()),
             depth_m: metres.and_then(|metres| finite_metres(metres.depth)),
-            sigma_m: metres.and_then(|metres| finite_metres(metres.sigma)).unwrap_or(0.0),
+            sigma_m: metres.and_then(|metres| finite_metres(metres.sigma)),
             nearest_m: metres.and_then(|metres| finite_metres(metres.nearest)),
             support: reason.map_or_else(|| object.map_or(0, |o| o.support), |why| why.support),
             confidence: object.map_or(0.0, |o| five_decimals(o.confidence.to_num())),
@@ -237,9 +240,9 @@ pub fn objects_csv(objects: &[Object]) -> String {
         } else {
             name.to_owned()
         };
-        let Object { label, sigma_px, sigma_m, support, confidence, .. } = object;
-        let [disparity, depth, nearest] =
-            [object.disparity_px, object.depth_m, object.nearest_m].map(number);
+        let Object { label, sigma_px, support, confidence, .. } = object;
+        let [disparity, depth, sigma_m, nearest] =
+            [object.disparity_px, object.depth_m, object.sigma_m, object.nearest_m].map(number);
         let reason = object.reason.unwrap_or("");
         let _ = write!(text, "{label},{name},{disparity},{sigma_px},{depth},{sigma_m},{nearest},");
         let _ = writeln!(text, "{support},{confidence},{reason}");
@@ -382,8 +385,14 @@ mod tests {
             confidence: Confidence::from_num(0.875),
         };
         let refused = NoDepth { reason: Reason::TwoSurfaces, support: 7 };
+        let far = ObjectMetres { sigma: INFINITE_DEPTH, ..found.metres.unwrap() };
+        let far = ObjectDepth { metres: Some(far), ..found };
         let objects =
             vec![Object::new(3, &Ok(found), Some("cup")), Object::new(3, &Err(refused), None)];
+        let far = Object::new(3, &Ok(far), None);
+        assert_eq!((far.depth_m, far.sigma_m), (Some(2.5), None), "not 0");
+        let csv = objects_csv(&[far]);
+        assert_eq!(csv.lines().nth(1), Some("3,,8,0.25,2.5,,2.25,7,0.875,"));
         let answers = Answers { objects: Some(objects), ..Answers::default() };
         let text = json(Dims { width: 64, height: 48 }, &example(), &answers).unwrap();
         let (_, objects) = text.split_once(r#""health":{"flags":[]},"#).unwrap();
@@ -391,7 +400,7 @@ mod tests {
             .to_owned()
             + r#""sigma_m":0.125,"nearest_m":2.25,"support":7,"confidence":0.875,"reason":null},"#
             + r#"{"label":3,"name":null,"disparity_px":null,"sigma_px":0.0,"depth_m":null,"#
-            + r#""sigma_m":0.0,"nearest_m":null,"support":7,"confidence":0.0,"reason":"two_surfaces"}]}"#
+            + r#""sigma_m":null,"nearest_m":null,"support":7,"confidence":0.0,"reason":"two_surfaces"}]}"#
             + "\n";
         assert_eq!(objects, expected);
     }
