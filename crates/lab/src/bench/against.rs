@@ -1,6 +1,7 @@
 //! Gains and losses of a run against an earlier one.
 
-use super::figures::{Better, Figure, Report};
+use super::figures::{Better, Figure, Group, Report, SetReport};
+use super::scoring::DAMAGES;
 use core::fmt::Write;
 
 /// A figure of linestereo that is not shown as it was.
@@ -10,13 +11,13 @@ struct Change<'a> {
     group: &'a str,
     figure: &'a Figure,
     before: Option<f64>,
+    now: Option<f64>,
 }
 
 impl Change<'_> {
     /// A gain is `Some(true)`, a loss `Some(false)`.
     fn is_gain(&self) -> Option<bool> {
-        let now = self.figure.values.linestereo;
-        let rises = match (self.before, now) {
+        let rises = match (self.before, self.now) {
             (Some(before), Some(now)) => now > before,
             // What is not reached at all, such as a coverage, is worse than any value of it.
             (before, _) => {
@@ -36,14 +37,13 @@ impl Change<'_> {
             Some(false) => "lost",
             None => "changed",
         };
-        let (before, now) =
-            (self.figure.shown(self.before), self.figure.shown(self.figure.values.linestereo));
+        let [before, now] = [self.before, self.now].map(|value| self.figure.shown(value));
         format!("    {what:<8}{:<44}{before:>9} -> {now}\n", self.figure.name)
     }
 }
 
 /// The figures of linestereo that changed in what is shown of them, by set and metric. Both runs
-/// may have sets that the other one lacks: these are left out.
+/// may have sets that the other one lacks: these are left out. A figure that is gone is a loss.
 pub(crate) fn changes(before: &Report, now: &Report) -> String {
     let changes = find(before, now);
     let count =
@@ -71,19 +71,26 @@ pub(crate) fn changes(before: &Report, now: &Report) -> String {
     text
 }
 
-fn find<'a>(before: &Report, now: &'a Report) -> Vec<Change<'a>> {
+fn find<'a>(before: &'a Report, now: &'a Report) -> Vec<Change<'a>> {
     let mut changes = Vec::new();
     for set in &now.sets {
         let Some(old_set) = before.sets.iter().find(|old| old.name == set.name) else { continue };
-        for group in &set.groups {
-            let Some(old_group) = old_set.groups.iter().find(|old| old.name == group.name) else {
-                continue;
-            };
-            for figure in &group.figures {
-                let old = old_group.figures.iter().find(|old| old.name == figure.name);
-                let before = old.and_then(|old| old.values.linestereo);
-                if figure.shown(before) != figure.shown(figure.values.linestereo) {
-                    changes.push(Change { set: &set.name, group: &group.name, figure, before });
+        // Without OpenCV no image is damaged.
+        let is_run = |old: &&Group| {
+            now.opencv.is_some() || !DAMAGES.iter().any(|damage| old.name.ends_with(damage))
+        };
+        for old_group in old_set.groups.iter().filter(is_run) {
+            let group = set.groups.iter().find(|group| group.name == old_group.name);
+            let figures = group.map_or(&[][..], |group| &group.figures);
+            let is_gone = |old: &&Figure| figures.iter().all(|figure| figure.name != old.name);
+            for figure in figures.iter().chain(old_group.figures.iter().filter(is_gone)) {
+                let of = |list: &[Figure]| {
+                    list.iter().find(|of| of.name == figure.name)?.values.linestereo
+                };
+                let (before, now) = (of(&old_group.figures), of(figures));
+                if figure.shown(before) != figure.shown(now) {
+                    let (set, group) = (&*set.name, &*old_group.name);
+                    changes.push(Change { set, group, figure, before, now });
                 }
             }
         }
@@ -91,13 +98,17 @@ fn find<'a>(before: &Report, now: &'a Report) -> Vec<Change<'a>> {
     changes
 }
 
-/// The sets of `before` that were not run again, and those of `now`.
+/// The sets of `before` that were not run again, and those of `now`. A set that has scores of
+/// OpenCV stays where OpenCV was not run.
 pub(crate) fn merged(before: Option<Report>, now: Report) -> Report {
-    let mut sets = before.map_or(Vec::new(), |before| before.sets);
-    sets.retain(|old| now.sets.iter().all(|set| set.name != old.name));
-    sets.extend(now.sets);
+    let Report { opencv, mut sets } = before.unwrap_or_default();
+    let is_newer = |old: &SetReport| now.sets.iter().any(|set| set.name == old.name);
+    sets.retain(|old| !is_newer(old) || (now.opencv.is_none() && old.has_opencv()));
+    let of_now = now.sets.into_iter();
+    let newer: Vec<_> = of_now.filter(|set| sets.iter().all(|old| old.name != set.name)).collect();
+    sets.extend(newer);
     sets.sort_by(|a, b| a.name.cmp(&b.name));
-    Report { opencv: now.opencv, sets }
+    Report { opencv: now.opencv.or(opencv), sets }
 }
 
 #[cfg(test)]
@@ -128,6 +139,29 @@ mod tests {
             of(Better::Lower, 2.0, 2.01).contains("0 gained, 0 lost\n"),
             "what is shown is equal"
         );
+    }
+
+    #[test]
+    fn what_is_gone_is_lost() {
+        let (before, mut now) = (report("a", Better::Lower, 1.0), report("a", Better::Lower, 1.0));
+        now.sets[0].groups[0].figures.clear();
+        let lost = "0 gained, 1 lost\n  a: cells\n    lost    a figure";
+        assert!(changes(&before, &now).contains(lost));
+        now.sets[0].groups.clear();
+        assert!(changes(&before, &now).contains(lost), "with its metric");
+    }
+
+    #[test]
+    fn without_opencv_its_scores_stay() {
+        let (mut before, now) = (report("a", Better::Lower, 1.0), report("a", Better::Lower, 2.0));
+        before.opencv = Some("5.0.0".to_owned());
+        assert_eq!(super::merged(Some(before.clone()), now.clone()).sets, now.sets);
+        before.sets[0].groups[0].name.push_str(", noise5");
+        before.sets[0].groups[0].figures[0].values.sgbm = Some(3.0);
+        assert!(changes(&before, &now).contains("0 gained, 0 lost\n"), "it was not run");
+        assert_eq!(super::merged(Some(before.clone()), now.clone()), before);
+        let again = Report { opencv: before.opencv.clone(), ..now };
+        assert_eq!(super::merged(Some(before), again.clone()), again);
     }
 
     #[test]

@@ -134,6 +134,12 @@ impl Report {
 }
 
 impl SetReport {
+    /// Says whether OpenCV was scored, too.
+    pub(crate) fn has_opencv(&self) -> bool {
+        let mut figures = self.groups.iter().flat_map(|group| &group.figures);
+        figures.any(|Figure { values, .. }| values.sgbm.or(values.bm).is_some())
+    }
+
     fn table(&self, full: bool) -> String {
         let head = format!("{}, {} scenes", self.name, self.scenes);
         let mut text = format!("\n{head:<48}{:>11}{:>9}{:>10}\n", "linestereo", "SGBM", "StereoBM");

@@ -91,7 +91,7 @@ pub(crate) struct Args {
     /// Have OpenCV match every pair again.
     #[arg(long)]
     no_cache: bool,
-    /// Score linestereo alone.
+    /// Score linestereo alone; of the last run the sets with scores of OpenCV stay.
     #[arg(long)]
     no_opencv: bool,
     /// Python with OpenCV and NumPy [default: $LINESTEREO_PYTHON, else python3].
