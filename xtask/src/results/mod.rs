@@ -33,7 +33,8 @@ Options:
   --check             Write nothing; fail where a page disagrees with the stored measurements
   --measure [FRAMES]  Score the data sets of this folder first [default: $LINESTEREO_FRAMES]
   --lab PROGRAM       Score with this linestereo-lab instead of building it
-  --bench FILE        Take scores from what `linestereo-lab bench FRAMES --json FILE` wrote
+  --bench FILE        Take scores from what `linestereo-lab bench FRAMES --json FILE` wrote; sets
+                      that it lacks keep theirs
   --compare FILE      Take what `linestereo-lab compare FRAMES/qvga --opencv --threads 1
                       --json FILE` wrote
 

@@ -4,7 +4,7 @@ use super::stored::{BOARD_FILES, DataSet, Stored, number};
 use anyhow::{Context, Result};
 
 /// Data sets: folder, what a table calls it.
-const SETS: [(&str, &str); 18] = [
+pub(super) const SETS: [(&str, &str); 18] = [
     ("robot_world", "rendered rooms, 320 px"),
     ("robot_world_640", "rendered rooms, 640 px"),
     ("robot_sequences/corridor", "rendered drive, corridor"),

@@ -1,5 +1,6 @@
 //! Measurements as they are stored: scores of data sets, times, numbers and sizes of boards.
 
+use super::page::SETS;
 use super::{read, write};
 use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
@@ -49,6 +50,36 @@ pub(super) struct Bench {
 pub(super) struct DataSet {
     pub(super) scenes: u64,
     pub(super) metrics: BTreeMap<String, BTreeMap<String, [Option<f64>; 3]>>,
+}
+
+impl Bench {
+    /// Replaces the sets of the page that this report has. All of them have to be there then, with
+    /// all their scenes.
+    fn merge(&mut self, report: &Value) -> Result<()> {
+        let opencv = report["opencv"].as_str();
+        let opencv = opencv.context("it has no scores of OpenCV; set LINESTEREO_PYTHON")?;
+        let mut sets = core::mem::take(&mut self.sets);
+        let is_shown = |set: &&Value| SETS.iter().any(|(shown, _)| set["name"] == *shown);
+        for set in list(&report["sets"]).iter().filter(is_shown) {
+            if let [note, ..] = list(&set["notes"]) {
+                bail!("a scene of {} was not scored: {note}; mend it, and score again", name(set));
+            }
+            let mut kept =
+                DataSet { scenes: set["scenes"].as_u64().unwrap_or(0), metrics: BTreeMap::new() };
+            for group in list(&set["groups"]) {
+                let shown = list(&group["figures"]).iter().filter(|figure| figure["main"] == true);
+                let figures: BTreeMap<_, _> =
+                    shown.map(|figure| (name(figure), values(figure))).collect();
+                kept.metrics.insert(metric(&name(group)), figures);
+            }
+            sets.insert(name(set), kept);
+        }
+        if let Some((missing, _)) = SETS.iter().find(|(set, _)| !sets.contains_key(*set)) {
+            bail!("the set {missing} is missing; score all sets of the page");
+        }
+        *self = Self { date: today(), opencv: Some(opencv.to_owned()), sets };
+        Ok(())
+    }
 }
 
 impl DataSet {
@@ -123,32 +154,11 @@ impl Stored {
         number(&self.numbers, path)
     }
 
-    /// Takes the scores of a run of `linestereo-lab bench --json`.
+    /// Takes the scores of a run of `linestereo-lab bench --json`; sets that were not run keep
+    /// theirs.
     pub(super) fn take_bench(&mut self, file: &Path) -> Result<()> {
         let report: Value = serde_json::from_str(&read(file)?)?;
-        let mut bench = Bench {
-            date: today(),
-            opencv: report["opencv"].as_str().map(str::to_owned),
-            sets: BTreeMap::new(),
-        };
-        if bench.opencv.is_none() {
-            bail!("{} has no scores of OpenCV; set LINESTEREO_PYTHON", file.display());
-        }
-        for set in list(&report["sets"]) {
-            let mut kept =
-                DataSet { scenes: set["scenes"].as_u64().unwrap_or(0), metrics: BTreeMap::new() };
-            for group in list(&set["groups"]) {
-                let shown = list(&group["figures"]).iter().filter(|figure| figure["main"] == true);
-                let figures: BTreeMap<_, _> =
-                    shown.map(|figure| (name(figure), values(figure))).collect();
-                kept.metrics.insert(metric(&name(group)), figures);
-            }
-            if kept.scenes > 0 {
-                bench.sets.insert(name(set), kept);
-            }
-        }
-        self.scores.bench = bench;
-        Ok(())
+        self.scores.bench.merge(&report).with_context(|| format!("{} is not taken", file.display()))
     }
 
     /// Takes the scores of a run of `linestereo-lab compare --json`.
@@ -246,6 +256,27 @@ fn today() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn sets_of_a_run_join_those_that_are_stored() {
+        let top = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let stored = || Stored::read(top).unwrap().scores.bench;
+        let (first, mut bench) = (stored(), stored());
+        let set = |notes: &[&str]| {
+            // One that the page does not show may lack scenes.
+            let other = json!({"name": "other", "scenes": 0, "notes": ["too large"], "groups": []});
+            let set = json!({"name": "qvga", "scenes": 2, "notes": notes, "groups": []});
+            json!({"opencv": "5.0.0", "sets": [other, set]})
+        };
+        bench.merge(&set(&[])).unwrap();
+        assert_eq!((bench.sets.len(), bench.sets["qvga"].scenes), (first.sets.len(), 2));
+        assert_eq!(bench.sets["robot_world"].scenes, first.sets["robot_world"].scenes);
+        let error = stored().merge(&set(&["room is left out: no image"])).unwrap_err();
+        assert!(error.to_string().contains("room is left out"), "{error}");
+        let error = Bench::default().merge(&set(&[])).unwrap_err();
+        assert!(error.to_string().contains("the set robot_world is missing"), "{error}");
+    }
 
     #[test]
     fn metrics_have_short_names() {
