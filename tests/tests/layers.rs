@@ -47,7 +47,7 @@ fn read(folder: &Path, place: &Place, modules: &mut Modules) {
 }
 
 fn code(text: &str) -> String {
-    let code = text.split("#[cfg(test)]").next().unwrap();
+    let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
     code.lines().map(|line| line.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
 }
 
