@@ -67,7 +67,7 @@ impl Directions {
             return Err(Status::NoPair);
         };
         matched.update_obstacles(&self.plan, &mut self.known, time_us);
-        if matched.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
+        if self.known.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
     }
 
     pub fn sector(&self, index: usize, time_us: u64) -> Result<Sector, Status> {

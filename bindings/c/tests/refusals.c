@@ -229,6 +229,8 @@ int main(void) {
     REFUSED(linestereo_obstacles_update(&obstacles, matcher, 1100000), NO_PAIR);
     REFUSED(linestereo_sector(&obstacles, 0, 1200000, &sector), OK);
     CHECK(sector.state == LINESTEREO_SECTOR_STATE_OBSTACLE); /* as it was */
+    REFUSED(linestereo_run_areas(matcher, &left, &right, 0, &area, 1), OK);
+    REFUSED(linestereo_obstacles_update(&obstacles, matcher, 1150000), PAIR_UNFIT); /* the rest is not seen */
     free(memory);
     free(copy);
     return 0;
