@@ -192,10 +192,8 @@ impl<'a> Session<'a> {
                 self.running = false;
                 Ok(())
             }
-            // Checked for the largest pairs; a smaller one may still be too narrow for the
-            // disparities.
             Request::SetParams(update) => {
-                update.checked(self.params, self.board.largest).map(|params| {
+                update.checked(self.params, self.widest()).map(|params| {
                     self.set_params(params);
                     self.is_kept = false;
                 })
@@ -235,7 +233,7 @@ impl<'a> Session<'a> {
             Setting::check(number, value)?;
         }
         let (params, vehicle) = settings::with_values(self.params, values);
-        params.check(self.rig_dims().unwrap_or(self.board.largest))?;
+        params.check(self.widest())?;
         vehicle.check()?;
         self.set_params(params);
         self.vehicle = vehicle;
@@ -401,6 +399,12 @@ impl<'a> Session<'a> {
     #[must_use]
     pub fn rig_dims(&self) -> Option<Dims> {
         self.report.in_use.map(|RigInUse { rectified: [width, height], .. }| Dims { width, height })
+    }
+
+    /// The size that parameters are checked for; of pairs that a host sends some may still be too
+    /// narrow for the disparities.
+    fn widest(&self) -> Dims {
+        self.rig_dims().unwrap_or(self.board.largest)
     }
 
     /// Is there a rig, so that distances are known?

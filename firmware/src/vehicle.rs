@@ -24,7 +24,7 @@ pub struct Vehicle {
     pub system: u8,
     /// Distances a second, at most one a pair; 10 ..= 20.
     pub rate_hz: u8,
-    /// Distances that are sent while the pair is not fit.
+    /// Distances that are sent while the pair is not fit, or shows nothing.
     pub policy: Policy,
     /// Where [`Policy::Block`] sees obstacles, cm; the near limit of the rig if `None`, and never
     /// nearer.

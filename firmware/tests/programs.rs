@@ -495,10 +495,12 @@ fn a_range_beyond_the_width_of_the_rig_is_refused() {
     let set = |value| Request::Set(SettingValue { number: 1, value }); // MAX_DISPARITY
     let input = Input::default().ask(set(150.0)).rig(&rig(DIMS).encode(0));
     let input = input.ask(set(130.0)).ask(set(100.0));
+    let update = ParamUpdate { max_disparity: Some(130), ..ParamUpdate::default() };
+    let input = input.ask(Request::SetParams(update));
     let (answers, _) =
         replayed(&mut Session::new(BOARD), &mut Box::new(BoardMemory::CLEARED), input);
     let is_accepted = answers.iter().map(|(_, outcome)| *outcome == Outcome::Accepted);
-    assert_eq!(is_accepted.collect::<Vec<_>>(), [true, true, false, true], "{answers:?}");
+    assert_eq!(is_accepted.collect::<Vec<_>>(), [true, true, false, true, false], "{answers:?}");
 }
 
 /// Times that a still scene allows are none for an autopilot.

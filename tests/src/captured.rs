@@ -31,9 +31,18 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 /// When one of them cannot be loaded.
 #[must_use]
 pub fn qvga() -> Option<Vec<Scene>> {
+    scenes("qvga")
+}
+
+/// Every scene of a set.
+///
+/// # Panics
+/// When one of them cannot be loaded.
+#[must_use]
+pub fn scenes(set: &str) -> Option<Vec<Scene>> {
     let load =
         |folder: &PathBuf| load_scene(folder, None).unwrap_or_else(|error| panic!("{error}"));
-    let folders = find_scenes(&folder("qvga")?).unwrap_or_else(|error| panic!("{error}"));
+    let folders = find_scenes(&folder(set)?).unwrap_or_else(|error| panic!("{error}"));
     Some(folders.iter().map(load).collect())
 }
 

@@ -1,6 +1,14 @@
-//! Written by `linestereo-lab fit-confidence` from 2000 pixels each of 14 scenes (aloe, art, baby1,
-//! books, bowling2, cloth1, dolls, lampshade1, monopoly, motorcycle, rocks1, teddy, tsukuba,
-//! wood1): do not edit.
+//! Written by `linestereo-lab fit-confidence` from 2000 pixels each of 70 scenes (aloe, art, baby1,
+//! books, bowling2, cloth1, dolls, lampshade1, monopoly, motorcycle, rocks1, teddy, tsukuba, wood1,
+//! 00_living, 02_stairs_down, 04_dining_legs, 06_corridor, 08_desk_arm, 100_dining_legs,
+//! 102_corridor, 104_desk_arm, 106_window, 108_drop_off, 10_window, 110_doorway, 12_drop_off,
+//! 14_doorway, 16_kitchen, 18_night_lamp, 20_warehouse, 22_blank_wall, 24_office, 26_glossy_mirror,
+//! 28_stairs_up, 30_yard, 32_living, 34_stairs_down, 36_dining_legs, 38_corridor, 40_desk_arm,
+//! 42_window, 44_drop_off, 46_doorway, 48_kitchen, 50_night_lamp, 52_warehouse, 54_blank_wall,
+//! 56_office, 58_glossy_mirror, 60_stairs_up, 62_yard, 64_living, 66_stairs_down, 68_dining_legs,
+//! 70_corridor, 72_desk_arm, 74_window, 76_drop_off, 78_doorway, 80_kitchen, 82_night_lamp,
+//! 84_warehouse, 86_blank_wall, 88_office, 90_glossy_mirror, 92_stairs_up, 94_yard, 96_living,
+//! 98_stairs_down): do not edit.
 
 use super::PIXEL_EVIDENCE;
 use crate::confidence::{Model, SigmaModel};
@@ -9,28 +17,28 @@ use crate::confidence::{Model, SigmaModel};
 #[rustfmt::skip]
 pub const FITTED_PIXEL: SigmaModel<PIXEL_EVIDENCE> = SigmaModel {
     model: Model {
-        bias_q12: 18030,
+        bias_q12: 12708,
         coefficients_q12: [
-            -3094, // census: cost at the disparity / best cost elsewhere
-            -5888, // windows and census together: cost at the disparity / best cost elsewhere
-            -6654, // the same, elsewhere being what features nearby allow
-            -1157, // |searched back - answer|, px
-            -1675, // log2(1 + mean gradient around the pixel)
-            747, // log2(1 + features nearby that agree)
-            -2821, // log2(1 + surfaces that end at an edge before the pixel and agree)
-            -2335, // outside of what features nearby span, px
-            2254, // log2(1 + support points nearby that agree)
-            -5472, // share of support points nearby that contradict
+            -58, // census: cost at the disparity / best cost elsewhere
+            -6525, // windows and census together: cost at the disparity / best cost elsewhere
+            -4885, // the same, elsewhere being what features nearby allow
+            -944, // |searched back - answer|, px
+            -1734, // log2(1 + mean gradient around the pixel)
+            1020, // log2(1 + features nearby that agree)
+            -2152, // log2(1 + surfaces that end at an edge before the pixel and agree)
+            -3046, // outside of what features nearby span, px
+            2972, // log2(1 + support points nearby that agree)
+            -3483, // share of support points nearby that contradict
         ],
         probability_q16: [
-            28, 55, 83, 111, 138, 166, 194, 341, 581, 1277, 3163,
-            4616, 7084, 11476, 17530, 24753, 31614, 39280, 46260, 51130, 54782, 58446,
-            61403, 63361, 64624, 65228, 65484, 65524, 65526, 65527, 65529, 65531, 65533,
+            56, 111, 167, 223, 278, 356, 539, 850, 1434, 2498, 3602,
+            4650, 7198, 11189, 17644, 25116, 31743, 38689, 45869, 52273, 56985, 60148,
+            62230, 63490, 64017, 64734, 65464, 65524, 65526, 65527, 65529, 65531, 65533,
         ],
     },
     sigma_q6: [
         512, 512, 512, 512, 512, 512, 512, 512, 512, 512, 512,
-        512, 512, 512, 448, 285, 164, 94, 53, 39, 30, 23,
-        19, 15, 14, 12, 12, 11, 11, 11, 11, 11, 11,
+        512, 512, 414, 268, 173, 115, 82, 58, 41, 31, 24,
+        18, 15, 13, 12, 11, 11, 11, 11, 11, 11, 11,
     ],
 };

@@ -19,7 +19,7 @@ const MAVLINK_VERSION: u8 = 3;
 pub enum SystemStatus {
     /// Distances can be believed.
     Active = 4,
-    /// The pair is not fit to be used.
+    /// The pair is not fit to be used, or shows nothing.
     Critical = 5,
 }
 

@@ -1,5 +1,5 @@
-//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and the policy
-//! for pairs that are not fit to be used or show nothing in any direction.
+//! Schedule of messages: distances 10 to 20 times a second, a heartbeat every second, and the
+//! policy for pairs that are not fit to be used or show nothing in any direction.
 //!
 //! # "No data" at autopilots
 //! | policy | sent while the pair is unfit or shows nothing | PX4 | ArduPilot |

@@ -42,8 +42,8 @@ impl<C: Clock> Observer for StageClock<'_, C> {
     }
 }
 
-/// Instructions of the obstacles of the last pair and of sending them to an autopilot; and the bytes
-/// sent.
+/// Instructions of the obstacles of the last pair and of sending them to an autopilot; and the
+/// bytes sent.
 pub fn measure_autopilot(
     matched: &Matched<'_>,
     clock: &impl Clock,

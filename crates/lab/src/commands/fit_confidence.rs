@@ -1,18 +1,18 @@
 //! `linestereo-lab fit-confidence`: the confidence model's constants from frames with truth.
 
 use super::batch::collect;
-use crate::bench::{GLOSSY, number};
+use crate::bench::number;
 use crate::evaluate::{
     FrameScore, PixelScore, QueriedPixel, Summary, calibration_table, cell_table, query_pixels,
 };
 use crate::fitting::{
     EvidenceLog, SceneSamples, add_ground_samples, fit, fit_pixels, pixel_source_text,
-    scene_samples, source_text, support_source_text,
+    scene_samples, source_text, support_source_text, without_gloss,
 };
 use anyhow::{Context, Result, bail};
 use linestereo::{Params, units::Confidence};
 use linestereo_calibration::rectify_raw;
-use linestereo_frames::{Perturbation, Scene, load_values};
+use linestereo_frames::{Perturbation, Scene};
 use linestereo_sim::commands::engine_with;
 use linestereo_sim::commands::method::MethodArgs;
 use linestereo_sim::commands::pairs::for_each_pair;
@@ -172,20 +172,6 @@ fn halves_of(folders: &[PathBuf]) -> Result<Vec<Scene>> {
         }
     }
     Ok(halves)
-}
-
-/// The scene without the truth of what shines, in rendered rooms: a mirror shows another place.
-fn without_gloss(scene: Scene) -> Result<Scene> {
-    let labels = scene.folder.join("labels.png");
-    if !labels.is_file() {
-        return Ok(scene);
-    }
-    let (_, labels) =
-        load_values(&labels).with_context(|| format!("cannot read {}", labels.display()))?;
-    let truth = scene
-        .truth
-        .map(|truth| truth.without(|index| labels.get(index).copied() == Some(GLOSSY.into())));
-    Ok(Scene { truth, ..scene })
 }
 
 /// Damages of a scene before it is sampled: small captured pairs are damaged, rendered rooms

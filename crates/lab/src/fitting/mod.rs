@@ -13,7 +13,7 @@ mod sample;
 mod source;
 
 pub(crate) use sample::add_ground_samples;
-pub use sample::{EvidenceLog, SceneSamples, scene_samples};
+pub use sample::{EvidenceLog, SceneSamples, scene_samples, without_gloss};
 pub use source::pixel_source_text;
 pub(crate) use source::{bar_source_text, source_text, support_source_text};
 

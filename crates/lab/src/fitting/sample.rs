@@ -1,14 +1,30 @@
 //! Answers with evidence and truth.
 
+use crate::bench::GLOSSY;
+use anyhow::{Context, Result};
 use linestereo::unstable::{
     Observer, SegmentEvidence, SegmentKind, StageEvent, SupportEvidence, ValidPixels,
 };
 use linestereo::{Matched, Params};
-use linestereo_frames::Truth;
+use linestereo_frames::{Scene, Truth, load_values};
 use linestereo_sim::engine::Engine;
 
 /// Pixels from the edge up to which answers are sampled: those that the core makes by default.
 const REACH: u16 = Params::DEFAULT.reach;
+
+/// The scene without the truth of what shines, in rendered rooms: a mirror shows another place.
+pub fn without_gloss(scene: Scene) -> Result<Scene> {
+    let labels = scene.folder.join("labels.png");
+    if !labels.is_file() {
+        return Ok(scene);
+    }
+    let (_, labels) =
+        load_values(&labels).with_context(|| format!("cannot read {}", labels.display()))?;
+    let truth = scene
+        .truth
+        .map(|truth| truth.without(|index| labels.get(index).copied() == Some(GLOSSY.into())));
+    Ok(Scene { truth, ..scene })
+}
 
 /// Subject of each of the models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
