@@ -225,7 +225,7 @@ fn summary(objects: &[RoomObject], truth: &Truth, result: &FrameResult) -> Strin
         text,
         "Points:   {}; median error {}; more than 1 px off: {} of those visible in both images, {} of all",
         counts.points,
-        number(median(visible.clone()).map(f64::from), " px"),
+        number(median(visible.clone(), f32::total_cmp).map(f64::from), " px"),
         number(off(&visible), " %"),
         number(off(&all), " %"),
     );

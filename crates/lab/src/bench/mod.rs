@@ -19,7 +19,6 @@ pub(crate) use figures::number;
 mod grid;
 mod objects;
 mod opencv;
-mod order;
 mod product;
 mod reliability;
 mod scoring;

@@ -6,7 +6,7 @@
 use super::classes::THIN;
 use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
-use super::order::quantile;
+use linestereo_frames::statistics::numpy_quantile;
 use std::collections::BTreeMap;
 
 const LEAST_VISIBLE: usize = 60;
@@ -63,7 +63,7 @@ pub(crate) fn truths(
             return None;
         }
         known.sort_unstable_by(f64::total_cmp);
-        let [low, high] = ENDS.map(|share| quantile(&known, share));
+        let [low, high] = ENDS.map(|share| numpy_quantile(&known, share));
         let is_thin = 2 * count(&|x, y| labels.at(x, y) == THIN) > pixels.len();
         Some(ObjectTruth { label, is_thin, range: [low?, high?] })
     };

@@ -6,8 +6,8 @@
 use super::cells::Hypothesis;
 use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
-use super::order::median;
 use core::hash::Hash;
+use linestereo_frames::statistics::median;
 use std::collections::HashMap;
 
 /// Side of a cell, px.
@@ -119,7 +119,7 @@ pub(super) fn median_error(
 ) -> Option<f64> {
     let errors = pixels.map(|(x, y)| (map.at(x, y) - truth.at(x, y)).abs());
     let errors: Vec<f64> = errors.filter(|error| error.is_finite()).collect();
-    if errors.len() >= least { median(errors) } else { None }
+    if errors.len() >= least { median(errors, f64::total_cmp) } else { None }
 }
 
 /// The truth of a pixel, else of the one to the left, to the right, above, below.

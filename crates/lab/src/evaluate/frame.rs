@@ -58,7 +58,10 @@ impl FrameScore {
                 })
             })
             .collect();
-        let medians = result.matches.iter().map(|segment| median(segment_errors(truth, segment)));
+        let medians = result
+            .matches
+            .iter()
+            .map(|segment| median(segment_errors(truth, segment), f32::total_cmp));
         Self {
             segments: result.matches.len(),
             confidences: result.points.iter().map(|point| point.confidence.to_num()).collect(),
@@ -192,7 +195,7 @@ pub(super) mod tests {
     fn disparity_is_linear_along_the_segment() {
         let errors = segment_errors(&truth(), &segment([[5.0, 0.0], [5.0, 8.0]], [8.0, 12.0]));
         assert_eq!(errors, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0]);
-        assert_eq!(median(errors), Some(2.0));
+        assert_eq!(median(errors, f32::total_cmp), Some(2.0));
     }
 
     #[test]

@@ -196,8 +196,11 @@ impl ObjectSummary {
             objects: all.len(),
             covered: answers.len(),
             wrong: answers.iter().filter(|score| score.wrong).count(),
-            median_relative_error: median(answers.iter().map(|score| score.relative).collect())
-                .map(f64::from),
+            median_relative_error: median(
+                answers.iter().map(|score| score.relative).collect(),
+                f32::total_cmp,
+            )
+            .map(f64::from),
             within_sigma: share(&|score| score.error <= score.sigma),
             within_two_sigma: share(&|score| score.error <= 2.0 * score.sigma),
             mean_confidence: (!answers.is_empty()).then(|| sum / answers.len() as f64),

@@ -147,8 +147,8 @@ impl Summary {
             overconfidence: overconfidence(&calibration),
             calibration,
             rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
-            median_error_px: median(visible).map(f64::from),
-            milliseconds: median(times).map(f64::from),
+            median_error_px: median(visible, f32::total_cmp).map(f64::from),
+            milliseconds: median(times, f32::total_cmp).map(f64::from),
         }
     }
 }
