@@ -111,7 +111,7 @@ fn html(top: &Path, matcher: &Path, images: &Path) -> Result<String> {
     let own: String =
         script.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
-        ("/*STYLE*/", lean(&shared("shared.css")?)),
+        ("/*STYLE*/", lean(&(shared("base.css")? + &shared("shared.css")?))),
         ("/*ADVICE*/", serde_json::to_string(&Health::ADVICE)?.replace('<', "\\u003c")),
         ("/*MATCHER*/", packed(matcher)?),
         ("/*IMAGES*/", packed(images)?),

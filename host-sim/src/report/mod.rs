@@ -34,8 +34,11 @@ const LIVE_SCRIPT: &str = include_str!("live.js");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-/// Drawing and style of the live page and of the page for browsers.
+/// Drawing of the live page and of the page for browsers.
 const DRAWING: &str = include_str!("drawing.js");
+/// Style of every page.
+const BASE_STYLE: &str = include_str!("base.css");
+/// Style of the live page and of the page for browsers.
 const SHARED_STYLE: &str = include_str!("shared.css");
 
 /// A pair and what was found in it.
@@ -174,7 +177,7 @@ impl Page {
         let frames = harmless(&format!("[{}]", self.frames.join(",\n")));
         let (before, after) = PAGE.split_once("/*SCRIPT*/").unwrap_or((PAGE, ""));
         let before = before
-            .replace("/*STYLE*/", STYLE)
+            .replace("/*STYLE*/", &[BASE_STYLE, STYLE].concat())
             .replace("/*SETUP*/", &harmless(&data))
             .replace("<!--TITLE-->", &escaped(&setup.title));
         let (head, tail) = before.split_once("/*FRAMES*/").unwrap_or((&before, ""));
@@ -194,7 +197,7 @@ pub fn live_page(source: &str, nonce: &str) -> String {
         LIVE_SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
         ("/*NONCE*/", nonce),
-        ("/*STYLE*/", SHARED_STYLE),
+        ("/*STYLE*/", &[BASE_STYLE, SHARED_STYLE].concat()),
         ("/*WORDS*/", &harmless(&words)),
         ("/*SCRIPT*/", &[DRAWING, &script].concat()),
         ("/*SOURCE*/", &escaped(source)),
