@@ -1,11 +1,11 @@
-// Drawing that the page for browsers (bindings/web) and the live page share: a pair with what was
-// matched in it, its points from above, boxes that are drawn.
+// Drawing that the page for browsers (bindings/web), the live page and the page of `report` share: a
+// pair with what was matched in it, its points from above, boxes that are drawn.
 
-const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
+export const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
 const FONT = "system-ui, sans-serif";
 
 export const inMetres = z => (z === Infinity ? "∞" : `${z.toFixed(z < 10 ? 3 : 1)} m`);
-const percent = share => `${(100 * share).toFixed(1)} %`;
+export const percent = share => `${(100 * share).toFixed(1)} %`;
 
 /// The depth of an object in words: disparities in px, depths in m where there is a rig.
 export function inWords({ reason, disparity, sigma, confidence, depth, depth_sigma, nearest }, rig) {
@@ -34,7 +34,7 @@ export function range(segments, most) {
   return [far, Math.max(far + 4, 4 * Math.ceil(found[found.length - 1 - skip] / 4))];
 }
 
-function colour(d, [far, near], alpha = 1) {
+export function colour(d, [far, near], alpha = 1) {
   const at = Math.min(1, Math.max(0, (d - far) / (near - far))) * (STOPS.length - 1);
   const i = Math.min(Math.floor(at), STOPS.length - 2), t = at - i;
   return `rgba(${STOPS[i].map((value, k) => Math.round(value * (1 - t) + STOPS[i + 1][k] * t)).join(",")},${alpha})`;
@@ -110,6 +110,12 @@ export function drawPair(canvas, { width, height, picture, ground }, { points, s
   });
 }
 
+/// A round distance of rings, at least a part of `far` of this `count`.
+export function ringStep(far, count) {
+  const least = far / count, power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map(f => f * power).find(s => s >= least);
+}
+
 /// Points from above, the camera below: x to the right and z ahead in m. Sectors, where there are
 /// any, as arcs at their distances, edges of drop-offs dashed.
 export function drawTop(canvas, points, span, sectors = []) {
@@ -123,7 +129,7 @@ export function drawTop(canvas, points, span, sectors = []) {
   const scale = Math.min(canvas.width / (2 * half), (canvas.height - 30) / far), at = (x, z) => [middle + x * scale, base - z * scale];
   context.strokeStyle = context.fillStyle = "#888";
   context.font = `13px ${FONT}`;
-  const rough = far / 4, power = 10 ** Math.floor(Math.log10(rough)), step = [1, 2, 5, 10].map(f => f * power).find(s => s >= rough);
+  const step = ringStep(far, 4);
   for (let z = step; z < far; z += step) {
     const [x, y] = at(0, z);
     context.beginPath();

@@ -34,7 +34,6 @@ const LIVE_SCRIPT: &str = include_str!("live.js");
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
-/// Drawing of the live page and of the page for browsers.
 const DRAWING: &str = include_str!("drawing.js");
 /// Style of every page.
 const BASE_STYLE: &str = include_str!("base.css");
@@ -181,7 +180,7 @@ impl Page {
             .replace("/*SETUP*/", &harmless(&data))
             .replace("<!--TITLE-->", &escaped(&setup.title));
         let (head, tail) = before.split_once("/*FRAMES*/").unwrap_or((&before, ""));
-        Ok([head, &frames, tail, SCRIPT, after].concat())
+        Ok([head, &frames, tail, &with_drawing(SCRIPT), after].concat())
     }
 }
 
@@ -192,17 +191,20 @@ pub fn live_page(source: &str, nonce: &str) -> String {
     let reasons = Reason::ALL.map(|reason| (reason.name(), reason.to_string()));
     let words =
         json!({"flags": Health::ADVICE, "reasons": reasons, "most_boxes": MAX_REGIONS}).to_string();
-    // Behind what it imports it needs no imports.
-    let script: String =
-        LIVE_SCRIPT.split_inclusive('\n').filter(|line| !line.starts_with("import ")).collect();
     let parts = [
         ("/*NONCE*/", nonce),
         ("/*STYLE*/", &[BASE_STYLE, SHARED_STYLE].concat()),
         ("/*WORDS*/", &harmless(&words)),
-        ("/*SCRIPT*/", &[DRAWING, &script].concat()),
+        ("/*SCRIPT*/", &with_drawing(LIVE_SCRIPT)),
         ("/*SOURCE*/", &escaped(source)),
     ];
     parts.into_iter().fold(LIVE_PAGE.to_owned(), |page, (place, part)| page.replace(place, part))
+}
+
+/// A script behind what it imports: it needs no imports.
+fn with_drawing(script: &str) -> String {
+    let own = script.split_inclusive('\n').filter(|line| !line.starts_with("import "));
+    DRAWING.to_owned() + &own.collect::<String>()
 }
 
 /// Nothing in these data may end the script that holds them.

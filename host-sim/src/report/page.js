@@ -1,7 +1,5 @@
-"use strict";
-(() => {
+import { STOPS, colour, inMetres, percent, ringStep } from "./drawing.js";
 const SVG = "http://www.w3.org/2000/svg";
-const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
 const setup = JSON.parse(document.getElementById("setup").textContent);
 const frames = JSON.parse(document.getElementById("data").textContent);
 const $ = id => document.getElementById(id);
@@ -28,18 +26,12 @@ function element(parent, name, attributes = {}, text) {
   return made;
 }
 
-function colour(d) {
-  const [far, near] = frame.range;
-  const position = Math.min(1, Math.max(0, (d - far) / (near - far))) * (STOPS.length - 1);
-  const i = Math.min(Math.floor(position), STOPS.length - 2), t = position - i;
-  return `rgb(${STOPS[i].map((v, k) => Math.round(v * (1 - t) + STOPS[i + 1][k] * t)).join(",")})`;
-}
-
 const isFlat = s => Math.abs(s.x1 - s.x0) > 4 * Math.abs(s.y1 - s.y0);
 const middle = s => 0.5 * (s.d0 + s.d1);
 const px = v => v === null ? "–" : `${v.toFixed(2)} px`;
-const percent = v => v > 0.999 ? "above 99.9 %" : `${(100 * v).toFixed(1)} %`;
-const metres = v => v === null ? "∞" : `${v < 10 ? v.toFixed(3) : v.toFixed(1)} m`;
+const shade = d => colour(d, frame.range);
+const sure = v => v > 0.999 ? "above 99.9 %" : percent(v);
+const metres = v => inMetres(v ?? Infinity);
 
 function line(s, shift) {
   const [a, b] = shift ? [s.d0, s.d1] : [0, 0];
@@ -84,11 +76,11 @@ function drawImage(side) {
   }
   if ($("show-matched").checked) {
     for (const s of [...frame.segments].reverse()) {
-      const made = element(svg, "path", { d: line(s, shift) + ticks(s, shift), class: "segment" + (onlyReason === null ? "" : " dim"), stroke: colour(middle(s)) });
+      const made = element(svg, "path", { d: line(s, shift) + ticks(s, shift), class: "segment" + (onlyReason === null ? "" : " dim"), stroke: shade(middle(s)) });
       if (s.confidence < 0.9) made.setAttribute("stroke-dasharray", "5 4");
       parts[side].set(s, made);
     }
-    for (const b of frame.bars) parts[side].set(b, element(svg, "path", { d: outline(b, shift), class: "outline" + (onlyReason === null ? "" : " dim"), stroke: colour(middle(b)) }));
+    for (const b of frame.bars) parts[side].set(b, element(svg, "path", { d: outline(b, shift), class: "outline" + (onlyReason === null ? "" : " dim"), stroke: shade(middle(b)) }));
   }
 }
 
@@ -110,17 +102,12 @@ const objectName = o => o.name ?? `#${o.label}`;
 
 // ---- from above
 
-function niceStep(range, count) {
-  const raw = range / count, power = 10 ** Math.floor(Math.log10(raw));
-  return [1, 2, 5, 10].map(f => f * power).find(s => s >= raw);
-}
-
 function quantile(values, share) {
   const sorted = [...values].sort((a, b) => a - b);
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))];
 }
 
-function drawTop() {
+function drawAbove() {
   const box = $("top");
   box.replaceChildren();
   parts.top = new Map();
@@ -139,14 +126,14 @@ function drawTop() {
   const svg = element(box, "svg", { viewBox: `0 0 ${W} ${H.toFixed(0)}`, role: "img", "aria-label": `Seen from above, to ${far.toFixed(1)} m` });
   const [ox, oy] = at(0, 0), corner = edges.map(x => at(x, far).map(v => v.toFixed(1)).join(" "));
   element(svg, "path", { class: "view", d: `M${ox} ${oy}L${corner[0]}L${corner[1]}Z` });
-  for (let z = niceStep(far, 5), step = z; z < far; z += step) {
+  for (let z = ringStep(far, 5), step = z; z < far; z += step) {
     const r = z * scale, dx = Math.min(r, W / 2), dz = Math.sqrt(r * r - dx * dx);
     element(svg, "path", { class: "ring", d: `M${ox - dx} ${oy - dz}A${r} ${r} 0 0 1 ${ox + dx} ${oy - dz}` });
   }
   const bins = new Map();
   for (const [x, , d, z] of frame.points) {
     if (z === null || z > far) continue;
-    const key = colour(Math.round(d)), [u, v] = at(across(x, z), z);
+    const key = shade(Math.round(d)), [u, v] = at(across(x, z), z);
     bins.set(key, `${bins.get(key) ?? ""}M${u.toFixed(1)} ${v.toFixed(1)}h0`);
   }
   for (const [stroke, d] of bins) element(svg, "path", { class: "point", stroke, d });
@@ -155,7 +142,7 @@ function drawTop() {
   for (const s of [...placed].reverse()) {
     if (beyond.includes(s)) continue;
     const [u0, v0] = at(across(s.x0, s.z0), s.z0), [u1, v1] = at(across(s.x1, s.z1), s.z1);
-    const made = element(svg, "path", { class: "segment", stroke: colour(middle(s)), d: `M${u0.toFixed(1)} ${v0.toFixed(1)}L${u1.toFixed(1)} ${(v1 + 0.01).toFixed(2)}` });
+    const made = element(svg, "path", { class: "segment", stroke: shade(middle(s)), d: `M${u0.toFixed(1)} ${v0.toFixed(1)}L${u1.toFixed(1)} ${(v1 + 0.01).toFixed(2)}` });
     parts.top.set(s, made);
   }
   for (const o of frame.objects) {
@@ -165,7 +152,7 @@ function drawTop() {
     element(svg, "rect", { class: "object", x: u0, y: v0, width: u1 - u0, height: Math.max(2, v1 - v0) });
     element(svg, "text", { class: "object-name", x: u0, y: v0 - 4 }, `${objectName(o)} ${metres(z)}`);
   }
-  for (let z = niceStep(far, 5), step = z; z < far; z += step) {
+  for (let z = ringStep(far, 5), step = z; z < far; z += step) {
     element(svg, "text", { class: "range", x: ox + 4, y: oy - z * scale - 4 }, `${+z.toFixed(3)} m`);
   }
   element(svg, "path", { class: "camera", d: `M${ox} ${oy}l-7 12h14z` });
@@ -187,7 +174,7 @@ function drawLists() {
       element(row, "td", number, o.disparity_px === null ? "–" : `${px(o.disparity_px)} ± ${o.sigma_px.toFixed(2)}`);
       element(row, "td", number, o.nearest_m === null ? "–" : metres(o.nearest_m));
       element(row, "td", number, o.support);
-      element(row, "td", number, percent(o.confidence));
+      element(row, "td", number, sure(o.confidence));
     }
   }
   const health = $("health");
@@ -252,7 +239,7 @@ function describe(s) {
     putTests(box, s);
     return;
   }
-  element(title, "i", { style: `background: ${colour(middle(s))}` });
+  element(title, "i", { style: `background: ${shade(middle(s))}` });
   title.append(`${s.isBar ? "Bar" : "Segment"} ${s.id}`);
   const list = element(box, "dl");
   const put = (name, value) => {
@@ -264,7 +251,7 @@ function describe(s) {
   put("disparity", from(s.d0, s.d1, px));
   if (frame.has_depth) put("depth", from(s.z0, s.z1, metres));
   put("uncertainty", `± ${s.sigma.toFixed(2)} px` + (s.sz0 !== null && frame.has_depth ? `, ± ${Math.max(s.sz0, s.sz1 ?? 0).toFixed(3)} m` : ""));
-  put("confidence", percent(s.confidence));
+  put("confidence", sure(s.confidence));
   if (s.isBar) {
     put("width", px(s.width));
     putTests(box, s);
@@ -367,7 +354,7 @@ function show(index) {
   const ends = frame.segments.flatMap(segment => [segment.d0, segment.d1]), beyond = ends.filter(d => d < far || d > near).length;
   element($("legend"), "span", {}, `near, ${near} px${beyond ? `; ${beyond} ends of segments beyond these colours` : ""}`);
   drawImages();
-  drawTop();
+  drawAbove();
   drawLists();
   describe(null);
 }
@@ -389,4 +376,3 @@ for (const [id, by] of [["previous", -1], ["next", 1]]) {
   $(id).addEventListener("click", () => show((Number($("frame").value) + by + frames.length) % frames.length));
 }
 show(0);
-})();
