@@ -220,11 +220,10 @@ impl Show<'_> {
         };
         let setup = self.setup.insert(setup);
         if let Some(space) = Space::of(&mut self.space, self.args, setup)? {
-            let events_of = space.events(&frame.matches, [&[], &[]], None, frame.head.health)?;
-            let sends_sectors = self.sectors.is_some();
-            events.extend(
-                events_of.into_iter().filter(|(name, _)| *name != "sectors" || !sends_sectors),
-            );
+            events.push(space.above(&frame.matches, &[]));
+            if self.sectors.is_none() {
+                events.push(space.sectors(&frame.matches, &[], None, frame.head.health)?);
+            }
         }
         self.server.send("pair", &events);
         Ok(())

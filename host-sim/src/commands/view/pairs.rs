@@ -6,6 +6,7 @@ use crate::commands::objects::ObjectArgs;
 use crate::commands::pairs::{has_ended, video_note};
 use crate::commands::player::{Player, line};
 use crate::commands::recording::Played;
+use crate::engine::FrameResult;
 use crate::interruption;
 use crate::output::say;
 use crate::results::listing;
@@ -103,12 +104,9 @@ impl Show<'_> {
                 if let Some(setup) = self.player.setup()
                     && let Some(space) = Space::of(&mut self.space, self.args, setup)?
                 {
-                    events.extend(space.events(
-                        &result.matches,
-                        [&result.points, &result.obstacle_points],
-                        result.ground,
-                        result.health,
-                    )?);
+                    let FrameResult { matches, obstacle_points, ground, health, .. } = &result;
+                    events.push(space.above(matches, &result.points));
+                    events.push(space.sectors(matches, obstacle_points, *ground, *health)?);
                 }
                 self.is_matched = true;
             }

@@ -38,14 +38,8 @@ impl Space {
         Ok(held.as_ref())
     }
 
-    /// Events that tell it of a pair: its matches, its points, and those that sectors take.
-    pub(super) fn events(
-        &self,
-        matches: &[Match],
-        [points, obstacle_points]: [&[Point]; 2],
-        ground: Option<GroundPlane>,
-        health: Health,
-    ) -> Result<Vec<Event>> {
+    /// The ends of matches and the points, from above.
+    pub(super) fn above(&self, matches: &[Match], points: &[Point]) -> Event {
         let above = |at: ImagePosition, disparity: Disparity| {
             let [x, _, z] = self
                 .rig
@@ -59,16 +53,19 @@ impl Space {
             of_points.chain(ends.filter_map(|(at, disparity)| above(at, disparity))).collect();
         let product = self.rig.focal_baseline_q16() as f64 / 65536.0;
         let rig = json!({"product": product, "offset": self.rig.offset_q6() as f64 / 64.0});
-        let directions = Directions::new(
-            self.sectors.on_ground(ground),
-            matches,
-            obstacle_points,
-            health.of_pair(),
-        )
-        .list();
-        Ok(vec![
-            ("above", json!({"points": placed, "rig": rig, "yaw_deg": self.yaw_deg}).to_string()),
-            ("sectors", serde_json::to_string(&directions)?),
-        ])
+        ("above", json!({"points": placed, "rig": rig, "yaw_deg": self.yaw_deg}).to_string())
+    }
+
+    /// Sectors of these matches, and of the points that sectors take.
+    pub(super) fn sectors(
+        &self,
+        matches: &[Match],
+        points: &[Point],
+        ground: Option<GroundPlane>,
+        health: Health,
+    ) -> Result<Event> {
+        let plan = self.sectors.on_ground(ground);
+        let directions = Directions::new(plan, matches, points, health.of_pair()).list();
+        Ok(("sectors", serde_json::to_string(&directions)?))
     }
 }
