@@ -4,9 +4,9 @@ use super::frames::{Frame, FrameCounts};
 use crate::engine::FrameResult;
 use crate::results::directions::Direction;
 use crate::results::health;
-use crate::results::listing::{self, Answers};
+use crate::results::listing;
 use core::fmt::Write;
-use linestereo::{Dims, ObjectDepth};
+use linestereo::ObjectDepth;
 use linestereo_wire::{
     Counters, FrameHead, FrameTimes, ObjectRecord, SectorRecord, Sectors, VERSION,
 };
@@ -102,7 +102,7 @@ struct Listing {
     size: [u16; 2],
     times_us: Value,
     health: health::Listing,
-    segments: Value,
+    segments: Vec<listing::Segment>,
     #[serde(serialize_with = "listing::as_map")]
     counts: Vec<(&'static str, u32)>,
 }
@@ -110,21 +110,16 @@ struct Listing {
 /// A frame as one line of JSON; its segments are those of [`listing::json`].
 pub fn json(frame: &Frame) -> serde_json::Result<String> {
     let head = &frame.head;
-    let dims = Dims { width: head.width, height: head.height };
-    let FrameHead { counts, health, pair, times, .. } = *head;
+    let FrameHead { health, pair, times, .. } = *head;
     let FrameTimes { waiting_us, matching_us, port_us } = times;
-    let matches = frame.matches.clone();
-    let result = FrameResult { matches, counts, health, pair, ..FrameResult::default() };
-    let text = listing::json(dims, &result, &Answers::default())?;
-    let mut listing: Value = serde_json::from_str(&text)?;
     serde_json::to_string(&Listing {
         sequence: head.sequence,
         capture_time_us: head.capture_time_us,
         clock: head.clock.name(),
         size: [head.width, head.height],
         times_us: json!({ "waiting": waiting_us, "matching": matching_us, "port": port_us }),
-        health: health::Listing::new(&result),
-        segments: listing["segments"].take(),
+        health: health::Listing::new(&FrameResult { health, pair, ..FrameResult::default() }),
+        segments: frame.matches.iter().enumerate().map(listing::segment).collect(),
         counts: listing::counts(&head.counts),
     })
 }

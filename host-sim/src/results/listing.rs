@@ -145,7 +145,7 @@ impl Object {
 }
 
 #[derive(Serialize)]
-struct Segment {
+pub(crate) struct Segment {
     id: usize,
     left: [[f64; 2]; 2],
     disparity_px: [f64; 2],
@@ -275,7 +275,7 @@ pub fn finite_metres(depth: Depth) -> Option<f64> {
     (depth != INFINITE_DEPTH).then(|| five_decimals(depth.to_num()))
 }
 
-fn segment((id, found): (usize, &Match)) -> Segment {
+pub(crate) fn segment((id, found): (usize, &Match)) -> Segment {
     Segment {
         id,
         left: found.ends.map(position),
