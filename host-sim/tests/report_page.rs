@@ -11,6 +11,7 @@ use linestereo_sim::report::browser::Browser;
 use linestereo_sim::report::{Page, PageFrame, PageSetup};
 use linestereo_sim::results::listing;
 use linestereo_sim::scene::Kind;
+use linestereo_tests::browser::browser;
 use linestereo_tests::drawn::rendered;
 use std::collections::BTreeMap;
 
@@ -208,17 +209,6 @@ fn visited(
 
 fn head(text: &str) -> String {
     text.chars().take(400).collect()
-}
-
-fn browser() -> Option<Browser> {
-    let browser = Browser::find();
-    if browser.is_none() {
-        eprintln!(
-            "SKIPPED: no browser; install chromium (cargo xtask setup does), or name one in \
-             LINESTEREO_BROWSER"
-        );
-    }
-    browser
 }
 
 #[test]

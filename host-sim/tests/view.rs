@@ -4,13 +4,13 @@
 use crate::monitor::{damaged_recording, frame, next_command, packet, sectors};
 use crate::rectify::RIG;
 use crate::support::{
-    all_refused, json, json_lines, linestereo, listening, program, says, signal, stderr, stdout,
-    succeed, with_drawn_pairs, with_file, with_pole, with_rig,
+    all_refused, json, json_lines, linestereo, listening, program, says, signal, stderr, succeed,
+    with_drawn_pairs, with_file, with_pole, with_rig,
 };
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
 use linestereo::Dims;
-use linestereo_sim::report::browser::Browser;
+use linestereo_tests::browser::{Visit, browser, has};
 use linestereo_wire::{
     Answer, Command as BoardCommand, Decoder, FrameHead, Health, MAX_COMMAND, Message,
     ObjectRecord, Objects, Outcome, PairHead, Pixels, Refusal, Regions, Request, send_objects,
@@ -20,7 +20,7 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdout, Stdio};
 use std::thread;
 use std::time::Instant;
 use tempfile::TempDir;
@@ -578,34 +578,10 @@ fn what_cannot_be_shown_is_refused() {
     says(&stderr(&output), &["image.png holds nothing that a board sent, in 3000 bytes"]);
 }
 
-/// Visits a page in a browser without a window; what it shows after each step, and what it fetched.
-/// `None` without browser or Node.
-fn visit(page: &str, steps: &Value) -> Option<(Vec<Value>, Vec<String>)> {
-    let has_node =
-        Command::new("node").arg("--version").output().is_ok_and(|output| output.status.success());
-    let Some(browser) = Browser::find().filter(|_| has_node) else {
-        // Not by a macro: those are silent in tests that pass.
-        let _ = writeln!(
-            std::io::stderr(),
-            "\nSKIPPED: no browser, or no Node; install chromium and nodejs\n"
-        );
-        return None;
-    };
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/tests/web/visit.mjs");
-    let mut node = Command::new("node");
-    let mut node = node
-        .arg(script)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let task = json!({"browser": browser.path(), "page": page, "flags": [], "steps": steps});
-    node.stdin.take().unwrap().write_all(task.to_string().as_bytes()).unwrap();
-    let output = node.wait_with_output().unwrap();
-    let mut done: Value = serde_json::from_str(&stdout(&output)).unwrap();
-    let found = done["found"].take().as_array().unwrap().clone();
-    Some((found, serde_json::from_value(done["logged"].take()).unwrap()))
+/// Visits a page; `None` without browser or Node.
+fn visit(page: &str, steps: &Value) -> Option<Visit> {
+    let browser = browser().filter(|_| has("node"))?;
+    Some(linestereo_tests::browser::visit(&browser, page.as_ref(), &[], steps))
 }
 
 #[test]
@@ -629,7 +605,7 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
         {"box": [50, 50, 150, 150]},
         {"until": is_answered},
     ]);
-    let Some((found, logged)) = visit(&address(&view), &steps) else { return };
+    let Some(Visit { found, logged }) = visit(&address(&view), &steps) else { return };
     let expected = format!(
         "{z:.3} m ± {z_sigma:.3} m, nearest {nearest:.3} m; {d:.2} ± {sigma:.2} px, within 1 px \
          with {:.1} %",
@@ -650,7 +626,7 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
         places[0] == own("/") && logged.iter().any(|url| url.starts_with(&own("/boxes"))),
         "{logged:?}"
     );
-    let (found, _) = visit(
+    let Visit { found, .. } = visit(
         &address(&same),
         &json!([{"until": "linestereo.line().name === '1'"}, {"until": "true"}]),
     )
@@ -684,7 +660,7 @@ fn a_visitor_sees_bars() {
     ]);
     let view = View::start(folder.path(), "rec");
     let address = format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
-    let Some((found, logged)) = visit(&address, &steps) else { return };
+    let Some(Visit { found, logged }) = visit(&address, &steps) else { return };
     let summary = found[3]["summary"].as_str().unwrap();
     assert!(summary.contains(&format!(" points, {} bars", bars.len())), "{summary}");
     assert!(logged.iter().all(|line| !line.starts_with("exception")), "{logged:?}");
@@ -707,7 +683,7 @@ fn a_visitor_sees_obstacles_without_points_and_asks_for_sixteen_boxes_at_most() 
         {"box": [50, 50, 150, 150]},
         {"until": "document.getElementById('notes').innerText.includes('at most 16 boxes')"},
     ]);
-    let Some((found, logged)) = visit(&address, &steps) else { return };
+    let Some(Visit { found, logged }) = visit(&address, &steps) else { return };
     assert_eq!(found[4]["objects"].as_array().unwrap().len(), 16, "{found:?}");
     assert!(logged.iter().all(|line| !line.starts_with("exception")), "{logged:?}");
 }

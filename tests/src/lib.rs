@@ -1,6 +1,7 @@
 //! Test support: naive oracles, drawn images, captured frames, boards.
 
 pub mod board;
+pub mod browser;
 pub mod captured;
 pub mod drawn;
 pub mod fuzz;

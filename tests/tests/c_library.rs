@@ -14,10 +14,10 @@ use linestereo_sim::engine::FrameResult;
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::or_skip;
+use linestereo_tests::browser::has;
 use linestereo_tests::{captured, drawn, matched};
 use serde_json::Value;
 use std::ffi::OsStr;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -35,17 +35,6 @@ fn folder() -> PathBuf {
 
 fn library() -> PathBuf {
     build("../bindings/c/Cargo.toml", "linestereo_c")
-}
-
-/// Says so where a tool is missing; the test ends there.
-pub(crate) fn has(tool: &str) -> bool {
-    let there =
-        Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success());
-    if !there {
-        // Not by a macro: those are silent in tests that pass.
-        let _ = writeln!(std::io::stderr(), "\nSKIPPED: {tool} is not installed\n");
-    }
-    there
 }
 
 /// Runs a tool to its end, which is a good one.

@@ -1,7 +1,7 @@
 //! The page for browsers: its modules in Node and the page in a browser, against the PC's program,
 //! byte for byte.
 
-use super::c_library::{self, QVGA, RIG, expected, has, pairs};
+use super::c_library::{self, QVGA, RIG, expected, pairs};
 use super::no_panic::packages;
 use core::mem::MaybeUninit;
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Pixel, Rgb, Rgba};
@@ -10,12 +10,11 @@ use linestereo_firmware::programs::kernels::Kernels;
 use linestereo_frames::{GrayImage, PairFiles, area_average, load_images};
 use linestereo_sim::report::browser::Browser;
 use linestereo_tests::board::or_skip;
+use linestereo_tests::browser::{Visit, browser, has, node, visit};
 use linestereo_tests::drawn::Random;
 use linestereo_tests::matched;
 use serde_json::{Value, json};
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 use xtask::web::{self, MOST_BYTES, WebPage};
 
@@ -31,20 +30,6 @@ fn page() -> Option<&'static WebPage> {
         or_skip(web::build(top, &folder))
     };
     has("node").then(|| PAGE.get_or_init(build).as_ref())?
-}
-
-/// Runs a script beside this file on a task.
-fn node(script: &str, task: &Value) -> Value {
-    let mut command = Command::new("node");
-    command
-        .arg(Path::new(TESTS).join("tests/web").join(script))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped());
-    let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(task.to_string().as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success(), "{script}: {}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn in_node(page: &WebPage, tasks: Vec<Value>) -> Vec<Value> {
@@ -322,32 +307,6 @@ fn said(images: &[GrayImage; 2], area: Area) -> String {
     )
 }
 
-fn visit(
-    page: &WebPage,
-    browser: &Browser,
-    flags: &[String],
-    steps: &[Value],
-) -> (Vec<Value>, Vec<Value>) {
-    let task =
-        json!({"browser": browser.path(), "page": page.page, "flags": flags, "steps": steps});
-    let mut done = node("visit.mjs", &task);
-    let [found, logged] =
-        ["found", "logged"].map(|name| done[name].take().as_array().unwrap().clone());
-    (found, logged)
-}
-
-fn browser() -> Option<Browser> {
-    let browser = Browser::find();
-    if browser.is_none() {
-        // Not by a macro: those are silent in tests that pass.
-        let _ = writeln!(
-            std::io::stderr(),
-            "\nSKIPPED: no browser; install chromium, or name one in LINESTEREO_BROWSER\n"
-        );
-    }
-    browser
-}
-
 #[test]
 fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
     let Some((page, browser)) = page().zip(browser()) else { return };
@@ -380,7 +339,7 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
     steps.push(json!({"settings": {"baseline": ""}, "changes": true}));
     // 65600 is 64 in 16 bits.
     steps.push(json!({"settings": {"max-disparity": "65600"}, "changes": true}));
-    let (found, logged) = visit(page, &browser, &[], &steps);
+    let Visit { found, logged } = visit(&browser, &page.page, &[], &json!(steps));
     assert_eq!(logged.len(), 1, "the page alone is fetched, and nothing fails: {logged:?}");
     for (step, (name, images)) in found[1..].chunks(3).zip(&pairs) {
         assert_equal(name, &step[0], &expected(images));
@@ -426,7 +385,7 @@ fn a_visitor_without_mouse_or_eyes_gets_the_same() {
         json!({"keys": [["Enter", 0]], "tree": true}),
         json!({"keys": [["ArrowDown", 0], ["Escape", 0], ["Enter", 0]]}),
     ];
-    let (found, logged) = visit(page, &browser, &[], &steps);
+    let Visit { found, logged } = visit(&browser, &page.page, &[], &json!(steps));
     assert_eq!(logged.len(), 1, "{logged:?}");
     let refused =
         "one image of 320x240 is no pair; give the other one too, or say that it holds both";
@@ -492,7 +451,7 @@ fn files_take_the_place_of_a_camera_that_was_asked_for_before() {
         {"until": "document.getElementById('summary').checkVisibility()"}, {"until": is_off}
     ]);
     let flags = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream"];
-    let (found, _) = visit(page, &browser, &flags.map(str::to_owned), steps.as_array().unwrap());
+    let Visit { found, .. } = visit(&browser, &page.page, &flags.map(str::to_owned), &steps);
     let name = files[0].file_name().unwrap().to_str().unwrap();
     assert!(found[4]["names"].as_str().unwrap().starts_with(name), "{}", found[4]);
 }
@@ -519,7 +478,8 @@ fn camera(page: &WebPage, browser: &Browser, brighter: &[u8]) -> Value {
     let camera = format!("--use-file-for-fake-video-capture={}", file.display());
     let flags = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream", &camera]
         .map(str::to_owned);
-    let (found, logged) = visit(page, browser, &flags, &[json!({"click": "camera", "frames": 5})]);
+    let steps = json!([{"click": "camera", "frames": 5}]);
+    let Visit { found, logged } = visit(browser, &page.page, &flags, &steps);
     assert_eq!(logged.len(), 1, "{logged:?}");
     found[0].clone()
 }
