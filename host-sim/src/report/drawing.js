@@ -1,4 +1,4 @@
-// Drawing that the page for browsers (bindings/web), the live page and the page of `report` share: a
+// Drawing that the page for browsers (bindings/web), the live page and that of `report` share: a
 // pair with what was matched in it, its points from above, boxes that are drawn.
 
 export const STOPS = [[70, 110, 255], [0, 200, 255], [70, 225, 110], [255, 225, 40], [255, 140, 20], [255, 45, 45]];
@@ -110,7 +110,7 @@ export function drawPair(canvas, { width, height, picture, ground }, { points, s
   });
 }
 
-/// A round distance of rings, at least a part of `far` of this `count`.
+/// A round distance between rings: 1, 2 or 5 times a power of ten, at least `far / count`.
 export function ringStep(far, count) {
   const least = far / count, power = 10 ** Math.floor(Math.log10(least));
   return [1, 2, 5, 10].map(f => f * power).find(s => s >= least);
