@@ -603,7 +603,8 @@ LinestereoStatus linestereo_obstacles_init(LinestereoObstacles *obstacles,
 
 // Takes what the last pair of the matcher shows, once for each pair; `time_us` is its time of
 // capture, us of any steady clock. `LINESTEREO_STATUS_PAIR_UNFIT`, also after
-// `linestereo_run_areas`, and `LINESTEREO_STATUS_NO_PAIR`: nothing is taken, and what is known ages.
+// `linestereo_run_areas`, and `LINESTEREO_STATUS_NO_PAIR`: nothing is taken, and what is known
+// ages.
 LinestereoStatus linestereo_obstacles_update(LinestereoObstacles *obstacles, LinestereoMatcher *matcher, uint64_t time_us);
 
 // The nearest obstacle and the nearest drop-off of a direction, as known at `time_us` of the same

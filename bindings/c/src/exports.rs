@@ -428,7 +428,8 @@ pub unsafe extern "C" fn linestereo_obstacles_init(
 
 /// Takes what the last pair of the matcher shows, once for each pair; `time_us` is its time of
 /// capture, us of any steady clock. `LINESTEREO_STATUS_PAIR_UNFIT`, also after
-/// `linestereo_run_areas`, and `LINESTEREO_STATUS_NO_PAIR`: nothing is taken, and what is known ages.
+/// `linestereo_run_areas`, and `LINESTEREO_STATUS_NO_PAIR`: nothing is taken, and what is known
+/// ages.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_obstacles_update(
     obstacles: *mut Obstacles,
