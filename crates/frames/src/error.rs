@@ -118,7 +118,8 @@ pub enum LayoutFault {
     /// No layout fits.
     #[error(
         "no pair was found in any known layout; give Middlebury, KITTI, ETH3D or EuRoC folders as \
-         downloaded, left/ and right/, 0001_left.png and 0001_right.png, or images side by side"
+         downloaded, left/ and right/, 0001_left.png and 0001_right.png, or, with --side-by-side, \
+         images that hold both views"
     )]
     NotRecognised,
     /// A layout that has a calibration lacks its file.

@@ -9,8 +9,9 @@
 //! ```
 //!
 //! Sides are called left and right, L and R, infra1 and infra2 and so on, in any case: [`SIDES`].
-//! Where names in two folders are times that differ, pairs are those that are nearest to each other
-//! of all. Pairs are ordered by their numbers, then by name. An image without a partner is counted.
+//! Where names in two folders are times that differ, pairs are those of which each is the nearest of
+//! all images of the other side, and nearer than half of the time to the images around it. Pairs are
+//! ordered by their numbers, then by name. An image without a partner is counted.
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
@@ -190,6 +191,12 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
+/// Time to the nearest of the others.
+fn gap(time: u64, all: &BTreeMap<u64, String>) -> u64 {
+    let around = all.range(..time).next_back().into_iter().chain(all.range(time + 1..).next());
+    around.map(|(other, _)| other.abs_diff(time)).min().unwrap_or(u64::MAX)
+}
+
 /// Files of one name in two folders; where names are times, those nearest to each other as well. A
 /// time that an image of the other folder has exactly is nearest to that one alone.
 fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
@@ -207,11 +214,17 @@ fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
             others.range(..time).next_back().into_iter().chain(others.range(time..).next());
         around.min_by_key(|(other, _)| other.abs_diff(time)).map(|(_, other)| other.clone())
     };
+    // Images of lost partners may be nearest to each other, but about a frame apart.
+    let is_near = |name: &str, other: &str| {
+        let (time, other) = (time_ns(name)?, time_ns(other)?);
+        let gap = gap(time, &left_times).min(gap(other, &right_times));
+        Some(time.abs_diff(other) < gap / 2)
+    };
     let mut found = Vec::new();
     for (name, path) in &left {
         if let Some(other) = nearest(name, &right_times)
             && let Some(partner) = right.get(&other)
-            && nearest(&other, &left_times).as_ref() == Some(name)
+            && is_near(name, &other) == Some(true)
         {
             found.push(pair(name, path.clone(), partner.clone()));
         }
@@ -236,6 +249,15 @@ fn by_side(images: Vec<PathBuf>) -> Sequence {
     };
     let by_side = SIDES.iter().map(called).find(|sequence| !sequence.pairs.is_empty());
     by_side.or_else(|| SINGLE.iter().find_map(single)).unwrap_or_else(|| called(&SIDES[0]))
+}
+
+/// A name of one camera's images or of their folder. Of `whole` names a single letter is a side only
+/// if nothing else is in them.
+pub(crate) fn has_side(name: &str, whole: bool) -> bool {
+    let is = |side: &&str| name.eq_ignore_ascii_case(side);
+    let in_name = |side: &&str| (!whole || side.len() > 1) && without_side(name, side).is_some();
+    SIDES.as_flattened().iter().any(|side| is(side) || in_name(side))
+        || CAMERA_FOLDERS.as_flattened().iter().any(is)
 }
 
 /// `0001_left`, `Left0001` or `cam_left_1` without the side; `None` for other names.
@@ -356,6 +378,7 @@ mod tests {
         assert_eq!(found(&[0, 50, 100], &[3, 50, 98]), (vec![0, 50, 100], 0));
         // Lost images of a synchronised pair have no partner.
         assert_eq!(found(&[0, 50, 100, 150], &[0, 50, 150, 200]), (vec![0, 50, 150], 2));
+        assert_eq!(found(&[0, 1000, 1500], &[0, 501, 1500]), (vec![0, 1500], 2));
     }
 
     #[test]

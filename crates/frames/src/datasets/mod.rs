@@ -11,7 +11,8 @@
 //!     plain        left/ + right/; 0001_left + 0001_right; left + right; sequences of them; sides
 //!                  by any of their names
 //!   folders below it are searched where nothing took it, and below single pairs
-//!   in a tree without any pair, images at least twice as wide as high hold both views side by side
+//!   in a tree without any pair, and without a camera's side in any name, images at least twice as
+//!   wide as high hold both views side by side
 //! ```
 //!
 //! Only names and small text files are read here; images when a pair is loaded. Each layout's
@@ -86,12 +87,9 @@ impl Dataset {
             self.alone += taken.alone;
             Ok(descend)
         })?;
-        if self.pairs.is_empty() {
+        if self.pairs.is_empty() && self.alone == 0 {
             self.pairs = plain::side_by_side_tree(root, self.is_lenient)?;
             name_below(root, &mut self.pairs);
-            if !self.pairs.is_empty() {
-                self.alone = 0;
-            }
         }
         Ok(())
     }

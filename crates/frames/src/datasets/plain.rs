@@ -5,8 +5,8 @@
 //! left/0001.png right/0001.png   truth: disp/, disparity/, gt/ or disp_occ/ with the same names
 //! 0001_left.png 0001_right.png   truth: 0001_disp.*, 0001_gt.*
 //! left.png right.png             truth: disp.*, disparity.*, gt.*
-//! 0001.png (both views)          truth: none; any image in a tree without a pair that is at least
-//!                                twice as wide as high
+//! 0001.png (both views)          truth: none; any image that is at least twice as wide as high, in
+//!                                a tree without a pair and without a side in any name
 //! ```
 //!
 //! Truth is PFM, NPZ or NPY in px, or a 16-bit image of 1/256 px (KITTI's way). A `scene.json` in
@@ -16,10 +16,10 @@
 use super::Dataset;
 use crate::decode::dimensions;
 use crate::error::FrameError;
-use crate::folder::{Listing, walk};
+use crate::folder::{Listing, folder_name, walk};
 use crate::layout::Layout;
 use crate::scene_info::SceneInfo;
-use crate::sequence::{Sequence, SequencePair};
+use crate::sequence::{Sequence, SequencePair, has_side};
 use crate::stored::{Scale, StoredPair, StoredRig, StoredTruth, Visibility};
 use std::path::Path;
 
@@ -97,18 +97,63 @@ pub(crate) fn side_by_side(
     Ok(pairs.iter().map(stored).collect())
 }
 
-/// The images of a tree that hold both views.
+/// The images of a tree that hold both views; none where a name says that they are of one camera.
 pub(crate) fn side_by_side_tree(
     root: &Path,
     is_lenient: bool,
 ) -> Result<Vec<StoredPair>, FrameError> {
+    let place = root.canonicalize().unwrap_or_else(|_| root.to_path_buf());
+    let camera = if place.ends_with("data") { place.parent() } else { Some(&*place) };
+    // A folder of its own may be named at random: a letter in it says nothing.
+    let mut is_sided = camera.is_some_and(|camera| has_side(&folder_name(camera), true));
     let mut found = Vec::new();
     walk(root, |folder| {
-        found.extend(side_by_side(folder, is_lenient)?.into_iter().filter(|pair| {
-            let sides = dimensions(pair.left());
-            sides.is_ok_and(|(width, height)| u64::from(width) >= LEAST_ASPECT * u64::from(height))
-        }));
-        Ok(true)
+        let images = side_by_side(folder, is_lenient)?;
+        let mut names = folder.folders.iter().chain(images.iter().map(|image| &image.name));
+        is_sided = is_sided || names.any(|name| has_side(name, false));
+        found.extend(images);
+        Ok(!is_sided)
     })?;
+    found.retain(|pair| {
+        let is_wide = |(width, height)| u64::from(width) >= LEAST_ASPECT * u64::from(height);
+        !is_sided && dimensions(pair.left()).is_ok_and(is_wide)
+    });
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::LayoutFault;
+    use image::GrayImage;
+    use std::fs;
+
+    #[test]
+    fn images_of_one_camera_are_not_cut_in_two() {
+        for (files, root, is_found) in [
+            (&["image_02/data/0000000000.png"][..], ".", false),
+            (&["image_02/data/0000000000.png"], "image_02/data", false),
+            (&["rect_left/1.png"], "rect_left", false),
+            (&["left/a1.png", "right/b1.png"], ".", false),
+            (&["0001_l.png"], ".", false),
+            (&["x/1.png", "x/2.png"], ".", true),
+        ] {
+            let folder = tempfile::tempdir().unwrap();
+            for file in files {
+                let path = folder.path().join(file);
+                fs::create_dir_all(path.parent().unwrap()).unwrap();
+                GrayImage::new(124, 37).save(path).unwrap();
+            }
+            let root = folder.path().join(root);
+            for found in [Dataset::find(&root), Dataset::sequence(&root, false)] {
+                match found {
+                    Ok(found) => assert_eq!((is_found, found.pairs.len()), (true, 2), "{files:?}"),
+                    Err(FrameError::Layout(_, LayoutFault::NotRecognised)) => {
+                        assert!(!is_found, "{files:?}");
+                    }
+                    Err(error) => panic!("{error}"),
+                }
+            }
+        }
+    }
 }
