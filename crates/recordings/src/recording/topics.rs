@@ -4,7 +4,8 @@
 //! /stereo/left/image_rect, /stereo/right/image_rect     names that differ by the side alone: left and right, infra1 and infra2, 0 and 1, ..
 //! best first                                            rectified, not coloured, not compressed
 //! /stereo/left/camera_info                              in the namespace of the images, else the only one of that side
-//!                                                       whose words are of the image's name
+//!                                                       whose words are of the image's name, else the only one of that
+//!                                                       side, unless its other words are of other images
 //! ```
 
 use super::{RecordingFault, Topic};
@@ -97,19 +98,31 @@ impl Choice {
         };
         let by_side = |eye: usize| {
             let of_images = words(&chosen[eye].name);
-            // Names of other heads have words of their own: those of /back/left and /front/left.
-            let is_near = |name: &str| {
-                let mut all = words(name).into_iter();
-                all.all(|word| of_images.contains(&word) || CALIBRATION.contains(&&*word))
+            let foreign = |topic: &Topic| {
+                let mut words = words(&topic.name);
+                words.retain(|word| !of_images.contains(word) && !CALIBRATION.contains(&&**word));
+                words
             };
-            let of_side = |topic: &&Topic| {
+            let is_of_side = |topic: &&Topic| {
                 let mut sides = sides();
                 !topic.has_images()
                     && sides.any(|side| without_side(&topic.name, side[eye]).is_some())
-                    && is_near(&topic.name)
             };
-            let mut found = all.iter().filter(of_side);
-            found.next().filter(|_| found.next().is_none())
+            let of_side: Vec<_> = all.iter().filter(is_of_side).collect();
+            let near: Vec<_> =
+                of_side.iter().copied().filter(|topic| foreign(topic).is_empty()).collect();
+            // Names of other heads have words of their own: those of /back/left and /front/left.
+            let is_of_others = |info: &Topic| {
+                let is_other = |topic: &&Topic| chosen.iter().all(|of| of.name != topic.name);
+                let mut others = all.iter().filter(|topic| topic.has_images()).filter(is_other);
+                let foreign = foreign(info);
+                others.any(|other| words(&other.name).iter().any(|word| foreign.contains(word)))
+            };
+            match (&near[..], &of_side[..]) {
+                ([near], _) => Some(*near),
+                ([], [only]) => Some(*only).filter(|only| !is_of_others(only)),
+                _ => None,
+            }
         };
         [0, 1].map(|eye| named(chosen[eye]).or_else(|| by_side(eye)))
     }
@@ -250,8 +263,11 @@ mod tests {
         };
         let sides = |info: &str| ["left", "right"].map(|side| Some(info.replace("SIDE", side)));
         for (image, infos, found) in [
-            ("/front/SIDE/image", &["/back/SIDE/camera_info"][..], None),
-            ("/front/SIDE/image", &["/back_SIDE_info"], None),
+            ("/front/SIDE/image", &["/back/SIDE/camera_info", "/back/SIDE/image"][..], None),
+            ("/front/SIDE/image", &["/back_SIDE_info", "/back/SIDE/image"], None),
+            ("/front/SIDE/image", &["/a/SIDE/info", "/b/SIDE/info"], None),
+            ("/SIDE/image_raw", &["/stereo/SIDE/camera_info"], Some(0)),
+            ("/SIDE/image_raw", &["/stereo/SIDE/camera_info", "/SIDE/info"], Some(1)),
             ("/front/SIDE/image", &["/back/SIDE/camera_info", "/front_SIDE_info"], Some(1)),
             ("/front/SIDE/image", &["/SIDE/info", "/front/SIDE/camera_info"], Some(1)),
             ("/robot/image/SIDE", &["/robot/camera_info/SIDE/info"], Some(0)),
@@ -260,6 +276,12 @@ mod tests {
             let found = found.map_or([None, None], |at: usize| sides(infos[at]));
             assert_eq!(of(image, infos), found, "{image} {infos:?}");
         }
+        let all = topics(&["/infra1/image", "/infra2/image", "/left/camera_info"]);
+        let [left, right] = Choice::default().infos(&all, [&all[0], &all[1]]);
+        assert_eq!(
+            (left.map(|info| &*info.name), right.is_none()),
+            (Some("/left/camera_info"), true)
+        );
     }
 
     #[test]
