@@ -27,8 +27,6 @@ pub struct FrameResult {
     pub bars: Vec<Bar>,
     /// Support points that sectors take, less probable ones too.
     pub obstacle_points: Vec<Point>,
-    /// Only areas were matched: sectors are not to be taken from it.
-    pub in_areas: bool,
     /// Counts of segments found, rejected and dropped.
     pub counts: Counts,
     /// Faults of the pair.
@@ -170,7 +168,6 @@ impl Engine {
         let options = Options { areas: self.areas.as_deref(), times_us, observer: Some(observer) };
         let mut last = MatchedPair::run(&mut self.matcher, buffers, options)?;
         let exchanged = self.try_exchanged(last.get(), right, left);
-        let in_areas = self.areas.is_some();
         let result = last.ask(|matched| {
             if exchanged.is_some() {
                 matched.add_faults(HealthFlags::FEW_MATCHES);
@@ -186,7 +183,6 @@ impl Engine {
                 matches: matched.segments().to_vec(),
                 points,
                 obstacle_points: matched.obstacle_points().collect(),
-                in_areas,
                 bars: matched.bars().to_vec(),
                 counts,
                 health: Health::of(matched.counts()) | health.flags.into(),

@@ -368,6 +368,12 @@ fn objects_of_a_recording_are_those_of_their_time() {
     succeed(at, &format!("{only_objects} --out out.mcap"));
     let placed = placed(&at.join("out.mcap"));
     assert_eq!(placed.len(), 3);
+    assert!(messages(&at.join("out.mcap"), "/linestereo/obstacles").is_empty(), "not one is whole");
+    refused(
+        at,
+        &format!("{only_objects} --out no.mcap --sector-range 3"),
+        &["in place of --only-"],
+    );
     for (i, line) in alone.iter().enumerate() {
         let objects: Vec<&Value> = line["objects"]
             .as_array()

@@ -132,7 +132,6 @@ fn run(
         matches: matched.segments().to_vec(),
         points,
         obstacle_points: matched.obstacle_points().collect(),
-        in_areas: false,
         bars: matched.bars().to_vec(),
         counts: matched.counts().into(),
         health: Health::of(matched.counts()) | health.flags.into(),

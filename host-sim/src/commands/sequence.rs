@@ -64,9 +64,9 @@ pub fn run(args: &Args) -> Result<()> {
     let frames = args.source.chosen(folder, &found)?;
     let objects = args.objects.open(folder, &found)?;
     spare(asked_for([&args.out]), found.pairs.iter().flat_map(StoredPair::files))?;
-    let wanted = args.sector_plan.wanted();
+    let sectors = (!args.objects.is_only()).then(|| args.sector_plan.wanted());
     let mut player = Player::new(&args.input, folder)?;
-    let content = Content { extras: &args.with, sectors: wanted, no_points: args.no_points };
+    let content = Content { extras: &args.with, sectors, no_points: args.no_points };
     let mut sink = Sink::new(args.out.as_ref(), content, found.of_recording())?;
     args.check_sectors(sink.is_ros())?;
     let mut tally = Tally { may_be_empty: args.objects.is_only(), ..Tally::default() };
@@ -119,6 +119,9 @@ pub fn run(args: &Args) -> Result<()> {
 impl Args {
     /// Refuses options of sectors that nothing here uses.
     fn check_sectors(&self, is_ros: bool) -> Result<()> {
+        if self.objects.is_only() {
+            return self.sector_plan.refuse_unused("--sectors in place of --only-objects");
+        }
         if !is_ros && !self.sectors {
             return self.sector_plan.refuse_unused("--sectors, or --out FILE.mcap");
         }

@@ -3,9 +3,9 @@
 //! ```text
 //! /linestereo/points         sensor_msgs/PointCloud2: x, y, z, confidence      with a rig
 //! /linestereo/segments       visualization_msgs/Marker, a list of lines        with a rig
-//! /linestereo/obstacles      sensor_msgs/LaserScan: nearest obstacles          with a rig
-//! /linestereo/drop_offs      sensor_msgs/LaserScan: where the floor ends       with a rig
-//! /tf                        tf2_msgs/TFMessage: the frame of both             with a rig
+//! /linestereo/obstacles      sensor_msgs/LaserScan: nearest obstacles          with a rig, of whole pairs
+//! /linestereo/drop_offs      sensor_msgs/LaserScan: where the floor ends       with a rig, of whole pairs
+//! /tf                        tf2_msgs/TFMessage: the frame of both             with a rig, of whole pairs
 //! /linestereo/objects        visualization_msgs/MarkerArray                    where objects are given
 //! /linestereo/detections     vision_msgs/Detection3DArray                      the same for other programs
 //! /linestereo/health         diagnostic_msgs/DiagnosticArray                   always
@@ -65,12 +65,13 @@ pub enum Extra {
     Disparity,
 }
 
-/// What a file holds, besides what is always written.
+/// Content of a file, besides what is always written.
 #[derive(Clone, Copy, Debug)]
 pub struct Content<'a> {
     pub extras: &'a [Extra],
     /// Range and heights of scans. Their frame looks where the camera looks, whatever the yaw.
-    pub sectors: ObstacleParams,
+    /// `None` where pairs are matched in areas alone: what stands elsewhere is not seen.
+    pub sectors: Option<ObstacleParams>,
     /// Points are left out.
     pub no_points: bool,
 }
@@ -93,8 +94,8 @@ pub struct RosFile<W: Write> {
     extras: Vec<Extra>,
     no_points: bool,
     channels: Vec<(Topic, u16)>,
-    /// Range and heights of scans.
-    sectors: ObstacleParams,
+    /// Range and heights of scans, where there are any.
+    sectors: Option<ObstacleParams>,
     /// Kept from pair to pair, of the rig and size of the last one.
     directions: Option<(ObstaclePlan, Obstacles)>,
 }
@@ -104,7 +105,7 @@ impl<W: Write> RosFile<W> {
         let writer = Writer::new(out, concat!("linestereo ", env!("CARGO_PKG_VERSION")))?;
         let Content { extras, sectors, no_points } = content;
         let (extras, channels) = (extras.to_vec(), Vec::new());
-        let sectors = ObstacleParams { yaw_deg: 0.0, ..sectors };
+        let sectors = sectors.map(|sectors| ObstacleParams { yaw_deg: 0.0, ..sectors });
         Ok(Self { writer, extras, no_points, channels, sectors, directions: None })
     }
 
@@ -163,13 +164,11 @@ impl<W: Write> RosFile<W> {
     /// Nearest obstacles and drop-offs after this pair.
     fn scans(&mut self, stamp: Stamp<'_>, frame: &Frame<'_>) -> io::Result<()> {
         let result = frame.result;
-        let plan = self.sectors.plan(frame.params, frame.images[0].dims);
+        let Some(sectors) = self.sectors else { return Ok(()) };
+        let plan = sectors.plan(frame.params, frame.images[0].dims);
         let Ok(plan) = plan else { return Ok(()) }; // a principal point outside of the image
         if self.directions.as_ref().is_none_or(|(known, _)| *known != plan) {
             self.directions = None;
-        }
-        if result.in_areas {
-            return Ok(()); // what stands elsewhere is not seen
         }
         let (_, obstacles) = self.directions.get_or_insert_with(|| (plan, Obstacles::new()));
         let (points, time_us) = (result.obstacle_points.iter().copied(), stamp.ns / 1000);
