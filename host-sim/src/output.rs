@@ -51,10 +51,10 @@ pub fn remember_inputs() {
     });
 }
 
-/// Refuses a place where a file was read.
-pub fn check_unread(place: &Path) -> Result<()> {
+/// Refuses a place where a file was read, however it is named.
+pub fn check_unread(path: &Path) -> Result<()> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    if read.contains(place) { Err(is_input(place)) } else { Ok(()) }
+    if read.contains(&place(path)) { Err(is_input(path)) } else { Ok(()) }
 }
 
 fn is_input(path: &Path) -> anyhow::Error {
@@ -252,11 +252,10 @@ impl OutputFiles {
             }
             _ => {}
         }
-        let path = place(path);
-        let mut file = temporary_beside(&path)?;
+        let mut file = temporary_beside(&place(path))?;
         file.write_all(contents)?;
         detail(|| format!("{}: {} bytes", path.display(), contents.len()));
-        self.staged.push((file, path));
+        self.staged.push((file, path.to_path_buf()));
         Ok(())
     }
 
@@ -266,7 +265,7 @@ impl OutputFiles {
             check_unread(path)?;
         }
         for (file, path) in self.staged {
-            file.persist(&path).map_err(|error| cannot_write(&path, &error.error))?;
+            file.persist(place(&path)).map_err(|error| cannot_write(&path, &error.error))?;
         }
         for (path, contents) in self.direct {
             let write = || File::options().write(true).open(&path)?.write_all(&contents);
@@ -293,6 +292,15 @@ impl OutputFiles {
             false => Ok(()),
         }
     }
+
+    /// The same of a summary that is a result only where no file is written.
+    pub fn commit_and_sum_up(self, before: &str, summary: &str, after: &str) -> Result<()> {
+        if self.staged.is_empty() && self.direct.is_empty() {
+            self.commit_and_tell(before, summary, after)
+        } else {
+            self.commit_and_say(&[before, summary, after].concat())
+        }
+    }
 }
 
 /// A file that grows line by line beside its destination, and appears there when it is whole.
@@ -306,18 +314,17 @@ pub struct LineFile {
 
 impl LineFile {
     pub fn new(path: &Path) -> Result<Self> {
-        let path = place(path);
-        check_unread(&path)?;
-        let open = || match fs::metadata(&path) {
+        check_unread(path)?;
+        let open = || match fs::metadata(path) {
             Ok(there) if there.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-            Ok(there) if !there.is_file() => Ok((File::options().write(true).open(&path)?, None)),
-            _ => temporary_beside(&path)
+            Ok(there) if !there.is_file() => Ok((File::options().write(true).open(path)?, None)),
+            _ => temporary_beside(&place(path))
                 .map(|file| file.into_parts())
                 .map(|(file, name)| (file, Some(name))),
         };
-        let (file, temporary) = open().map_err(|error| cannot_write(&path, &error))?;
+        let (file, temporary) = open().map_err(|error| cannot_write(path, &error))?;
         temporary.iter().for_each(|name| interruption::remove_at_once(name));
-        Ok(Self { file: io::BufWriter::new(file), temporary, path })
+        Ok(Self { file: io::BufWriter::new(file), temporary, path: path.to_path_buf() })
     }
 
     /// Puts it in its place.
@@ -325,8 +332,9 @@ impl LineFile {
         let Self { mut file, temporary, path } = self;
         check_unread(&path)?;
         file.flush().map_err(|error| cannot_write(&path, &error))?;
-        let persist =
-            |name: TempPath| name.persist(&path).map_err(|error| cannot_write(&path, &error.error));
+        let persist = |name: TempPath| {
+            name.persist(place(&path)).map_err(|error| cannot_write(&path, &error.error))
+        };
         temporary.map_or(Ok(()), persist)
     }
 }

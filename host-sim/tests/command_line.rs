@@ -143,6 +143,16 @@ fn quiet_hides_no_result() {
         let [all, quiet] = [all, quiet].map(|output| String::from_utf8(output.stdout).unwrap());
         assert!(quiet.contains(word) && all.contains(quiet.trim_end()), "{line}: {quiet}");
     }
+    for (line, word) in [
+        ("run 0001_left.png 0001_right.png --query 160,120 --csv a.csv", "160,120"),
+        ("explain 0001_left.png 0001_right.png 160,120 --picture a.png", ""),
+        ("quality 0001_left.png 0001_right.png --json a.json", ""),
+        ("plan-rig --hfov-deg 70 --baseline-m 0.1 --json a.json", ""),
+        ("convert-rig rig.toml --to kalibr --out a.yaml", ""),
+    ] {
+        let said = String::from_utf8(linestereo(at, &format!("-q {line}")).stdout).unwrap();
+        assert!(said.contains(word) && said.is_empty() == word.is_empty(), "{line}: {said}");
+    }
 }
 
 #[test]

@@ -114,7 +114,8 @@ fn files_that_a_command_finds_are_not_replaced_either() {
         "sequence rec --out rec/1/scene.json",
         "report rec -o rec/1/scene.json",
     ] {
-        refused(at, line, &["one of the files that are read"]);
+        let path = line.rsplit(' ').next().unwrap();
+        refused(at, line, &[&format!(" {path} is one of the files that are read")]);
     }
     for file in ["scene.json", "rec/1/scene.json"] {
         assert_eq!(fs::read(at.join(file)).unwrap(), scene, "{file}");
@@ -469,6 +470,12 @@ fn both_views_in_one_file() {
     let [joined, two] = ["run both.png --side-by-side --json -", "run l.png r.png --json -"]
         .map(|line| json(at, line)["points"].take());
     assert_eq!(joined, two);
+    // An image whose size alone is looked at is no input.
+    fs::create_dir(at.join("views")).unwrap();
+    fs::rename(at.join("both.png"), at.join("views/1.png")).unwrap();
+    for _ in 0..2 {
+        succeed(at, "quality views --picture views/q.png");
+    }
 }
 
 #[test]

@@ -22,7 +22,7 @@ use image::{
 use linestereo::Dims;
 use linestereo::image::ViewError;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, ErrorKind, Seek};
+use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Seek};
 use std::path::Path;
 
 /// Largest share of pixels, in percent, at one end of the scale that leaves anything to match.
@@ -228,9 +228,9 @@ pub(crate) fn is_16_bit(path: &Path) -> Result<bool, FrameError> {
     Ok(color.bytes_per_pixel() / color.channel_count() == 2)
 }
 
-/// Width and height of an image, by its first bytes.
+/// Width and height of an image, by its first bytes; no observer hears of it.
 pub(crate) fn dimensions(path: &Path) -> Result<(u32, u32), FrameError> {
-    decoded(path, reader(path)?, |decoder| Ok(decoder.dimensions()))
+    decoded(path, reader_of(path, untrusted::glance)?, |decoder| Ok(decoder.dimensions()))
 }
 
 /// Refuses an image in which nothing can be matched: one value only, or more than 95 % of it black
@@ -292,8 +292,15 @@ fn upright(mut decoder: Box<dyn ImageDecoder + '_>) -> ImageResult<DynamicImage>
 type Reader = ImageReader<BufReader<File>>;
 
 fn reader(path: &Path) -> Result<Reader, FrameError> {
+    reader_of(path, untrusted::open)
+}
+
+fn reader_of(
+    path: &Path,
+    open: fn(&Path, u64) -> io::Result<BufReader<File>>,
+) -> Result<Reader, FrameError> {
     let read_error = |error| FrameError::Read(path.to_path_buf(), error);
-    let mut reader = ImageReader::new(untrusted::open(path, IMAGE_BYTES).map_err(read_error)?);
+    let mut reader = ImageReader::new(open(path, IMAGE_BYTES).map_err(read_error)?);
     if let Ok(format) = ImageFormat::from_path(path) {
         reader.set_format(format);
     }

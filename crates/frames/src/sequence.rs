@@ -9,9 +9,9 @@
 //! ```
 //!
 //! Sides are called left and right, L and R, infra1 and infra2 and so on, in any case: [`SIDES`].
-//! Where names in two folders are times that differ, pairs are those of which each is the nearest of
-//! all images of the other side, and nearer than half of the time to the images around it. Pairs are
-//! ordered by their numbers, then by name. An image without a partner is counted.
+//! Where names in two folders are times that differ, pairs are those of which each is the nearest
+//! of all images of the other side, and nearer than half of the time to the images around it. Pairs
+//! are ordered by their numbers, then by name. An image without a partner is counted.
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};

@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! read, read_text, open   a file, of at most so many bytes
+//! glance                  the same for its first bytes, of which no observer hears
 //! guarded                 a decoder's panic is the error of its file
 //! observe                 every file that is opened from here on
 //! printable               text of others without what a terminal obeys
@@ -50,7 +51,15 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
 
 /// A file to be read from any place; an error where it has more bytes, or no place but the next.
 pub fn open(path: &Path, most: u64) -> io::Result<BufReader<File>> {
-    let file = opened(path)?;
+    bounded(opened(path)?, most)
+}
+
+/// The same for a look at what kind of file it is, of which no observer is told.
+pub(crate) fn glance(path: &Path, most: u64) -> io::Result<BufReader<File>> {
+    bounded(unobserved(path)?, most)
+}
+
+fn bounded(file: File, most: u64) -> io::Result<BufReader<File>> {
     let about = file.metadata()?;
     if about.is_dir() {
         return Err(ErrorKind::IsADirectory.into());
@@ -70,13 +79,17 @@ pub fn observe(opened: fn(&Path)) {
 }
 
 /// A file whose reader takes one piece after the other, for as long as there are any.
-#[expect(clippy::disallowed_methods, reason = "the place that all others use")]
 pub fn opened(path: &Path) -> io::Result<File> {
-    let file = File::open(path)?;
+    let file = unobserved(path)?;
     if let Some(observer) = OBSERVER.get() {
         observer(path);
     }
     Ok(file)
+}
+
+#[expect(clippy::disallowed_methods, reason = "the place that all others use")]
+fn unobserved(path: &Path) -> io::Result<File> {
+    File::open(path)
 }
 
 fn too_large(most: u64) -> io::Error {

@@ -85,12 +85,7 @@ pub fn run(args: &Args) -> Result<()> {
             let _ = writeln!(text, "{}: {}", args.to, path.display());
         }
     }
-    // With a file it is a summary, and what was asked for without one.
-    if args.out.is_empty() {
-        output.commit_and_tell("", &text, "")
-    } else {
-        output.commit_and_say(&text)
-    }
+    output.commit_and_sum_up("", &text, "")
 }
 
 fn summary(imported: &Imported) -> String {

@@ -57,5 +57,5 @@ pub fn run(args: &Args) -> Result<()> {
         ));
     }
     let after = health::summary(&matched.result) + &written([&args.picture]);
-    output.commit_and_tell(&before, &explanation.to_string(), &after)
+    output.commit_and_sum_up(&before, &explanation.to_string(), &after)
 }

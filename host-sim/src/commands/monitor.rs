@@ -6,7 +6,7 @@ use crate::monitor::link::{Event, Link};
 use crate::monitor::port::{Port, PortArgs, Received};
 use crate::monitor::requests::{self, Wanted};
 use crate::monitor::text;
-use crate::output::{ClosedPipe, OutputPath, check_unread, place, print, tell};
+use crate::output::{ClosedPipe, OutputPath, check_unread, print, tell};
 use crate::results::health;
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -75,7 +75,7 @@ impl Record {
         let file: Box<dyn Write> = if path.is_stdout() {
             Box::new(io::stdout())
         } else {
-            check_unread(&place(path))?;
+            check_unread(path)?;
             Box::new(File::create(&**path).map_err(|error| cannot_record(path, &error))?)
         };
         Ok(Self { path: path.to_path_buf(), file })

@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = OutputFiles::new();
     output.add_json(args.json.as_ref(), &listing(&plan, wish.as_ref(), suggestion.as_ref()))?;
     let text = text(&plan, wish.as_ref(), suggestion.as_ref(), args.baseline_m.is_some());
-    output.commit_and_tell("", &text, &written([&args.json]))
+    output.commit_and_sum_up("", &text, &written([&args.json]))
 }
 
 fn text(

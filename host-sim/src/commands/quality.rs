@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
         Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?)
     })?;
     let notes = video_note(&found) + &written([&args.json, &args.picture]);
-    output.commit_and_tell("", &text, &notes)?;
+    output.commit_and_sum_up("", &text, &notes)?;
     match refusals.first().filter(|_| answers.is_empty() && refusals.len() == pairs) {
         Some(why) => bail!("nothing is measured; {why}"),
         None => Ok(()),
