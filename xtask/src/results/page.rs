@@ -159,7 +159,11 @@ fn accuracy(stored: &Stored) -> String {
     });
     let stated = table("linestereo | 0.90 to 0.95: stated / right, % | 0.95 to 1.00", stated);
     let opencv = bench.opencv.as_deref().unwrap_or("-");
-    let date = &bench.date;
+    let dates = || bench.sets.values().map(|set| &*set.date);
+    let date = match (dates().min().unwrap_or("-"), dates().max().unwrap_or("-")) {
+        (first, last) if first == last => first.to_owned(),
+        (first, last) => format!("{first} to {last}"),
+    };
     let damaged = table(heads, damaged);
     format!(
         "\

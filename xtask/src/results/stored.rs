@@ -40,7 +40,7 @@ pub(super) struct Taken {
 /// Scores of `linestereo-lab bench`.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Bench {
-    pub(super) date: String,
+    /// Of all sets.
     pub(super) opencv: Option<String>,
     pub(super) sets: BTreeMap<String, DataSet>,
 }
@@ -48,36 +48,46 @@ pub(super) struct Bench {
 /// A data set: metric, figure, and its values for linestereo, SGBM and StereoBM.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct DataSet {
+    pub(super) date: String,
     pub(super) scenes: u64,
     pub(super) metrics: BTreeMap<String, BTreeMap<String, [Option<f64>; 3]>>,
 }
 
 impl Bench {
     /// Replaces the sets of the page that this report has. All of them have to be there then, with
-    /// all their scenes.
+    /// all their scenes and scores of one version of OpenCV.
     fn merge(&mut self, report: &Value) -> Result<()> {
         let opencv = report["opencv"].as_str();
         let opencv = opencv.context("it has no scores of OpenCV; set LINESTEREO_PYTHON")?;
-        let mut sets = core::mem::take(&mut self.sets);
+        let (mut old, mut sets) = (core::mem::take(&mut self.sets), BTreeMap::new());
         let is_shown = |set: &&Value| SETS.iter().any(|(shown, _)| set["name"] == *shown);
         for set in list(&report["sets"]).iter().filter(is_shown) {
             if let [note, ..] = list(&set["notes"]) {
                 bail!("a scene of {} was not scored: {note}; mend it, and score again", name(set));
             }
-            let mut kept =
-                DataSet { scenes: set["scenes"].as_u64().unwrap_or(0), metrics: BTreeMap::new() };
+            let scenes = set["scenes"].as_u64().unwrap_or(0);
+            let mut kept = DataSet { date: today(), scenes, metrics: BTreeMap::new() };
             for group in list(&set["groups"]) {
                 let shown = list(&group["figures"]).iter().filter(|figure| figure["main"] == true);
                 let figures: BTreeMap<_, _> =
                     shown.map(|figure| (name(figure), values(figure))).collect();
                 kept.metrics.insert(metric(&name(group)), figures);
             }
+            old.remove(&name(set));
             sets.insert(name(set), kept);
         }
+        if let Some((set, _)) =
+            old.first_key_value().filter(|_| self.opencv.as_deref() != Some(opencv))
+        {
+            bail!(
+                "it has OpenCV {opencv}, the stored set {set} has another version; score all sets"
+            );
+        }
+        sets.extend(old);
         if let Some((missing, _)) = SETS.iter().find(|(set, _)| !sets.contains_key(*set)) {
             bail!("the set {missing} is missing; score all sets of the page");
         }
-        *self = Self { date: today(), opencv: Some(opencv.to_owned()), sets };
+        *self = Self { opencv: Some(opencv.to_owned()), sets };
         Ok(())
     }
 }
@@ -271,7 +281,12 @@ mod tests {
         };
         bench.merge(&set(&[])).unwrap();
         assert_eq!((bench.sets.len(), bench.sets["qvga"].scenes), (first.sets.len(), 2));
-        assert_eq!(bench.sets["robot_world"].scenes, first.sets["robot_world"].scenes);
+        let [kept, was] = [&bench, &first].map(|bench| &bench.sets["robot_world"]);
+        assert_eq!((kept.scenes, &kept.date), (was.scenes, &was.date));
+        let mut newer = set(&[]);
+        newer["opencv"] = json!("5.0.1");
+        let error = stored().merge(&newer).unwrap_err();
+        assert!(error.to_string().contains("another version; score all sets"), "{error}");
         let error = stored().merge(&set(&["room is left out: no image"])).unwrap_err();
         assert!(error.to_string().contains("room is left out"), "{error}");
         let error = Bench::default().merge(&set(&[])).unwrap_err();

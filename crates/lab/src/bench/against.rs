@@ -98,8 +98,18 @@ fn find<'a>(before: &'a Report, now: &'a Report) -> Vec<Change<'a>> {
     changes
 }
 
-/// The sets of `before` that were not run again, and those of `now`. A set that has scores of
-/// OpenCV stays where OpenCV was not run.
+/// A stored set that is not run again and has scores of another version of OpenCV.
+pub(crate) fn of_other_version<'a>(
+    stored: &'a Report,
+    opencv: &str,
+    is_run: impl Fn(&str) -> bool,
+) -> Option<&'a str> {
+    let mut kept = stored.sets.iter().filter(|set| set.has_opencv() && !is_run(&set.name));
+    kept.find(|_| stored.opencv.as_deref() != Some(opencv)).map(|set| &*set.name)
+}
+
+/// The sets of `before` that were not run again, and those of `now`, of one version of OpenCV. A
+/// set that has scores of OpenCV stays where OpenCV was not run.
 pub(crate) fn merged(before: Option<Report>, now: Report) -> Report {
     let Report { opencv, mut sets } = before.unwrap_or_default();
     let is_newer = |old: &SetReport| now.sets.iter().any(|set| set.name == old.name);
@@ -160,6 +170,11 @@ mod tests {
         before.sets[0].groups[0].figures[0].values.sgbm = Some(3.0);
         assert!(changes(&before, &now).contains("0 gained, 0 lost\n"), "it was not run");
         assert_eq!(super::merged(Some(before.clone()), now.clone()), before);
+        let other = |version, run: &str| of_other_version(&before, version, |set| set == run);
+        assert_eq!(
+            [other("5.0.1", "b"), other("5.0.1", "a"), other("5.0.0", "b")],
+            [Some("a"), None, None]
+        );
         let again = Report { opencv: before.opencv.clone(), ..now };
         assert_eq!(super::merged(Some(before), again.clone()), again);
     }

@@ -116,6 +116,16 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         }
     }
     let opencv = find_opencv(args)?;
+    if let (Some(stored), Some(version)) = (&stored, opencv.as_ref().map(|opencv| opencv.version()))
+        && let Some(other) = against::of_other_version(stored, version, |name| {
+            sets.iter().any(|set| set.name == name)
+        })
+    {
+        bail!(
+            "{other} was scored with another OpenCV than {version}; score all sets, or choose \
+             another --store"
+        );
+    }
     let tasks = tasks(&sets, opencv.is_some())?;
     let scored = score(&tasks, opencv.as_ref(), args)?;
     let pairs: usize = scored.iter().map(|done| done.scenes).sum();
