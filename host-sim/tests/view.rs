@@ -395,6 +395,27 @@ fn boxes_of_the_page_are_asked_of_the_board() {
 }
 
 #[test]
+fn a_board_that_matches_boxes_alone_sees_no_directions() {
+    let folder = TempDir::new().unwrap();
+    let (listener, address) = listening();
+    let box_alone = "--send only_box=3:1,2,30,40 --focal-px 300 --baseline-m 0.1";
+    let view = View::start(folder.path(), &format!("--tcp {address} {box_alone}"));
+    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
+    while !matches!(command(&mut board, &mut decoder), Request::SetRegions(_)) {}
+    let mut events = view.events();
+    events.of("note");
+    board.write_all(&frame(1, 3).concat()).unwrap();
+    events.of("frame");
+    let is_next = |(name, _): &(String, String)| name != "link";
+    let names: Vec<String> =
+        core::iter::from_fn(|| events.next()).take_while(is_next).map(|(name, _)| name).collect();
+    assert!(
+        names.contains(&"above".to_owned()) && !names.contains(&"sectors".to_owned()),
+        "{names:?}"
+    );
+}
+
+#[test]
 fn depths_are_of_the_boxes_that_the_board_last_accepted() {
     let folder = TempDir::new().unwrap();
     let (listener, address) = listening();

@@ -38,6 +38,8 @@ struct Show<'a> {
     asked: Asked,
     /// The visitors' boxes that the board last accepted.
     accepted: Vec<RegionBox>,
+    /// The board matches boxes alone, and sees no obstacle elsewhere.
+    in_areas: bool,
     /// Depths that the board sent, and their frame.
     objects: (u32, Vec<ObjectRecord>),
     pace: Pace,
@@ -67,6 +69,7 @@ pub(super) fn show(args: &Args) -> Result<String> {
         link,
         asked: Asked::default(),
         accepted: Vec::new(),
+        in_areas: false,
         objects: (0, Vec::new()),
         pace: Pace::new(args),
         is_live,
@@ -187,6 +190,7 @@ impl Show<'_> {
             (Err(error), _) => self.note(&error.to_string()),
             (Ok(note), Request::SetRegions(regions)) => {
                 self.note(&note);
+                self.in_areas = regions.only;
                 self.accepted = if words == BOXES { regions.boxes.to_vec() } else { Vec::new() };
             }
             (Ok(note), _) => self.note(&note),
@@ -221,7 +225,7 @@ impl Show<'_> {
         let setup = self.setup.insert(setup);
         if let Some(space) = Space::of(&mut self.space, self.args, setup)? {
             events.push(space.above(&frame.matches, &[]));
-            if self.sectors.is_none() {
+            if !self.in_areas && self.sectors.is_none() {
                 events.push(space.sectors(&frame.matches, &[], None, frame.head.health)?);
             }
         }
