@@ -26,7 +26,7 @@ pub(super) struct SectorArgs {
     /// Write obstacles for an autopilot: HEARTBEAT and OBSTACLE_DISTANCE of MAVLink 2, as bytes.
     #[arg(long, value_name = "FILE", conflicts_with = "only_objects")]
     pub(super) mavlink: Option<OutputPath>,
-    /// Messages for a pair that is not fit to be used: docs/autopilots.md.
+    /// Messages for a pair that is not fit to be used, or shows nothing: docs/autopilots.md.
     #[arg(long, value_name = "POLICY", default_value = "block", requires = "mavlink")]
     pub(super) policy: PolicyName,
 }
