@@ -251,8 +251,8 @@ fn by_side(images: Vec<PathBuf>) -> Sequence {
     by_side.or_else(|| SINGLE.iter().find_map(single)).unwrap_or_else(|| called(&SIDES[0]))
 }
 
-/// A name of one camera's images or of their folder. Of `whole` names a single letter is a side only
-/// if nothing else is in them.
+/// A name of one camera's images or of their folder. Of `whole` names a single letter is a side
+/// only if nothing else is in them.
 pub(crate) fn has_side(name: &str, whole: bool) -> bool {
     let is = |side: &&str| name.eq_ignore_ascii_case(side);
     let in_name = |side: &&str| (!whole || side.len() > 1) && without_side(name, side).is_some();
