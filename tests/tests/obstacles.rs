@@ -45,6 +45,11 @@ fn edge(x: f64, disparity: f64, confidence: f64) -> Match {
     segment([[x, 105.0], [x, 135.0]], [disparity; 2], confidence)
 }
 
+/// One in each half of the sector ahead.
+fn both_halves(disparity: f64) -> [Match; 2] {
+    [156.0, 164.0].map(|x| edge(x, disparity, 0.995))
+}
+
 fn seen(plan: &ObstaclePlan, matches: &[Match]) -> Obstacles {
     let mut obstacles = Obstacles::new();
     obstacles.update(plan, matches, None, HealthFlags::GOOD, 0);
@@ -232,20 +237,19 @@ fn free_is_what_both_cameras_see_whole_with_something_behind() {
     // One weak claim is not enough, and no claim says nothing.
     assert_eq!(seen(&plan, &[edge(160.0, 1.5, 0.95)]).sector(&plan, 0, 0), Sector::Unknown);
     assert_eq!(seen(&plan, &[]).sector(&plan, 0, 0), Sector::Unknown);
-    assert!(matches!(
-        seen(&plan, &[edge(160.0, 1.5, 0.995)]).sector(&plan, 0, 0),
-        Sector::Free { .. }
-    ));
+    assert!(matches!(seen(&plan, &both_halves(1.5)).sector(&plan, 0, 0), Sector::Free { .. }));
+    assert_eq!(
+        seen(&plan, &both_halves(1.5)[..1]).sector(&plan, 0, 0),
+        Sector::Unknown,
+        "something may stand in the other half"
+    );
     // A segment without support within the range is no obstacle, but the sector is not free either.
     let mut doubtful = far.clone();
     doubtful.push(edge(160.0, 30.0, 0.9));
     assert_eq!(seen(&plan, &doubtful).sector(&plan, 0, 0), Sector::Unknown);
     // An infinite depth, and one beyond it, is far.
     for d in [0.0, -0.5] {
-        assert!(matches!(
-            seen(&plan, &[edge(160.0, d, 0.995)]).sector(&plan, 0, 0),
-            Sector::Free { .. }
-        ));
+        assert!(matches!(seen(&plan, &both_halves(d)).sector(&plan, 0, 0), Sector::Free { .. }));
     }
 }
 
@@ -356,19 +360,18 @@ fn only_the_height_band_matters() {
     assert!(!ahead(170.0, 200.0, 15.0), "0.34 m to 0.54 m below: the floor");
     assert!(ahead(140.0, 170.0, 15.0), "from 0.14 m to 0.34 m below");
     assert!(ahead(20.0, 220.0, 15.0), "through the band");
-    // A segment seen outside of the band lies behind it, as the floor does: free, as far as it is
-    // this segment's to say.
+    // Segments behind the range at the camera's height: free, as far as it is theirs to say.
     let free = |heights_m: [f32; 2], from: f64, to: f64, d: f64| {
         let plan = plan_of(|p| p.heights_m = heights_m);
-        let matches = [segment([[160.0, from], [160.0, to]], [d; 2], 0.995)];
+        let matches = [156.0, 164.0].map(|x| segment([[x, from], [x, to]], [d; 2], 0.995));
         matches!(seen(&plan, &matches).sector(&plan, 0, 0), Sector::Free { .. })
     };
-    assert!(free([-0.2, 0.3], 170.0, 200.0, 15.0), "the floor at 2 m");
+    assert!(free([-0.2, 0.3], 100.0, 130.0, 1.5), "20 m away");
     assert!(
-        free([-0.2, 0.3], 10.0, 40.0, 1.5) && free([-0.2, 0.3], 100.0, 130.0, 1.5),
-        "20 m away"
+        !free([-0.2, 0.3], 10.0, 40.0, 1.5) && !free([-0.2, 0.3], 170.0, 200.0, 15.0),
+        "a wall seen over something, or a floor before it, says nothing of the camera's height"
     );
-    assert!(!free([-0.2, 0.3], 160.0, 175.0, 15.0), "seen in one eighth of the rows only");
+    assert!(!free([-0.2, 0.3], 122.0, 148.0, 1.5), "nor do rows below it alone");
     assert!(
         !free([0.1, 0.3], 170.0, 200.0, 15.0),
         "a band above the camera is not seen through by looking down"
@@ -404,7 +407,7 @@ fn what_was_seen_is_kept_with_its_age_until_it_is_too_old() {
     let mut obstacles = Obstacles::new();
     let near = [edge(160.0, 30.0, 0.995)];
     let mid = [edge(160.0, 20.0, 0.995)];
-    let far = [edge(160.0, 1.5, 0.995)];
+    let far = both_halves(1.5);
     let steps: [(u64, &[Match], &str); 12] = [
         (0, &near, "100 cm 0"),
         (100, &[], "100 cm 100"),

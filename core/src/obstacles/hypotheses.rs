@@ -29,8 +29,6 @@ pub(super) const STRONG_Q16: u16 = 6554;
 /// and in 10 and 35 % of its clear sectors, most of them just above the band of heights.
 const OWN_Q16: u16 = 1 << 12;
 
-/// Least number of parts with a hypothesis behind the range for a sector to be free.
-const CLEAR_PARTS: u32 = 2;
 /// Result of a match or a support point for one sector: its nearness, or the rows that are free
 /// before it.
 #[derive(Clone, Copy)]
@@ -186,9 +184,13 @@ impl Hypotheses {
                 let [left, right] = self.seen_twice;
                 left & right & ground.parts == ground.parts
             }
+            // The rows around the camera's own height, in each half of the sector. Of the sectors of
+            // `robot_world` matched without a plane, 739 with an obstacle and 155 without, none and
+            // 0.6 % are free; by any two parts of the rows 2.3 and 13.5 %.
             None => {
                 let [left, right] = self.seen_once;
-                (left | right).count_ones() >= CLEAR_PARTS
+                let level = plan.level_parts();
+                left & right & level == level
             }
         };
         (is_free && is_covered && can_be_free && self.clear_error_q16 <= plan.error_q16)

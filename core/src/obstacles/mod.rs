@@ -21,8 +21,8 @@
 //!   where it does not fall so far, but to 1/16: also of the support points of both sectors beside
 //!       it that agree; the obstacle is where its own product falls to 1/16
 //!   those within the range, and the credible ones up to 5/4 of it, are all wrong with a
-//!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in a
-//!   quarter of the rows, have a product below the limit: free
+//!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in each
+//!   half of the sector at the rows that count, have a product below the limit: free
 //!   otherwise no result
 //!   drop-off: the product falls to the limit over hypotheses up to a quarter of the nearness
 //!       behind the nearest of them, which is told
@@ -41,10 +41,10 @@
 //! - **Free**: credible segments or support points lie *behind* the range in this sector, none
 //!   within it, and the whole sector is seen by both cameras from the near limit on. With a ground
 //!   plane, two of them in each half of the sector at all rows in which something within the range
-//!   would stand. Obstacles are
-//!   possible all the same: a wall without texture, a wire along the rows and anything nearer than
-//!   the near limit `f*B/max_disparity` give no credible hypothesis. A sector without hypotheses is
-//!   unknown, not free.
+//!   would stand. Without one, one in each half at the rows around the camera's own height: of what
+//!   is lower nothing is known. Obstacles are possible all the same: a wall without texture, a wire
+//!   along the rows and anything nearer than the near limit `f*B/max_disparity` give no credible
+//!   hypothesis. A sector without hypotheses is unknown, not free.
 //! - **Unknown**: too few hypotheses, or too old ones.
 //! - **Outside**: never in view of this camera. Sectors partly in view can have obstacles, but are
 //!   never free; nor are those near the left border,
@@ -535,6 +535,12 @@ impl ObstaclePlan {
     fn band_has_camera(&self) -> bool {
         let [low, high] = self.heights_q16;
         low <= 0 && high >= 0
+    }
+
+    /// Parts of the rows around the camera's own height: half a part above and below it.
+    pub(super) fn level_parts(&self) -> u8 {
+        let half_q5 = i32::from(self.height) * 16 / PARTS_OF_ROWS;
+        self.parts([self.row_q5 - half_q5, self.row_q5 + half_q5])
     }
 
     /// Parts of the rows from one row to another, 1/32 px, a bit each.
