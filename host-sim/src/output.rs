@@ -119,6 +119,14 @@ pub fn note(text: &str) {
     }
 }
 
+/// The same, but for notes that were written before.
+pub fn note_once(text: &str) {
+    static WRITTEN: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    if WRITTEN.lock().unwrap_or_else(PoisonError::into_inner).insert(text.to_owned()) {
+        note(text);
+    }
+}
+
 /// Writes a line to stderr; where nobody reads it, it is dropped.
 pub fn tell(text: &str) {
     let _ = writeln!(io::stderr(), "{}", printable(text));

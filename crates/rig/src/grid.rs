@@ -104,8 +104,8 @@ impl Grid {
                 return 0;
             }
             let of = |v: fn(&Node) -> i32| {
-                let [a, b, c, d, e] = at.each_ref().map(v);
-                (a + e - 4 * (b + d) + 6 * c).abs()
+                let [a, b, c, d, e] = at.each_ref().map(|node| i64::from(v(node)));
+                i32::try_from((a + e - 4 * (b + d) + 6 * c).abs()).unwrap_or(i32::MAX)
             };
             of(|node| node.x).max(of(|node| node.y))
         };

@@ -70,7 +70,10 @@ fn download(out: &Path) -> Result<()> {
     }
     progress.finish_and_clear();
     if failed.is_empty() {
-        return say(&format!("next: linestereo-lab compare {} --width 320\n", out.display()));
+        return say(&format!(
+            "next: linestereo report FOLDER --width 320 --out report.html, for a folder of {}\n",
+            out.display()
+        ));
     }
     let reasons: Vec<String> =
         failed.iter().map(|(package, why)| format!("{} ({why})", package.name)).collect();

@@ -426,7 +426,7 @@ fn range_to(nearest: f64, rig: Option<&Rig>, dims: Dims) -> Result<u16> {
         let least = rig.depth(Disparity::from_num(most - 1)).to_num::<f64>();
         format!(
             "--nearest {nearest} needs more than {most} disparities; give {least:.2} or more, or \
-             reduce the images with --width"
+             reduce the images with --width, or --size with --rig"
         )
     })
 }

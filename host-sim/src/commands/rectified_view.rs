@@ -1,6 +1,7 @@
 //! Options of the rectified view and the rig behind it, the same for every command that rectifies.
 
 use super::scene::parse_size;
+use crate::output::note_once;
 use anyhow::{Result, anyhow, bail};
 use linestereo::Dims;
 use linestereo::image::MIN_SIDE;
@@ -35,8 +36,9 @@ impl ViewArgs {
         focal_px: Option<f64>,
         range: (i16, u16),
     ) -> Result<RigImage> {
-        let mut calibration =
-            load_rig_texts(rig, &Options { images, ..Options::default() })?.rig.calibration;
+        let imported = load_rig_texts(rig, &Options { images, ..Options::default() })?;
+        imported.notes.iter().for_each(|note| note_once(note));
+        let mut calibration = imported.rig.calibration;
         let needed = calibration.camera(CameraSide::Left).dims();
         if let Some(given) = images.filter(|&given| given != needed) {
             bail!(RectifierError::Size { needed, given });

@@ -83,7 +83,7 @@ pub(super) fn text(calibration: &Calibration) -> Result<[String; 2], Problem> {
         let lines: String =
             lines.map(|([a, b, c], t)| format!("{a:?}, {b:?}, {c:?}, {t:?},\n         ")).collect();
         Ok(format!(
-            "%YAML:1.0\nsensor_type: camera\ncomment: {name}\n\n# ImagePosition of the sensor to the body, which is the left camera.\n\
+            "%YAML:1.0\nsensor_type: camera\ncomment: {name}\n\n# Position of the sensor to the body, which is the left camera.\n\
              T_BS:\n  cols: 4\n  rows: 4\n  data: [{lines}0.0, 0.0, 0.0, 1.0]\n\nresolution: [{width}, {height}]\n\
              camera_model: pinhole\nintrinsics: [{fx:?}, {fy:?}, {cx:?}, {cy:?}] # fu, fv, cu, cv\n\
              distortion_model: {model}\ndistortion_coefficients: {values:?}\n"
