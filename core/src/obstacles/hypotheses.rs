@@ -184,9 +184,9 @@ impl Hypotheses {
                 let [left, right] = self.seen_twice;
                 left & right & ground.parts == ground.parts
             }
-            // The rows around the camera's own height, in each half of the sector. Of the sectors of
-            // `robot_world` matched without a plane, 739 with an obstacle and 155 without, none and
-            // 0.6 % are free; by any two parts of the rows 2.3 and 13.5 %.
+            // The rows around the camera's own height, in each half of the sector. Of the sectors
+            // of `robot_world` matched without a plane, 739 with an obstacle and 155 without, none
+            // and 0.6 % are free; by any two parts of the rows 2.3 and 13.5 %.
             None => {
                 let [left, right] = self.seen_once;
                 let level = plan.level_parts();
