@@ -3,7 +3,7 @@
 use crate::support::flash::Flash;
 use crate::support::live::{DIMS, Running, rig, rig_numbers, scripted};
 use crate::support::port::{Port, heads, mavlink_frames};
-use linestereo::obstacles::{Obstacles, Sector};
+use linestereo::obstacles::{ObstaclePlan, Obstacles, Sector};
 use linestereo::{Area, Matcher, Options, Params, units::Confidence};
 use linestereo_firmware::boards::mps2_an386::{BOARD, BoardMemory};
 use linestereo_firmware::memory::Memory;
@@ -419,14 +419,19 @@ fn a_burst_of_commands_does_not_stop_the_pairs() {
     assert_eq!(answers, 200);
 }
 
-/// Objects outside of the areas that are matched may stand in the way.
-#[test]
-fn directions_are_not_taken_from_areas_of_a_pair() {
+/// The first painted pair, a matcher, and the directions that its rig sees.
+fn painted() -> (Box<BoardMemory>, Matcher, ObstaclePlan) {
     let mut memory = Box::new(BoardMemory::CLEARED);
     let params = Params { rig: Some(RIG.rig().unwrap()), ..Params::DEFAULT };
     let plan = Vehicle::DEFAULT.directions().plan(&params, DIMS).unwrap();
     Painter::new(DIMS).next_pair(&mut *memory, None).unwrap();
-    let mut matcher = Matcher::new(params, DIMS).unwrap();
+    (memory, Matcher::new(params, DIMS).unwrap(), plan)
+}
+
+/// Objects outside of the areas that are matched may stand in the way.
+#[test]
+fn directions_are_not_taken_from_areas_of_a_pair() {
+    let (mut memory, mut matcher, plan) = painted();
     let middle = [Area { left: 40, top: 20, right: 90, bottom: 70 }];
     let seen = [None, Some(&middle[..])].map(|areas| {
         matcher.forget_health(); // the second pair is the first again
@@ -445,11 +450,7 @@ fn directions_are_not_taken_from_areas_of_a_pair() {
 /// off.
 #[test]
 fn a_host_that_wants_directions_gets_them_with_each_pair() {
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let params = Params { rig: Some(RIG.rig().unwrap()), ..Params::DEFAULT };
-    let plan = Vehicle::DEFAULT.directions().plan(&params, DIMS).unwrap();
-    Painter::new(DIMS).next_pair(&mut *memory, None).unwrap();
-    let mut matcher = Matcher::new(params, DIMS).unwrap();
+    let (mut memory, mut matcher, plan) = painted();
     let matched = memory.run(None, &mut matcher, Options::default()).unwrap();
     let mut obstacles = Obstacles::new();
     matched.update_obstacles(&plan, &mut obstacles, 0);

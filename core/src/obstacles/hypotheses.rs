@@ -186,7 +186,8 @@ impl Hypotheses {
             }
             // The rows around the camera's own height, in each half of the sector. Of the sectors
             // of `robot_world` matched without a plane, 739 with an obstacle and 155 without, none
-            // and 0.6 % are free; by any two parts of the rows 2.3 and 13.5 %.
+            // and 0.6 % are free; by any two parts of the rows 2.3 and 13.5 %. Of those of six
+            // drives that did not choose it, 569 and 331, none and none; 0 and 4 %.
             None => {
                 let [left, right] = self.seen_once;
                 let level = plan.level_parts();

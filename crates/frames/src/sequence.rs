@@ -16,7 +16,7 @@
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
 use super::source::PairSource;
-use core::ops::RangeInclusive;
+use core::ops::{RangeBounds, RangeInclusive};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -191,10 +191,19 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
 }
 
+/// The nearest to a time: of the last image before it and the first one of `later`.
+fn nearest(
+    time: u64,
+    all: &BTreeMap<u64, String>,
+    later: impl RangeBounds<u64>,
+) -> Option<(u64, &String)> {
+    let around = all.range(..time).next_back().into_iter().chain(all.range(later).next());
+    around.map(|(other, name)| (*other, name)).min_by_key(|(other, _)| other.abs_diff(time))
+}
+
 /// Time to the nearest of the others.
 fn gap(time: u64, all: &BTreeMap<u64, String>) -> u64 {
-    let around = all.range(..time).next_back().into_iter().chain(all.range(time + 1..).next());
-    around.map(|(other, _)| other.abs_diff(time)).min().unwrap_or(u64::MAX)
+    nearest(time, all, time + 1..).map_or(u64::MAX, |(other, _)| other.abs_diff(time))
 }
 
 /// Files of one name in two folders; where names are times, those nearest to each other as well. A
@@ -208,23 +217,13 @@ fn by_name(left: Vec<PathBuf>, right: Vec<PathBuf>) -> Sequence {
     });
     let [left, right] = names;
     let (mut sequence, [left, right]) = matched(left, right);
-    let nearest = |name: &str, others: &BTreeMap<u64, String>| {
-        let time = time_ns(name)?;
-        let around =
-            others.range(..time).next_back().into_iter().chain(others.range(time..).next());
-        around.min_by_key(|(other, _)| other.abs_diff(time)).map(|(_, other)| other.clone())
-    };
-    // Images of lost partners may be nearest to each other, but about a frame apart.
-    let is_near = |name: &str, other: &str| {
-        let (time, other) = (time_ns(name)?, time_ns(other)?);
-        let gap = gap(time, &left_times).min(gap(other, &right_times));
-        Some(time.abs_diff(other) < gap / 2)
-    };
     let mut found = Vec::new();
     for (name, path) in &left {
-        if let Some(other) = nearest(name, &right_times)
-            && let Some(partner) = right.get(&other)
-            && is_near(name, &other) == Some(true)
+        // Images of lost partners may be nearest to each other, but about a frame apart.
+        if let Some(time) = time_ns(name)
+            && let Some((other, partner)) = nearest(time, &right_times, time..)
+            && let Some(partner) = right.get(partner)
+            && time.abs_diff(other) < gap(time, &left_times).min(gap(other, &right_times)) / 2
         {
             found.push(pair(name, path.clone(), partner.clone()));
         }
