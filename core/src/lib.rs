@@ -137,6 +137,7 @@ mod observe;
 pub mod obstacles;
 pub mod params;
 mod pipeline;
+mod places;
 mod plan;
 mod query;
 mod report;

@@ -1,7 +1,7 @@
 //! One rectified pair -> matches and points: the stages of a run.
 
 use crate::area::Area;
-use crate::bars;
+use crate::bars::{self, Repeating};
 use crate::cores::{Cores, join, lend};
 use crate::focus::SearchRegions;
 use crate::ground::{self, GroundPlane, GroundSearch};
@@ -18,7 +18,7 @@ use crate::observe::{Observer, StageEvent};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::report::Report;
-use crate::result::{Counts, Match, Rejection};
+use crate::result::{Match, Rejection};
 use crate::segment_stage::{Part, SegmentStage};
 use crate::support::{self, Grid};
 
@@ -62,11 +62,12 @@ impl<'a> Run<'_, 'a> {
     ) -> (Matched<'a>, Option<Measured>) {
         let is_whole = self.regions.areas().is_none();
         let mut summary = Summary { is_whole, ..Summary::default() };
-        summary.row_offset_q5 = if self.parts == Parts::Support {
-            self.known_rows()
+        let mut repeating = Repeating::default();
+        if self.parts == Parts::Support {
+            summary.row_offset_q5 = self.known_rows();
         } else {
-            self.find_segments(lend(&mut cores), &mut m, &mut summary.counts, observer)
-        };
+            repeating = self.find_segments(lend(&mut cores), &mut m, &mut summary, observer);
+        }
         let Plan { params, dims, support_models, .. } = self.plan;
         if params.ground {
             let others = m.second.as_mut().map(|second| &mut *second.scratch.rows);
@@ -81,6 +82,7 @@ impl<'a> Run<'_, 'a> {
             );
         }
         self.match_support(lend(&mut cores), &mut summary, &mut m, observer);
+        repeating.clear(&mut m.support, Grid::new(params, *dims));
         if self.parts != Parts::Support {
             self.match_segments(lend(&mut cores), &mut summary, &mut m, observer);
         }
@@ -128,16 +130,18 @@ impl<'a> Run<'_, 'a> {
         Measured { of_points, by_edges }
     }
 
-    /// Detects the segments of both images and keeps the prominent ones of the left. Returns the
-    /// row offset, 1/32 px, if it is known.
+    /// Detects the segments of both images, finds the bars, and keeps the prominent segments of the
+    /// left image that do not repeat. Sets the row offset, if it is known. Returns where bars
+    /// repeat.
     #[inline(never)] // its variables are on the stack only while it runs
     fn find_segments(
         &self,
         mut cores: Option<&mut dyn Cores>,
         m: &mut Buffers<'_>,
-        counts: &mut Counts,
+        summary: &mut Summary,
         observer: &mut dyn Observer,
-    ) -> Option<i16> {
+    ) -> Repeating {
+        let counts = &mut summary.counts;
         let Self { plan: Plan { params, dims, .. }, images: [left, right], regions, .. } = self;
         let lines = LineParams {
             anchor: params.anchor_gradient.into(),
@@ -193,14 +197,16 @@ impl<'a> Run<'_, 'a> {
                 estimated = Some(estimate(segments, others));
             }
         };
+        let mut repeating = Repeating::default();
         match (cores, second) {
             (Some(cores), Some(second)) if has_bars => {
-                bars::find_on(cores, *left, segments, bars, &mut second.bars, find_right);
+                repeating =
+                    bars::find_on(cores, *left, segments, bars, &mut second.bars, find_right);
             }
             (cores, _) => {
                 let find_bars = || {
                     if has_bars {
-                        bars::find(*left, segments, bars);
+                        repeating = bars::find(*left, segments, bars);
                     }
                 };
                 join(cores, find_bars, find_right);
@@ -221,8 +227,17 @@ impl<'a> Run<'_, 'a> {
         lines::sort_by_top(&mut m.left);
         counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         counts.reject_many(Rejection::LessProminent, lost);
+        m.left.retain(|segment| {
+            let (x0, y0, x1, y1) = segment.ends_q5();
+            let repeats = repeating.contain((x0 + x1) >> 6, (y0 + y1) >> 6);
+            if repeats {
+                counts.reject(Rejection::WindowNotUnique);
+            }
+            !repeats
+        });
         observer.on_event(StageEvent::Selection(offset_q5.unwrap_or(0).into(), &m.left));
-        offset_q5
+        summary.row_offset_q5 = offset_q5;
+        repeating
     }
 
     /// Matches the support points. Sets the detail of the left image, and what was found beyond the

@@ -87,8 +87,8 @@ impl Found for Kept<'_, '_> {
     }
 }
 
-/// Leaves at most two bars that cover each other, the strongest ones; sorts by the first row.
-pub(super) fn settle(bars: &mut List<'_, Bar>) {
+/// Leaves at most two bars that cover each other, the strongest ones; sorts by strength.
+pub(super) fn leave_out_doubles(bars: &mut List<'_, Bar>) {
     sort_by_key(bars, |bar| (u32::MAX - bar.strength(), bar.rows[0], bar.x_q5, bar.width_q5));
     for index in 1..bars.len() {
         let Some((stronger, rest)) = bars.split_at_mut_checked(index) else { break };
@@ -101,7 +101,6 @@ pub(super) fn settle(bars: &mut List<'_, Bar>) {
         }
     }
     bars.retain(|bar| !bar.is(DROPPED));
-    sort_by_key(bars, |bar| (bar.rows[0], bar.x_q5, bar.width_q5));
 }
 
 /// Distances of the left and of the right edges of two bars at a row of both, 1/32 px, if there is
@@ -173,7 +172,7 @@ mod tests {
         for (x, strength) in [(40, 9), (80, 20), (120, 12), (160, 3)] {
             kept.insert(bar(x, 6, [10, 30], strength));
         }
-        settle(&mut list);
+        leave_out_doubles(&mut list);
         assert_eq!(
             list.iter().map(|bar| bar.x_q5 >> 5).collect::<Vec<_, 2>>().as_slice(),
             [80, 120]
@@ -188,7 +187,7 @@ mod tests {
         for (x, width, strength) in [(40, 6, 9), (40, 10, 20), (38, 12, 12), (90, 6, 2)] {
             kept.insert(bar(x, width, [10, 30], strength));
         }
-        settle(&mut list);
+        leave_out_doubles(&mut list);
         assert_eq!(list.len(), 3);
         assert!(!list.contains(&bar(40, 6, [10, 30], 9)));
     }

@@ -9,6 +9,7 @@
 //! ```text
 //! edges:       beside a segment, along its rows, an edge 2 to 14 px off: width and two signs
 //! keep:        the strongest ones, each once
+//! repeating:   areas in which five and more of them stand at equal distances
 //! cost:        the bar and 1 px beyond both edges, at every disparity, its halves up to 2 px apart
 //! repetition:  the same bar elsewhere in the left image: refused
 //! place:       support points that do not see the bar lie behind it, on both sides
@@ -19,7 +20,7 @@
 //! thin, and see the surface behind it.
 //!
 //! # Bounds
-//! At most [`MOST_BARS`] bars of a pair, 24 bytes each. Positions Q5 below 2^16, slopes at most 2
+//! At most [`MOST_BARS`] bars of a pair, 24 bytes each, half of which are matched. Positions Q5 below 2^16, slopes at most 2
 //! in Q12. Eight rows of at most 24 columns of gradients that differ by at most 62: a cost is below
 //! 2^14.
 //!
@@ -40,6 +41,7 @@ mod mask;
 mod place;
 mod points;
 mod region;
+mod repeating;
 mod repetition;
 
 pub use fitted::{FITTED_BAR, FITTED_LEVEL_BAR};
@@ -47,11 +49,12 @@ pub(crate) use grow::grow;
 pub(crate) use mask::MaskMatcher;
 pub(crate) use points::take_points;
 pub(crate) use region::{depth_of, most_pixels};
+pub(crate) use repeating::Repeating;
 
 use crate::area::Area;
 use crate::confidence::SigmaModel;
 use crate::cores::Cores;
-use crate::image::Gray;
+use crate::image::{Dims, Gray};
 use crate::lines::Segment;
 use crate::list::List;
 use crate::matching::MatchContext;
@@ -67,8 +70,10 @@ use keep::{Found as _, Kept};
 /// Least probability of a bar that is told, whatever that of points is: it goes before these. 0.9.
 pub const LEAST_BAR: Confidence = Confidence::from_bits(0xe666);
 
-/// Most bars of a pair.
-pub const MOST_BARS: usize = 32;
+/// Most bars of a pair that are found.
+pub const MOST_BARS: usize = 64;
+/// Most bars that are matched, the strongest ones.
+const MOST_MATCHED: usize = 32;
 
 /// The pixels right of the left edge are the brighter ones.
 const LEFT_RISING: u8 = 1;
@@ -349,14 +354,15 @@ impl Bar {
 const EDGE_Q5: i32 = 48;
 
 /// Finds the bars beside all segments of the left image: the strongest ones, by their first row.
+/// Returns where they repeat.
 #[inline(never)] // its variables are on the stack only while it runs
-pub(crate) fn find(image: Gray<'_>, segments: &[Segment], bars: &mut List<'_, Bar>) {
+pub(crate) fn find(image: Gray<'_>, segments: &[Segment], bars: &mut List<'_, Bar>) -> Repeating {
     let mut kept = Kept::new(bars);
     let least = edges::least_strength(segments);
     for segment in segments.iter().filter(|segment| edges::strength(segment) >= least) {
         edges::keep_beside(image, segment, &mut kept);
     }
-    keep::settle(bars);
+    settle(bars, image.dims())
 }
 
 /// As [`find`], while a second core does its `other` work; after that it finds the bars beside some
@@ -368,7 +374,7 @@ pub(crate) fn find_on(
     bars: &mut List<'_, Bar>,
     spare: &mut List<'_, Bar>,
     mut other: impl FnMut() + Send,
-) {
+) -> Repeating {
     let least = edges::least_strength(segments);
     let is_strong = |segment: &&Segment| edges::strength(segment) >= least;
     let (strong, flat) = segments.iter().fold((0, 0), |(strong, flat), segment| {
@@ -378,7 +384,7 @@ pub(crate) fn find_on(
     let share = ((strong - SCANS - quotient(flat, FLAT_FOR_STRONG)) / 2).max(0) as usize;
     let first = segments.iter().enumerate().rev().filter(|(_, segment)| is_strong(segment));
     let at = first.take(share).last().map_or(segments.len(), |(index, _)| index);
-    let Some((here, there)) = segments.split_at_checked(at) else { return };
+    let (here, there) = segments.split_at_checked(at).unwrap_or((segments, &[]));
     let mut kept = Kept::new(bars);
     spare.clear();
     let mut seen = 0;
@@ -407,7 +413,16 @@ pub(crate) fn find_on(
     for segment in there.iter().skip(seen).filter(is_strong) {
         edges::keep_beside(image, segment, &mut kept);
     }
-    keep::settle(bars);
+    settle(bars, image.dims())
+}
+
+/// Leaves the strongest bars, sorted by the first row; returns where those found repeat.
+fn settle(bars: &mut List<'_, Bar>, dims: Dims) -> Repeating {
+    keep::leave_out_doubles(bars);
+    let repeating = Repeating::of(bars, dims);
+    bars.truncate(MOST_MATCHED);
+    sort_by_key(bars, |bar| (bar.rows[0], bar.x_q5, bar.width_q5));
+    repeating
 }
 
 /// Segments along the columns, whose edges cost as much in the right image as the bars beside a

@@ -1,0 +1,201 @@
+//! Areas of the left image in which equal bars stand at equal distances: fences, banisters,
+//! radiators, stripes.
+//!
+//! In: the strongest bars of the left image, not matched yet. Out: the areas, and the support points
+//! without those in them.
+//!
+//! ```text
+//! alike:    two bars with edges of the same signs, as wide and as steep, at a common row
+//! repeats:  a bar that is one of five alike at equal distances
+//! area:     such bars, the distance on both sides, and the rows above and below
+//! ```
+//! What is seen between the bars lies far behind and may stand where the next bar would: windows
+//! wider than a bar then match both, at a disparity of neither. Here segments and support points
+//! are not matched at all; a bar is still matched by its own pixels, as far as they are unique.
+//!
+//! # Cost
+//! 15 instructions for every two bars, at most [`MOST_BARS`](super::MOST_BARS).
+
+use super::Bar;
+use crate::area::Area;
+use crate::image::Dims;
+use crate::places::Places;
+use crate::support::{Grid, SUPPORT_PITCH, SupportPoint};
+use heapless::Vec;
+
+/// Bars in a row that repeat.
+const RUN: i32 = 5;
+/// Deviation from equal distances, px.
+const TOLERANCE: i32 = 2;
+/// Least distance between them, px.
+const NEAREST: i32 = 5;
+/// Largest difference of two widths, 1/32 px.
+const AS_WIDE_Q5: u16 = 32;
+/// Largest difference of two slopes, px per px, Q12.
+const AS_STEEP_Q12: u16 = 3 << 8;
+/// Rows beyond its ends at which a bar is still compared.
+const BEYOND: i32 = 8;
+/// Columns on both sides of a bar, at least.
+const BESIDE: i32 = 8;
+/// Rows above and below a bar.
+const ABOVE: i32 = 40;
+/// Most areas; those of more bars join the last one.
+const MOST_AREAS: usize = 8;
+
+/// Areas in which bars repeat.
+#[derive(Debug, Default)]
+pub(crate) struct Repeating(Vec<Area, MOST_AREAS>);
+
+impl Repeating {
+    /// The areas of these bars.
+    pub(super) fn of(bars: &[Bar], dims: Dims) -> Self {
+        let mut areas = Self::default();
+        for bar in bars {
+            if let Some(distance) = alike(bar, bars).distances(RUN, TOLERANCE).next() {
+                areas.add(around(bar, distance.max(BESIDE), dims));
+            }
+        }
+        areas
+    }
+
+    fn add(&mut self, area: Area) {
+        let known = self.0.iter().position(|known| !known.common(area).is_empty());
+        match known.or(self.0.is_full().then_some(MOST_AREAS - 1)) {
+            Some(index) => {
+                if let Some(known) = self.0.get_mut(index) {
+                    *known = known.joined(area);
+                }
+            }
+            None => {
+                let _ = self.0.push(area); // it is not full
+            }
+        }
+    }
+
+    pub(crate) fn contain(&self, x: i32, y: i32) -> bool {
+        self.0.iter().any(|area| area.contains(x, y))
+    }
+
+    /// Takes the disparities of the points in these areas.
+    pub(crate) fn clear(&self, points: &mut [SupportPoint], grid: Grid) {
+        // Points stand less than that from the middle of their square.
+        let beside = i32::from(SUPPORT_PITCH);
+        for Area { left, top, right, bottom } in self.0.iter().copied() {
+            let columns = grid.columns_within(i32::from(left) - beside, i32::from(right) + beside);
+            for row in grid.rows_within(i32::from(top) - beside, i32::from(bottom) + beside) {
+                for index in columns.clone().map(|column| row * grid.columns + column) {
+                    let Some(point) = points.get_mut(index) else { continue };
+                    let (x, y) = grid.pixel(index, point.place);
+                    if self.contain(x.into(), y.into()) {
+                        *point = SupportPoint::none();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The places of the bars that are like this one, at its middle row.
+fn alike(bar: &Bar, bars: &[Bar]) -> Places {
+    let y = bar.middle_row();
+    let mut places = Places::default();
+    for other in bars {
+        let [first, last] = other.first_and_last();
+        let offset = (other.x_at_q5(y) - bar.x_at_q5(y) + 16) >> 5;
+        if offset.abs() >= NEAREST
+            && (first - BEYOND..=last + BEYOND).contains(&y)
+            && other.signs() == bar.signs()
+            && other.width_q5.abs_diff(bar.width_q5) <= AS_WIDE_Q5
+            && other.slope_q12.abs_diff(bar.slope_q12) <= AS_STEEP_Q12
+        {
+            places.add(offset);
+        }
+    }
+    places
+}
+
+fn around(bar: &Bar, beside: i32, dims: Dims) -> Area {
+    let Area { left, top, right, bottom } = bar.area();
+    let at = |at: i32| u16::try_from(at.max(0)).unwrap_or(u16::MAX);
+    Area {
+        left: at(i32::from(left) - beside),
+        top: at(i32::from(top) - ABOVE),
+        right: at(i32::from(right) + beside),
+        bottom: at(i32::from(bottom) + ABOVE),
+    }
+    .common(Area::of(dims))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIMS: Dims = Dims { width: 320, height: 240 };
+
+    fn bar(x: u16, rows: [u16; 2], width: u16, flags: u8) -> Bar {
+        Bar {
+            x_q5: x << 5,
+            rows,
+            slope_q12: 0,
+            width_q5: width << 5,
+            disparity_q6: [0; 2],
+            scores_q8: [0; 2],
+            probability_q16: 0,
+            strengths_q3: [9; 2],
+            coherence_q8: 255,
+            flags,
+        }
+    }
+
+    fn areas(bars: impl IntoIterator<Item = Bar>) -> Repeating {
+        Repeating::of(&bars.into_iter().collect::<Vec<_, 64>>(), DIMS)
+    }
+
+    #[test]
+    fn a_fence_is_one_area() {
+        // 14.4 px apart, the rows of every second one somewhat lower.
+        let bars =
+            (0..5).map(|k| bar(50 + k * 144 / 10, [100 + k % 2 * 10, 120 + k % 2 * 10], 4, 1));
+        let Repeating(areas) = areas(bars);
+        assert_eq!(areas, [Area { left: 36, top: 60, right: 126, bottom: 171 }]);
+    }
+
+    #[test]
+    fn fewer_bars_and_bars_of_other_kinds_do_not_repeat() {
+        let fence = |k: u16| bar(50 + k * 14, [100, 120], 4, 1);
+        let with_last = |last: Bar| areas((0..4).map(fence).chain([last])).0.is_empty();
+        assert!(!with_last(fence(4)));
+        assert!(with_last(bar(50 + 4 * 14 + 6, [100, 120], 4, 1)), "at another distance");
+        assert!(with_last(bar(50 + 4 * 14, [100, 120], 8, 1)), "wider");
+        assert!(with_last(bar(50 + 4 * 14, [100, 120], 4, 2)), "with edges of other signs");
+        assert!(with_last(bar(50 + 4 * 14, [140, 160], 4, 1)), "at other rows");
+    }
+
+    #[test]
+    fn more_areas_than_there_is_room_for_join_the_last() {
+        let fences = (0..11).flat_map(|row| {
+            (0..5).map(move |k| bar(50 + k * 6, [row * 200, row * 200 + 10], 2, 1))
+        });
+        let dims = Dims { width: 320, height: 2400 };
+        let Repeating(areas) = Repeating::of(&fences.collect::<Vec<_, 64>>(), dims);
+        assert_eq!(areas.len(), MOST_AREAS);
+        assert_eq!(areas.last().unwrap().bottom, 2000 + 11 + 40);
+    }
+
+    #[test]
+    fn points_in_an_area_have_no_disparity() {
+        let params = crate::Params::default();
+        let grid = Grid::new(&params, DIMS);
+        let mut point = SupportPoint::none();
+        point.take_bar(640, crate::units::Confidence::MAX);
+        let mut points = Vec::<_, 2048>::new();
+        points.resize(grid.columns * grid.rows, point).unwrap();
+        let repeating = areas((0..5).map(|k| bar(50 + k * 14, [100, 120], 4, 1)));
+        repeating.clear(&mut points, grid);
+        for (index, point) in points.iter().enumerate() {
+            let (x, y) = grid.pixel(index, point.place);
+            assert_eq!(point.is_matched(), !repeating.contain(x.into(), y.into()), "{x} {y}");
+        }
+        assert!(points.iter().any(|point| !point.is_matched()));
+    }
+}
