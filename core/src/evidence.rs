@@ -14,11 +14,6 @@ macro_rules! define_evidence {
             $(#[doc = $meaning] $Entry,)+
         }
 
-        impl $SegmentKind {
-            /// Meaning and unit of each kind, in the model's order.
-            pub const NAMES: [&'static str; $COUNT] = [$($meaning),+];
-        }
-
         /// Number of kinds.
         pub const $COUNT: usize = [$($SegmentKind::$Entry),+].len();
 

@@ -10,24 +10,8 @@ pub const FITTED_BAR: SigmaModel<BAR_EVIDENCE> = SigmaModel {
     model: Model {
         bias_q12: -38895,
         coefficients_q12: [
-            2944, // log2 of the lowest cost elsewhere / the cost
-            3259, // the lowest cost elsewhere / the bar's own gradients
-            -466, // the cost / the bar's own gradients
-            -23678, // share of rows with the left edge in the right image
-            -21236, // share of rows with the right edge in the right image
-            45773, // the lesser of both
-            2866, // the cost of the most similar place of the left image / the bar's own gradients
-            5977, // log2(1 + width)
-            -1201, // log2(1 + rows)
-            5834, // log2(1 + gradient of the weaker edge)
-            -2417, // sum of the second edge's gradients / sum of their magnitudes
-            6051, // |difference of the halves' disparities|, px
-            7170, // 1 if both edges have the same sign
-            1389, // log2(1 + disparities compared)
-            5437, // share of the support points around it that agree
-            -2195, // share of those that are farther
-            746, // share of those that are nearer
-            16056, // 1 if there is none
+            2944, 3259, -466, -23678, -21236, 45773, 2866, 5977, -1201,
+            5834, -2417, 6051, 7170, 1389, 5437, -2195, 746, 16056,
         ],
         probability_q16: [
             225, 451, 676, 901, 1127, 1352, 1577, 1803, 2028, 2253, 2479,
@@ -48,24 +32,8 @@ pub const FITTED_LEVEL_BAR: SigmaModel<BAR_EVIDENCE> = SigmaModel {
     model: Model {
         bias_q12: 24872,
         coefficients_q12: [
-            490, // log2 of the lowest cost elsewhere / the cost
-            3867, // the lowest cost elsewhere / the bar's own gradients
-            -33335, // the cost / the bar's own gradients
-            -38835, // share of rows with the left edge in the right image
-            -33069, // share of rows with the right edge in the right image
-            52623, // the lesser of both
-            7176, // the cost of the most similar place of the left image / the bar's own gradients
-            1024, // log2(1 + width)
-            -2268, // log2(1 + rows)
-            -3313, // log2(1 + gradient of the weaker edge)
-            14254, // sum of the second edge's gradients / sum of their magnitudes
-            -3774, // |difference of the halves' disparities|, px
-            3139, // 1 if both edges have the same sign
-            -413, // log2(1 + disparities compared)
-            20147, // share of the support points around it that agree
-            20147, // share of those that are farther
-            3268, // share of those that are nearer
-            0, // 1 if there is none
+            490, 3867, -33335, -38835, -33069, 52623, 7176, 1024, -2268,
+            -3313, 14254, -3774, 3139, -413, 20147, 20147, 3268, 0,
         ],
         probability_q16: [
             2681, 5362, 8043, 10724, 13405, 16086, 18768, 21449, 24130, 26811, 29492,

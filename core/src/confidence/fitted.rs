@@ -10,36 +10,9 @@ pub const FITTED: Models = Models {
     near_vertical: Model {
         bias_q12: -825,
         coefficients_q12: [
-            -7715, // this side's window: cost at the disparity / best cost elsewhere
-            1150, // log2(1 + that cost per pixel)
-            1004, // log2(1 + how much worse elsewhere is, per pixel)
-            11697, // segment window: best cost / best elsewhere
-            -3153, // log2(1 + its cost per pixel)
-            3285, // census: best cost / best elsewhere
-            1224, // log2(1 + its cost per point)
-            -5910, // this side's census: cost at the disparity / best elsewhere
-            -3227, // |window - census|, px
-            -12787, // |difference of the halves' disparities| per row or column
-            -1252, // log2(1 + rows or columns)
-            -285, // the other side's window ratio
-            -1611, // 1 if the other side prefers another disparity
-            -2944, // 1 if this side alone prefers another disparity
-            -7979, // 1 if the right image has no such edge there
-            -2313, // |the edge in the right image - halves|, px
-            189, // -1 left of or above the edge, +1 right or below
-            -413, // slope against its direction, px per px
-            1117, // log2(1 + disparities compared)
-            -122, // log2(1 + grey step)
-            1979, // log2(1 + how much codes change along a window of the image, on average)
-            1511, // log2(1 + support points nearby that agree)
-            -16423, // share of those that are farther
-            -9745, // share of those that are nearer
-            837, // log2(1 + segments nearby that agree)
-            -1850, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            0, // the less unique half: cost at the disparity / best elsewhere
-            -877, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -1074, // distance of the pixel from the edge, px
-            -889, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -7715, 1150, 1004, 11697, -3153, 3285, 1224, -5910, -3227, -12787,
+            -1252, -285, -1611, -2944, -7979, -2313, 189, -413, 1117, -122,
+            1979, 1511, -16423, -9745, 837, -1850, 0, -877, -1074, -889,
         ],
         probability_q16: [
             47, 95, 142, 189, 236, 284, 331, 378, 3393, 7829, 9510,
@@ -50,36 +23,9 @@ pub const FITTED: Models = Models {
     near_horizontal: Model {
         bias_q12: 728,
         coefficients_q12: [
-            -1052, // this side's window: cost at the disparity / best cost elsewhere
-            396, // log2(1 + that cost per pixel)
-            -842, // log2(1 + how much worse elsewhere is, per pixel)
-            0, // segment window: best cost / best elsewhere
-            0, // log2(1 + its cost per pixel)
-            -5876, // census: best cost / best elsewhere
-            1392, // log2(1 + its cost per point)
-            0, // this side's census: cost at the disparity / best elsewhere
-            -3224, // |window - census|, px
-            -28855, // |difference of the halves' disparities| per row or column
-            -2826, // log2(1 + rows or columns)
-            -1831, // the other side's window ratio
-            282, // 1 if the other side prefers another disparity
-            0, // 1 if this side alone prefers another disparity
-            0, // 1 if the right image has no such edge there
-            0, // |the edge in the right image - halves|, px
-            -173, // -1 left of or above the edge, +1 right or below
-            -3558, // slope against its direction, px per px
-            87, // log2(1 + disparities compared)
-            -815, // log2(1 + grey step)
-            3258, // log2(1 + how much codes change along a window of the image, on average)
-            3954, // log2(1 + support points nearby that agree)
-            -1311, // share of those that are farther
-            -2310, // share of those that are nearer
-            635, // log2(1 + segments nearby that agree)
-            -58, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-            -5472, // the less unique half: cost at the disparity / best elsewhere
-            -1704, // how unique the other side is at a nearer disparity, 0 ..= 1
-            -839, // distance of the pixel from the edge, px
-            -2958, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+            -1052, 396, -842, 0, 0, -5876, 1392, 0, -3224, -28855,
+            -2826, -1831, 282, 0, 0, 0, -173, -3558, 87, -815,
+            3258, 3954, -1311, -2310, 635, -58, -5472, -1704, -839, -2958,
         ],
         probability_q16: [
             1699, 3397, 5096, 6795, 8493, 10192, 11891, 13589, 13591, 13593, 13595,
@@ -91,36 +37,9 @@ pub const FITTED: Models = Models {
         model: Model {
             bias_q12: -20207,
             coefficients_q12: [
-                2276, // this side's window: cost at the disparity / best cost elsewhere
-                760, // log2(1 + that cost per pixel)
-                856, // log2(1 + how much worse elsewhere is, per pixel)
-                -3387, // segment window: best cost / best elsewhere
-                -4422, // log2(1 + its cost per pixel)
-                -4617, // census: best cost / best elsewhere
-                3438, // log2(1 + its cost per point)
-                2257, // this side's census: cost at the disparity / best elsewhere
-                -2049, // |window - census|, px
-                -14583, // |difference of the halves' disparities| per row or column
-                -1311, // log2(1 + rows or columns)
-                -517, // the other side's window ratio
-                -1616, // 1 if the other side prefers another disparity
-                -1667, // 1 if this side alone prefers another disparity
-                -8734, // 1 if the right image has no such edge there
-                -6086, // |the edge in the right image - halves|, px
-                48, // -1 left of or above the edge, +1 right or below
-                582, // slope against its direction, px per px
-                451, // log2(1 + disparities compared)
-                516, // log2(1 + grey step)
-                3797, // log2(1 + how much codes change along a window of the image, on average)
-                2459, // log2(1 + support points nearby that agree)
-                -1306, // share of those that are farther
-                -2370, // share of those that are nearer
-                3312, // log2(1 + segments nearby that agree)
-                1616, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-                0, // the less unique half: cost at the disparity / best elsewhere
-                335, // how unique the other side is at a nearer disparity, 0 ..= 1
-                0, // distance of the pixel from the edge, px
-                0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+                2276, 760, 856, -3387, -4422, -4617, 3438, 2257, -2049, -14583,
+                -1311, -517, -1616, -1667, -8734, -6086, 48, 582, 451, 516,
+                3797, 2459, -1306, -2370, 3312, 1616, 0, 335, 0, 0,
             ],
             probability_q16: [
                 973, 1946, 2919, 3893, 4866, 5839, 6812, 7785, 8758, 9731, 10705,
@@ -138,36 +57,9 @@ pub const FITTED: Models = Models {
         model: Model {
             bias_q12: -473,
             coefficients_q12: [
-                3369, // this side's window: cost at the disparity / best cost elsewhere
-                -777, // log2(1 + that cost per pixel)
-                -170, // log2(1 + how much worse elsewhere is, per pixel)
-                0, // segment window: best cost / best elsewhere
-                0, // log2(1 + its cost per pixel)
-                -3968, // census: best cost / best elsewhere
-                1698, // log2(1 + its cost per point)
-                0, // this side's census: cost at the disparity / best elsewhere
-                -3024, // |window - census|, px
-                -19687, // |difference of the halves' disparities| per row or column
-                -1710, // log2(1 + rows or columns)
-                -4935, // the other side's window ratio
-                -4144, // 1 if the other side prefers another disparity
-                0, // 1 if this side alone prefers another disparity
-                0, // 1 if the right image has no such edge there
-                0, // |the edge in the right image - halves|, px
-                152, // -1 left of or above the edge, +1 right or below
-                1384, // slope against its direction, px per px
-                439, // log2(1 + disparities compared)
-                -81, // log2(1 + grey step)
-                2318, // log2(1 + how much codes change along a window of the image, on average)
-                2443, // log2(1 + support points nearby that agree)
-                -1634, // share of those that are farther
-                -1337, // share of those that are nearer
-                1545, // log2(1 + segments nearby that agree)
-                -4859, // the edge itself, or the row next to it: cost at the disparity / best elsewhere
-                -3300, // the less unique half: cost at the disparity / best elsewhere
-                -8095, // how unique the other side is at a nearer disparity, 0 ..= 1
-                0, // distance of the pixel from the edge, px
-                0, // 1 for the pixels next to an edge whose two sides are not known to be one surface
+                3369, -777, -170, 0, 0, -3968, 1698, 0, -3024, -19687,
+                -1710, -4935, -4144, 0, 0, 0, 152, 1384, 439, -81,
+                2318, 2443, -1634, -1337, 1545, -4859, -3300, -8095, 0, 0,
             ],
             probability_q16: [
                 1024, 2048, 3072, 4096, 5120, 6145, 7169, 8193, 9217, 10241, 10243,

@@ -19,16 +19,7 @@ pub const FITTED_PIXEL: SigmaModel<PIXEL_EVIDENCE> = SigmaModel {
     model: Model {
         bias_q12: 12708,
         coefficients_q12: [
-            -58, // census: cost at the disparity / best cost elsewhere
-            -6525, // windows and census together: cost at the disparity / best cost elsewhere
-            -4885, // the same, elsewhere being what features nearby allow
-            -944, // |searched back - answer|, px
-            -1734, // log2(1 + mean gradient around the pixel)
-            1020, // log2(1 + features nearby that agree)
-            -2152, // log2(1 + surfaces that end at an edge before the pixel and agree)
-            -3046, // outside of what features nearby span, px
-            2972, // log2(1 + support points nearby that agree)
-            -3483, // share of support points nearby that contradict
+            -58, -6525, -4885, -944, -1734, 1020, -2152, -3046, 2972, -3483,
         ],
         probability_q16: [
             56, 111, 167, 223, 278, 356, 539, 850, 1434, 2498, 3602,

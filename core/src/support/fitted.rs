@@ -1,7 +1,7 @@
 //! Written by `linestereo-lab fit-confidence` from 125 pairs of qvga, robot_world, oakd_agreed_320,
 //! oakd_agreed_640, kitti2012_640, robot_world_640, middlebury2006_third, middlebury2006_half,
-//! middlebury2005_half, small ones under 7 damages, listed where the models before these put
-//! them; the network among neighbours that these models rate: do not edit.
+//! middlebury2005_half, small ones under 7 damages, listed where the models before these put them;
+//! the network among neighbours that these models rate: do not edit.
 
 use super::SupportModels;
 use crate::confidence::{Model, Network, Unit};
@@ -12,23 +12,8 @@ pub const FITTED_SUPPORT: SupportModels = SupportModels {
     upright: Model {
         bias_q12: -32271,
         coefficients_q12: [
-            -12735, // log2 of the paths' sum: best / second-best
-            3141, // log2 of the window's cost: at the disparity / best elsewhere
-            -2270, // log2(1 + the window's cost)
-            842, // log2(1 + disparities compared)
-            641, // log2(1 + how much worse the window is 1 px away)
-            2330, // log2(1 + how much codes change along the window)
-            -1653, // square of the first
-            0, // label beside the ground plane
-            0, // at most 1.5 px off the ground plane
-            0, // farther than the ground plane by more
-            0, // log-odds of the answer at half of the size
-            0, // |answer - that at half of the size|, px
-            3227, // log2(1 + neighbours that agree)
-            -81, // log2(1 + neighbours that contradict)
-            364, // log2(1 + hypotheses of segments nearby that agree)
-            -1430, // log2(1 + hypotheses of segments nearby that contradict)
-            698, // log2(1 + how much codes change along a window, on average)
+            -12735, 3141, -2270, 842, 641, 2330, -1653, 0, 0,
+            0, 0, 0, 3227, -81, 364, -1430, 698,
         ],
         probability_q16: [
             489, 978, 1466, 1955, 2444, 2933, 3422, 3911, 4399, 4888, 5377,
@@ -39,23 +24,8 @@ pub const FITTED_SUPPORT: SupportModels = SupportModels {
     ground: Model {
         bias_q12: -25207,
         coefficients_q12: [
-            -11577, // log2 of the paths' sum: best / second-best
-            2968, // log2 of the window's cost: at the disparity / best elsewhere
-            -2620, // log2(1 + the window's cost)
-            870, // log2(1 + disparities compared)
-            722, // log2(1 + how much worse the window is 1 px away)
-            2218, // log2(1 + how much codes change along the window)
-            -1551, // square of the first
-            2803, // label beside the ground plane
-            3774, // at most 1.5 px off the ground plane
-            -1068, // farther than the ground plane by more
-            0, // log-odds of the answer at half of the size
-            0, // |answer - that at half of the size|, px
-            3684, // log2(1 + neighbours that agree)
-            -632, // log2(1 + neighbours that contradict)
-            278, // log2(1 + hypotheses of segments nearby that agree)
-            -1200, // log2(1 + hypotheses of segments nearby that contradict)
-            203, // log2(1 + how much codes change along a window, on average)
+            -11577, 2968, -2620, 870, 722, 2218, -1551, 2803, 3774,
+            -1068, 0, 0, 3684, -632, 278, -1200, 203,
         ],
         probability_q16: [
             418, 836, 1253, 1671, 2089, 2507, 2925, 3343, 3760, 4178, 4596,
@@ -66,23 +36,8 @@ pub const FITTED_SUPPORT: SupportModels = SupportModels {
     fine: Model {
         bias_q12: 57686,
         coefficients_q12: [
-            -5518, // log2 of the paths' sum: best / second-best
-            0, // log2 of the window's cost: at the disparity / best elsewhere
-            -2666, // log2(1 + the window's cost)
-            0, // log2(1 + disparities compared)
-            775, // log2(1 + how much worse the window is 1 px away)
-            1656, // log2(1 + how much codes change along the window)
-            0, // square of the first
-            -1249, // label beside the ground plane
-            2206, // at most 1.5 px off the ground plane
-            1550, // farther than the ground plane by more
-            713, // log-odds of the answer at half of the size
-            -928, // |answer - that at half of the size|, px
-            2498, // log2(1 + neighbours that agree)
-            -880, // log2(1 + neighbours that contradict)
-            989, // log2(1 + hypotheses of segments nearby that agree)
-            -2264, // log2(1 + hypotheses of segments nearby that contradict)
-            -6742, // log2(1 + how much codes change along a window, on average)
+            -5518, 0, -2666, 0, 775, 1656, 0, -1249, 2206,
+            1550, 713, -928, 2498, -880, 989, -2264, -6742,
         ],
         probability_q16: [
             53, 105, 158, 210, 263, 315, 368, 421, 473, 526, 578,

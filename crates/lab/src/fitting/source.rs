@@ -2,8 +2,7 @@
 
 use core::fmt::Write;
 use linestereo::unstable::{
-    BAR_EVIDENCE, BarKind, Model, Models, PIXEL_EVIDENCE, PixelKind, SegmentKind, SigmaModel,
-    SupportKind, SupportModels,
+    BAR_EVIDENCE, Model, Models, PIXEL_EVIDENCE, SigmaModel, SupportModels,
 };
 
 /// The text of the core's file of constants; `origin` names the frames.
@@ -11,14 +10,14 @@ pub(crate) fn source_text(models: &Models, origin: &str) -> String {
     let mut text = head("fit-confidence", origin, &["super::{Model, Models, SigmaModel}"]);
     constant(&mut text, OF_PLANS, "FITTED", "Models", |text| {
         let Models { near_vertical, near_horizontal, .. } = models;
-        model(text, "    ", "near_vertical", near_vertical, &SegmentKind::NAMES);
-        model(text, "    ", "near_horizontal", near_horizontal, &SegmentKind::NAMES);
+        model(text, "    ", "near_vertical", near_vertical);
+        model(text, "    ", "near_horizontal", near_horizontal);
         for (name, model) in [
             ("near_vertical_edge", &models.near_vertical_edge),
             ("near_horizontal_edge", &models.near_horizontal_edge),
         ] {
             let _ = writeln!(text, "    {name}: SigmaModel {{");
-            fields(text, "        ", model, &SegmentKind::NAMES);
+            fields(text, "        ", model);
             text.push_str("    },\n");
         }
     });
@@ -32,7 +31,7 @@ pub(crate) fn support_source_text(models: &SupportModels, origin: &str) -> Strin
     constant(&mut text, OF_PLANS, "FITTED_SUPPORT", "SupportModels", |text| {
         let SupportModels { upright, ground, fine, context } = models;
         for (name, model) in [("upright", upright), ("ground", ground), ("fine", fine)] {
-            self::model(text, "    ", name, model, &SupportKind::NAMES);
+            self::model(text, "    ", name, model);
         }
         text.push_str("    context: Network {\n        units: [\n");
         for unit in &context.units {
@@ -56,7 +55,7 @@ pub fn pixel_source_text(model: &SigmaModel<PIXEL_EVIDENCE>, origin: &str) -> St
     let mut text = head("fit-confidence", origin, &uses);
     let documentation = "The model that plans use unless they are given another.";
     constant(&mut text, documentation, "FITTED_PIXEL", "SigmaModel<PIXEL_EVIDENCE>", |text| {
-        fields(text, "    ", model, &PixelKind::NAMES);
+        fields(text, "    ", model);
     });
     text
 }
@@ -73,7 +72,7 @@ pub(crate) fn bar_source_text(
     for (name, place, model) in models {
         let documentation = format!("The model of bars {place} what is around them.");
         constant(&mut text, &documentation, name, "SigmaModel<BAR_EVIDENCE>", |text| {
-            fields(text, "    ", model, &BarKind::NAMES);
+            fields(text, "    ", model);
         });
     }
     text
@@ -117,39 +116,53 @@ fn constant(
 }
 
 /// The fields of a model with a standard deviation, each line indented.
-fn fields<const N: usize>(
-    text: &mut String,
-    indent: &str,
-    model: &SigmaModel<N>,
-    names: &[&str; N],
-) {
-    self::model(text, indent, "model", &model.model, names);
+fn fields<const N: usize>(text: &mut String, indent: &str, model: &SigmaModel<N>) {
+    self::model(text, indent, "model", &model.model);
     table(text, indent, "sigma_q6", &model.sigma_q6);
 }
 
-fn model<const N: usize>(
-    text: &mut String,
-    indent: &str,
-    name: &str,
-    model: &Model<N>,
-    names: &[&str; N],
-) {
+fn model<const N: usize>(text: &mut String, indent: &str, name: &str, model: &Model<N>) {
     let _ = writeln!(text, "{indent}{name}: Model {{");
     let inner = &format!("{indent}    ");
-    let _ = writeln!(text, "{inner}bias_q12: {},\n{inner}coefficients_q12: [", model.bias_q12);
-    for (coefficient, name) in model.coefficients_q12.iter().zip(names) {
-        let _ = writeln!(text, "{inner}    {coefficient}, // {name}");
-    }
-    let _ = writeln!(text, "{inner}],");
+    let _ = writeln!(text, "{inner}bias_q12: {},", model.bias_q12);
+    table(text, inner, "coefficients_q12", &model.coefficients_q12);
     table(text, inner, "probability_q16", &model.probability_q16);
     let _ = writeln!(text, "{indent}}},");
 }
 
-fn table(text: &mut String, indent: &str, name: &str, table: &[u16]) {
+/// Numbers in lines of equal length, eleven a line at most.
+fn table(text: &mut String, indent: &str, name: &str, table: &[impl ToString]) {
     let _ = writeln!(text, "{indent}{name}: [");
-    for row in table.chunks(11) {
-        let row: Vec<String> = row.iter().map(u16::to_string).collect();
+    for row in table.chunks(table.len().div_ceil(table.len().div_ceil(11))) {
+        let row: Vec<String> = row.iter().map(ToString::to_string).collect();
         let _ = writeln!(text, "{indent}    {},", row.join(", "));
     }
     let _ = writeln!(text, "{indent}],");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linestereo::unstable::{
+        FITTED, FITTED_BAR, FITTED_LEVEL_BAR, FITTED_PIXEL, FITTED_SUPPORT,
+    };
+
+    /// Is the core's file of these constants what is written of the origin that it names?
+    #[track_caller]
+    fn check(folder: &str, written: impl Fn(&str) -> String) {
+        let path = format!("{}/../../core/src/{folder}/fitted.rs", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).unwrap();
+        let said = text.replace("\n//! ", " ");
+        let (said, _) = said.split_once(": do not edit.").unwrap();
+        let (_, origin) = said.split_once(" from ").unwrap();
+        assert_eq!(written(origin), text);
+    }
+
+    #[test]
+    fn the_constants_of_the_core_are_written_as_they_stand() {
+        check("confidence", |origin| source_text(&FITTED, origin));
+        check("support", |origin| support_source_text(&FITTED_SUPPORT, origin));
+        check("query", |origin| pixel_source_text(&FITTED_PIXEL, origin));
+        check("bars", |origin| bar_source_text(&[FITTED_BAR, FITTED_LEVEL_BAR], origin));
+    }
 }
