@@ -68,11 +68,8 @@ fn write(text: &mut String, constant: &str, board: &Board, memory: &mut impl Mem
             .iter()
             .map(|digest| format!("0x{:04x}_{:04x}", digest >> 16, digest & 0xffff))
             .collect();
-        writeln!(text, "    // {case}\n    [")?;
-        for line in digests.chunks(7) {
-            writeln!(text, "        {},", line.join(", "))?;
-        }
-        text.push_str("    ],\n");
+        let lines: Vec<String> = digests.chunks(7).map(|line| line.join(", ")).collect();
+        writeln!(text, "    [{}], // {case}", lines.join(",\n     "))?;
     }
     writeln!(text, "];")?;
     Ok(())
