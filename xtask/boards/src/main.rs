@@ -10,7 +10,6 @@ mod functions;
 mod image;
 mod measure;
 mod nightly;
-mod silicon;
 mod sizes;
 
 use anyhow::{Context, Result, bail};
@@ -176,8 +175,6 @@ enum Command {
     /// Long forms of what .ci/run checks: every board, tests of minutes, packages, the oldest
     /// compiler.
     Nightly,
-    /// Print the numbers of real boards that their owners sent: xtask/silicon.
-    Silicon,
     /// Compute the digests that the boards are compared with.
     Bless {
         /// Compare with those that are there instead of writing them.
@@ -225,7 +222,6 @@ fn execute(command: Command) -> Result<()> {
         }
         Command::Measure { bless, check: _ } => measure::run(&top, bless),
         Command::Nightly => nightly::run(&top),
-        Command::Silicon => silicon::run(&top),
         Command::Bless { check } => bless::run(&top, check),
     }
 }

@@ -4,7 +4,7 @@
 //! for reading.
 
 use crate::bench::{self, Autopilot, Builtin, Cores, KernelCost, Objects, Rectified};
-use crate::{silicon, sizes};
+use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_calibration::rectify::PairRectifier;
@@ -119,7 +119,6 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     let frames =
         std::env::var_os("LINESTEREO_FRAMES").map(|folder| PathBuf::from(folder).join("qvga"));
     let frames = frames.filter(|folder| folder.is_dir());
-    silicon::summarize(top)?;
     let path = top.join(FILE);
     let old = match std::fs::read_to_string(&path) {
         Ok(text) => Some(
