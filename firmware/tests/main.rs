@@ -11,6 +11,7 @@ mod i2c;
 mod pio;
 mod programs;
 mod settings;
+mod slot_store;
 mod source;
 mod stereo;
 mod stream;

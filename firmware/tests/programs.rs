@@ -386,7 +386,7 @@ fn a_rig_is_kept_where_there_is_flash() {
 
     // Flash that does not keep: nothing changes.
     let mut flash = store.into_flash();
-    flash.is_stuck = true;
+    flash.is_worn = true;
     let mut store = flash.store();
     let mut memory = Box::new(BoardMemory::CLEARED);
     let mut session = Session::with_flash(BOARD, &mut store, &mut *memory);

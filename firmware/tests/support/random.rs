@@ -1,6 +1,7 @@
 //! Repeatable random numbers.
 
 /// SplitMix64 (Steele, Lea and Flood, 2014), from a seed.
+#[derive(Clone, Debug)]
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
