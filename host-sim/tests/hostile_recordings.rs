@@ -2,13 +2,11 @@
 
 use crate::support::{says, stderr, stdout, succeed, with_drawn_pairs};
 use crate::untrusted::within;
-use linestereo_frames::load_images;
-use linestereo_recordings::mcap::Writer;
 use linestereo_recordings::ros::cdr;
 use linestereo_recordings::ros::messages::{CompressedImage, Image};
-use linestereo_recordings::ros::sent::{self, Projection, Stamp};
-use linestereo_recordings::{Choice, Footage};
+use linestereo_recordings::ros::sent::{self, Stamp};
 use linestereo_tests::drawn::Random;
+use linestereo_tests::fuzz;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::fs;
 use std::io::Write as _;
@@ -55,11 +53,7 @@ fn schema(id: u16, name: &str) -> Vec<u8> {
 }
 
 fn channel(id: u16, schema: u16, topic: &str) -> Vec<u8> {
-    channel_in("cdr", id, schema, topic)
-}
-
-fn channel_in(encoding: &str, id: u16, schema: u16, topic: &str) -> Vec<u8> {
-    record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &text(topic), &text(encoding), &[0; 4]])
+    record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &text(topic), &text("cdr"), &[0; 4]])
 }
 
 fn message(channel: u16, time: u64, data: &[u8]) -> Vec<u8> {
@@ -70,168 +64,18 @@ fn stamp(ns: u64) -> Stamp<'static> {
     Stamp { ns, frame_id: "left" }
 }
 
-fn pixels() -> Vec<u8> {
-    (0..64 * 48_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect()
-}
-
-fn image(time: u64) -> Vec<u8> {
-    cdr::write(&sent::image(stamp(time), [64, 48], &pixels())).unwrap()
-}
-
-/// Two pairs in Foxglove's own messages: time, width, height, encoding, step, data, frame.
-fn foxglove() -> Vec<u8> {
-    let mut all = vec![
-        schema(1, "foxglove.RawImage"),
-        channel_in("protobuf", 0, 1, "/left"),
-        channel_in("protobuf", 1, 1, "/right"),
-    ];
-    for second in [1, 2] {
-        let head = [
-            0x0a, 2, 8, second, 0x15, 64, 0, 0, 0, 0x1d, 48, 0, 0, 0, 0x22, 5, b'm', b'o', b'n',
-            b'o', b'8',
-        ];
-        let image =
-            [&head[..], &[0x2d, 64, 0, 0, 0, 0x32, 0x80, 0x18], &pixels(), &[0x3a, 1, b'l']]
-                .concat();
-        all.extend([0, 1].map(|eye| message(eye, u64::from(second), &image)));
-    }
-    all.concat()
-}
-
-/// Schemas, topics, and two pairs with their calibration.
-fn records() -> Vec<u8> {
-    let rig = Projection { focal_px: 60.0, centres: [[31.5, 23.5]; 2], baseline_m: 0.1 };
-    let mut all = vec![schema(1, "sensor_msgs/msg/Image"), schema(2, "sensor_msgs/msg/CameraInfo")];
-    all.extend([channel(0, 1, "/left/image_rect"), channel(1, 1, "/right/image_rect")]);
-    all.extend([channel(2, 2, "/left/camera_info"), channel(3, 2, "/right/camera_info")]);
-    for time in [1_000_000_000, 1_033_000_000] {
-        for eye in [0, 1] {
-            all.push(message(eye, time, &image(time)));
-            let info = sent::camera_info(stamp(time), [64, 48], &rig, eye == 1);
-            all.push(message(2 + eye, time, &cdr::write(&info).unwrap()));
-        }
-    }
-    all.concat()
-}
-
-/// The same recording as records and in chunks of each kind, one of Foxglove's messages, and one by
-/// our own writer with checksums and indexes.
-fn recordings() -> Vec<Vec<u8>> {
-    let all = records();
-    let size = all.len() as u64;
-    let packed = [("", all.clone()), ("lz4", lz4(&all)), ("zstd", zstd(&all))];
-    let mut found: Vec<Vec<u8>> =
-        packed.iter().map(|(name, stored)| file(&[chunk(name, size, stored)])).collect();
-    found.extend([file(&[all]), file(&[foxglove()])]);
-    let mut writer = Writer::new(Vec::new(), "test").unwrap();
-    let eyes = ["/left/image", "/right/image"];
-    let eyes = eyes.map(|topic| writer.channel(topic, "sensor_msgs/msg/Image", "").unwrap());
-    eyes.iter().for_each(|&eye| writer.message(eye, 5, &image(5)).unwrap());
-    found.push(writer.finish().unwrap());
-    found
-}
-
-/// Reads all that is in a recording; the number of pairs that were loaded.
-fn read(path: &Path) -> Result<usize, String> {
-    let found = Footage::recorded(path, &Choice::default()).map_err(|error| error.to_string())?;
-    let mut loaded = 0;
-    for pair in &found.pairs {
-        pair.info().map_err(|error| error.to_string())?;
-        loaded += usize::from(load_images(&pair.images, None).is_ok());
-    }
-    Ok(loaded)
-}
-
-/// A value that lengths overflow by, or a bit, somewhere; most of them where heads are.
-fn change(random: &mut Random, bytes: &mut [u8]) {
-    let end = if random.index(3) > 0 { bytes.len().min(900) } else { bytes.len() };
-    let at = random.index(end);
-    let extreme: u64 =
-        [0, 1, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX]
-            [random.index(9)];
-    if random.index(2) == 0 {
-        let length = [1, 4, 8][random.index(3)].min(bytes.len() - at);
-        bytes[at..at + length].copy_from_slice(&extreme.to_le_bytes()[..length]);
-    } else {
-        bytes.get_mut(at).into_iter().for_each(|byte| *byte ^= 1 << random.index(8));
-    }
-}
-
-/// A file that is cut off, or with pieces cut out, doubled or changed.
-fn of_file(random: &mut Random, from: &[u8]) -> Vec<u8> {
-    let mut bytes = from.to_vec();
-    for _ in 0..=random.index(3) {
-        let at = random.index(bytes.len());
-        match random.index(6) {
-            0 => bytes.truncate(at),
-            1 => drop(bytes.drain(at..(at + 1 + random.index(40)).min(bytes.len()))),
-            2 => {
-                let piece = bytes[at..(at + 1 + random.index(200)).min(bytes.len())].to_vec();
-                drop(bytes.splice(at..at, piece));
-            }
-            _ => change(random, &mut bytes),
-        }
-    }
-    bytes
-}
-
-/// A whole file of changed records: what is in messages is reached.
-fn of_records(random: &mut Random) -> Vec<u8> {
-    let mut all = records();
-    (0..=random.index(3)).for_each(|_| change(random, &mut all));
-    let size = all.len() as u64;
-    match random.index(4) {
-        0 => file(&[chunk("lz4", size, &lz4(&all))]),
-        1 => file(&[chunk("zstd", size, &zstd(&all))]),
-        2 => file(&[chunk("", size, &all)]),
-        _ => file(&[all]),
-    }
-}
-
-/// Numbers of files that gave pairs, fewer than there were, and an error.
-fn mutated(count: usize, seed: u64) -> [usize; 3] {
-    let (recordings, folder, mut random) = (recordings(), TempDir::new().unwrap(), Random(seed));
-    let path = folder.path().join("x.mcap");
-    let mut outcomes = [0; 3];
-    for i in 0..count {
-        let from = i % (2 * recordings.len());
-        let bytes = recordings.get(from).map(|recording| of_file(&mut random, recording));
-        fs::write(&path, bytes.unwrap_or_else(|| of_records(&mut random))).unwrap();
-        let whole = if from == recordings.len() - 1 { 1 } else { 2 };
-        outcomes[match read(&path) {
-            Ok(pairs) if pairs >= whole => 0,
-            Ok(_) => 1,
-            Err(_) => 2,
-        }] += 1;
-    }
-    outcomes
-}
-
+/// `cargo test -p linestereo-sim ten_thousand -- --ignored --nocapture`
 #[test]
-fn every_way_of_packing_is_read() {
-    let folder = TempDir::new().unwrap();
-    for (recording, pairs) in recordings().into_iter().zip([2, 2, 2, 2, 2, 1]) {
-        let path = folder.path().join("x.mcap");
-        fs::write(&path, recording).unwrap();
-        assert_eq!(read(&path), Ok(pairs));
-    }
-}
-
-#[test]
-fn mutated_recordings_are_read_or_refused() {
-    let outcomes = mutated(600, 1);
-    assert!(outcomes.iter().all(|&count| count > 10), "{outcomes:?}");
-}
-
-/// `cargo test -p linestereo-sim ten_thousand -- --ignored --nocapture`: minutes.
-#[test]
-#[ignore = "a long run: docs/recordings.md says when"]
+#[ignore = "it bounds the memory of the whole process, where it has to be alone"]
 fn ten_thousand_mutated_recordings_take_little_memory() {
-    let outcomes = mutated(10_000, 2);
+    let (inputs, mut random) = (fuzz::corpus("recordings"), Random(2));
+    for _ in 0..10_000 {
+        let _ = fuzz::footage("mcap", &fuzz::mutated(&inputs, &mut random));
+    }
     let status = fs::read_to_string("/proc/self/status").unwrap();
     let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
     let kilobytes: usize = peak.trim().trim_end_matches(" kB").parse().unwrap();
-    eprintln!("whole, in part, refused: {outcomes:?}; {kilobytes} kB at most");
+    eprintln!("{kilobytes} kB at most");
     assert!(kilobytes < MEMORY, "{kilobytes}");
 }
 
@@ -244,7 +88,6 @@ fn bounded(folder: &Path, recording: &[u8]) -> Output {
 #[test]
 fn what_is_cut_off_foreign_or_a_bomb_says_so() {
     let folder = TempDir::new().unwrap();
-    let all = records();
     let zeros = vec![0; 64 << 20];
     let topics = |kind: &str| {
         [schema(1, kind), channel(0, 1, "/left/image"), channel(1, 1, "/right/image")].concat()
@@ -263,7 +106,7 @@ fn what_is_cut_off_foreign_or_a_bomb_says_so() {
         let image = CompressedImage { header, format, data: bytes.into() };
         pair("sensor_msgs/msg/CompressedImage", &cdr::write(&image).unwrap())
     };
-    let mut broken = file(&[chunk("", all.len() as u64, &all)]);
+    let mut broken = file(&[chunk("", 2000, &[0; 2000])]);
     broken.truncate(broken.len() - 1000);
     let mut huge =
         b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x2d\x41\0\0\x2d\x41\x10\x06\0\0\0\x3d\x05\x8f\x8a"

@@ -10,9 +10,7 @@ use core::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use linestereo_frames::GrayImage;
-use linestereo_frames::{load_gray, load_images};
-use linestereo_recordings::Footage;
-use linestereo_tests::drawn::Random;
+use linestereo_frames::load_gray;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -288,53 +286,6 @@ fn hostile_heads_are_refused() {
     // A whole frame and a piece of another one: there is nothing to match in it.
     fs::write(folder.path().join("x.y4m"), y4m("W64 H48 Cmono", &frame, 9)).unwrap();
     assert_eq!(linestereo(folder.path(), "sequence x.y4m").status.code(), Some(2));
-}
-
-/// Cut off, or with pieces cut out, doubled or changed; most of them where heads are.
-fn change(random: &mut Random, from: &[u8]) -> Vec<u8> {
-    let mut bytes = from.to_vec();
-    for _ in 0..=random.index(3) {
-        let end = if random.index(2) == 0 { bytes.len() } else { bytes.len().min(60) };
-        let at = random.index(end);
-        let until = (at + 1 + random.index(30)).min(bytes.len());
-        match random.index(6) {
-            0 => bytes.truncate(at.max(1)),
-            1 => drop(bytes.drain(at..until)),
-            2 => {
-                let piece = bytes[at..until].to_vec();
-                drop(bytes.splice(at..at, piece));
-            }
-            3 => bytes[at] = b" 0123456789-WHC\n"[random.index(16)],
-            _ => bytes[at] ^= 1 << random.index(8),
-        }
-        if bytes.is_empty() {
-            bytes.push(0);
-        }
-    }
-    bytes
-}
-
-#[test]
-fn mutated_videos_are_read_or_refused() {
-    let folder = TempDir::new().unwrap();
-    let noise: Vec<u8> =
-        (0..32 * 16_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
-    let video = y4m("W32 H16 F30:1 C420jpeg", &[noise.clone(), noise], 256);
-    let path = folder.path().join("x.y4m");
-    let (mut random, mut outcomes) = (Random(5), [0; 3]);
-    for _ in 0..1500 {
-        fs::write(&path, change(&mut random, &video)).unwrap();
-        let found = Footage::open(&path, false, || false);
-        let loaded = found.as_ref().map(|found| {
-            found.pairs.iter().filter(|pair| load_images(&pair.images, None).is_ok()).count()
-        });
-        outcomes[match loaded {
-            Ok(pairs) if pairs >= 2 => 0,
-            Ok(_) => 1,
-            Err(_) => 2,
-        }] += 1;
-    }
-    assert!(outcomes.iter().all(|&count| count > 10), "{outcomes:?}");
 }
 
 /// A program called ffmpeg that does this; where it counts packets it lists six.

@@ -11,22 +11,27 @@
 //! disparities   PFM, NPY or NPZ
 //! objects       a byte for the kind and one for the reduction, then a file of a detector: regions
 //!               that the core takes
+//! recordings    MCAP: pairs found, images of each decoded
+//! videos        Y4M: the same
 //! pair          size, settings, an area and pixels that repeat: matched, twice to the same result
 //! ```
 
+use crate::drawn::Random;
 use core::cell::RefCell;
 use crc::{CRC_32_ISO_HDLC, Crc};
 use linestereo::{Area, Dims, Gray, Params};
 use linestereo_calibration::interchange::{self, Format, Options};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::regions::{self, Frame};
-use linestereo_frames::{load_disparities, load_gray};
+use linestereo_frames::{FrameError, StoredPair, load_disparities, load_gray, load_images};
+use linestereo_recordings::Footage;
 use linestereo_rig::RigImage;
 use linestereo_sim::engine::Engine;
 use linestereo_wire::{
     Command, Decoder, MAX_COMMAND, MAX_PACKET, Message, ParamUpdate, Record, Request, encode,
 };
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -34,18 +39,74 @@ use tempfile::TempDir;
 pub type Target = fn(&[u8]);
 
 /// Every function, with the name of its corpus.
-pub const TARGETS: [(&str, Target); 7] = [
+pub const TARGETS: [(&str, Target); 9] = [
     ("wire", wire),
     ("rig_image", rig_image),
     ("rig_files", rig_files),
     ("images", images),
     ("disparities", disparities),
     ("objects", objects),
+    ("recordings", |bytes| _ = footage("mcap", bytes)),
+    ("videos", |bytes| _ = footage("y4m", bytes)),
     ("pair", pair),
 ];
 
 const CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const DIMS: Dims = Dims { width: 64, height: 48 };
+/// What sums and products of lengths overflow by, and limits of ours.
+const EXTREMES: [u64; 8] =
+    [0, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX];
+
+/// The examples of a function.
+///
+/// # Panics
+/// Without its folder.
+#[must_use]
+pub fn corpus(name: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(name);
+    let mut files: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files.iter().map(|path| fs::read(path).unwrap()).collect()
+}
+
+/// One of these inputs with bytes changed, parts cut, repeated or of another input, or numbers that
+/// lengths overflow by.
+#[must_use]
+pub fn mutated(inputs: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+    let pick = |random: &mut Random| &inputs[random.index(inputs.len())];
+    let mut bytes = pick(random).clone();
+    // One change in half of the inputs, two in a quarter: what lies behind them is reached.
+    for _ in 0..=random.bits().trailing_zeros() {
+        let length = bytes.len();
+        let from = random.index(length + 1);
+        let longest = if random.below(4) == 0 { length } else { 16 };
+        let part = from..(from + random.index(longest + 1)).min(length);
+        let at = random.index(length);
+        match random.below(11) {
+            _ if bytes.is_empty() => bytes.push(random.bits() as u8),
+            0..=2 => bytes[at] ^= 1 << random.below(8),
+            3 => bytes[at] = random.bits() as u8,
+            4 => bytes[at] = *b"0-9.e,[{\xff\x80 \n".get(random.index(13)).unwrap_or(&0),
+            5..=6 => {
+                let extreme = EXTREMES[random.index(EXTREMES.len())].to_le_bytes();
+                let width = [1, 4, 8][random.index(3)].min(length - from);
+                bytes[from..from + width].copy_from_slice(&extreme[..width]);
+            }
+            7 => _ = bytes.drain(part),
+            8 => bytes.splice(from..from, bytes[part].to_vec()).for_each(drop),
+            9 => {
+                let other = pick(random);
+                let end = random.index(other.len() + 1);
+                bytes
+                    .splice(part, other[end.saturating_sub(16)..end].iter().copied())
+                    .for_each(drop);
+            }
+            _ => bytes.truncate(from),
+        }
+    }
+    bytes
+}
 
 /// Packets of both directions.
 pub fn wire(bytes: &[u8]) {
@@ -169,6 +230,17 @@ pub fn objects(bytes: &[u8]) {
     }
 }
 
+/// Recordings and videos, by the ending of their names: the number of pairs whose images are read.
+///
+/// # Errors
+/// As [`Footage::open`].
+pub fn footage(ending: &str, bytes: &[u8]) -> Result<usize, FrameError> {
+    let found = Footage::open(&file(&format!("footage.{ending}"), bytes), false, || false)?;
+    let is_read =
+        |pair: &&StoredPair| pair.info().is_ok() & load_images(&pair.images, None).is_ok();
+    Ok(found.pairs.iter().filter(is_read).count())
+}
+
 /// A pair of images, matched with any settings in any area.
 pub fn pair(bytes: &[u8]) {
     let &[
@@ -252,6 +324,6 @@ thread_local! {
 /// A file with this content.
 fn file(name: &str, bytes: &[u8]) -> PathBuf {
     let path = FOLDER.with(|folder: &TempDir| Path::join(folder.path(), name));
-    std::fs::write(&path, bytes).expect("a file");
+    fs::write(&path, bytes).expect("a file");
     path
 }
