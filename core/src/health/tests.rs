@@ -129,21 +129,28 @@ fn rows_are_reported_rounded_and_flagged_where_they_were_measured_alone() {
     assert_eq!(reported(SETTLED), (Some(101), Some(61)));
 }
 
+/// What is told of edges that fall, the right image moved down from a row on.
+fn falling(
+    monitor: &mut HealthMonitor,
+    limits: &HealthLimits,
+    moved: i32,
+    from: i32,
+) -> (HealthFlags, PairHealth) {
+    let mut health = PairHealth::default();
+    let ([left, right], edges) = rows::tests::falling(moved, from);
+    let [left, right] = [rows::tests::view(&left), rows::tests::view(&right)];
+    let counts = Counts::default();
+    let found = findings(&edges, &counts);
+    let measured = rows::measure(left, right, &edges);
+    let (now, _) = monitor.check_rows(limits, left.dims(), &found, None, measured, &mut health);
+    (now, health)
+}
+
 #[test]
 fn even_rows_are_smoothed_and_uneven_ones_flagged() {
     let limits = HealthLimits { min_row_samples: 4, ..HealthLimits::DEFAULT };
     let of = |moved, from| {
-        let (mut monitor, mut health) = (HealthMonitor::new(), PairHealth::default());
-        let ([left, right], edges) = rows::tests::falling(moved, from);
-        let [left, right] = [rows::tests::view(&left), rows::tests::view(&right)];
-        let (now, _) = monitor.check_rows(
-            &limits,
-            left.dims(),
-            &findings(&edges, &Counts::default()),
-            None,
-            rows::measure(left, right, &edges),
-            &mut health,
-        );
+        let (now, health) = falling(&mut HealthMonitor::new(), &limits, moved, from);
         (now, health.row_offset_q8)
     };
     let (off, far) = (HealthFlags::ROWS_OFF, HealthFlags::ROWS_OFF | HealthFlags::ROWS_FAR);
@@ -162,17 +169,7 @@ fn rows_drift_beyond_a_difference_from_their_long_mean() {
     let drifts = |before_q8: i16| {
         let mut monitor = HealthMonitor::new();
         (0..SETTLED).for_each(|_| monitor.smooth(&limits, before_q8));
-        let ([left, right], edges) = rows::tests::falling(0, 0);
-        let [left, right] = [rows::tests::view(&left), rows::tests::view(&right)];
-        let mut health = PairHealth::default();
-        let (now, _) = monitor.check_rows(
-            &limits,
-            left.dims(),
-            &findings(&edges, &Counts::default()),
-            None,
-            rows::measure(left, right, &edges),
-            &mut health,
-        );
+        let (now, health) = falling(&mut monitor, &limits, 0, 0);
         (now.contains(HealthFlags::ROWS_DRIFT), health.row_drift_q8)
     };
     // Of the long mean a seventeenth is new: 40 * 16 / 17 is 37.6, 41 * 16 / 17 is 38.6, and 38
