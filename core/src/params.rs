@@ -46,7 +46,7 @@ pub struct Params {
     /// is, which the rig's offset corrects.
     pub min_disparity: i16,
     /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, smaller than
-    /// the width. The nearest depth is `f*B/max_disparity`.
+    /// the width. The nearest depth is that of [`Params::largest_disparity`].
     pub max_disparity: u16,
     /// The rectified rig; without one there are no depths.
     pub rig: Option<Rig>,
@@ -95,6 +95,17 @@ impl Params {
     pub const fn default_max_disparity(width: u16) -> u16 {
         let widest = width.saturating_sub(1);
         if widest < Self::DEFAULT.max_disparity { widest } else { Self::DEFAULT.max_disparity }
+    }
+
+    /// Largest disparity that is found where those below `max_disparity` are searched: its depth is
+    /// the near limit. Of the last one that is compared a minimum may lie beyond, so minima are
+    /// found up to the one before, and between pixels up to half a pixel farther.
+    #[must_use]
+    pub const fn largest_disparity(max_disparity: u16) -> Disparity {
+        const MOST: u16 = MAX_DISPARITIES as u16;
+        let end = if max_disparity < MOST { max_disparity } else { MOST };
+        let half_px = Disparity::ONE.to_bits() / 2;
+        Disparity::from_bits((2 * end as i16 - 3) * half_px)
     }
 
     /// Checks all parameters for images of this size, as [`Matcher::new`](crate::Matcher::new).

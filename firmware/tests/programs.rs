@@ -601,11 +601,12 @@ fn live_tells_an_autopilot_as_soon_as_there_is_a_rig_and_blocks_without_pairs() 
     });
     assert!(known, "the painted scenes have something at a distance");
 
-    // The camera falls silent: every sector in view is blocked at the near limit, 11 m px / 64 px.
+    // The camera falls silent: every sector in view is blocked at the near limit, 11 m px by 62.5
+    // px.
     is_silent.set(true);
     board.turns(8);
     let list = sectors(&told().iter().rfind(|(id, _)| *id == 330).unwrap().1);
-    assert_eq!((list[0], list[5], list[67], list[36]), (17, 17, 17, u16::MAX));
+    assert_eq!((list[0], list[5], list[67], list[36]), (18, 18, 18, u16::MAX));
 }
 
 /// A host that fetches less than the board sends: frames come whole or not at all, and what is

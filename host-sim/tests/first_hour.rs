@@ -534,7 +534,7 @@ fn quiet_verbose_and_what_shells_want() {
     let output = linestereo(at, "-q run l.png r.png --json -");
     assert!(output.stdout.starts_with(b"{") && output.stderr.is_empty());
     let verbose = "run l.png r.png -v --focal-px 300 --baseline-m 0.1 --csv a.csv";
-    says(&stderr(&linestereo(at, verbose)), &["320x240", "depths from 0.469 m", "a.csv: "]);
+    says(&stderr(&linestereo(at, verbose)), &["320x240", "depths from 0.480 m", "a.csv: "]);
     tells(at, "--completions bash", &["plan-rig"]);
     succeed(at, "--man pages");
     assert!(fs::read_to_string(at.join("pages/linestereo-run.1")).unwrap().contains("depth"));

@@ -1,8 +1,9 @@
 //! Plans of rigs: figures that makers publish, the equations by another way, and wishes that cannot
 //! be had.
 
+use crate::support::says;
 use linestereo::units::{Depth, Disparity};
-use linestereo::{Dims, Rig};
+use linestereo::{Dims, Params, Rig};
 use linestereo_sim::planning::{Focal, RigPlan, USUAL_SIGMA, Wish, suggest};
 
 const VGA: Dims = Dims { width: 640, height: 480 };
@@ -16,10 +17,13 @@ fn assert_near(found: f64, expected: f64, bound: f64) {
 }
 
 #[test]
-fn near_limits_are_those_that_makers_publish() {
+fn near_limits_are_those_of_the_core_and_makers_have_the_same_equation() {
     // OAK-D Lite, 640x480: 451 px * 75 mm = 33.825 px m.
-    for (range, near) in [(64, 0.528_515_625), (96, 0.352_343_75), (128, 0.264_257_812_5)] {
-        assert_near(plan(451.0, VGA, 0.075, range).near_limit(), near, 1e-9);
+    let rig = Rig::new(451.0, 0.075, 0.0).unwrap();
+    for range in [64, 96, 128, 256] {
+        let limit: Depth = rig.depth(Params::largest_disparity(range));
+        assert_near(plan(451.0, VGA, 0.075, range).near_limit(), limit.to_num(), 1e-4);
+        assert_near(limit.to_num(), 33.825 / (f64::from(range) - 1.5), 1e-4);
     }
     // Luxonis, "Configuring stereo depth": 71.9 degrees are 441.25 px at 640, 882.5 px at 1280;
     // 0.70 m at 95 disparities of 800P.
@@ -27,14 +31,11 @@ fn near_limits_are_those_that_makers_publish() {
     assert_near(Focal::FieldOfView(71.9).pixels(Dims { width: 640, height: 400 }), 441.25, 0.05);
     let focal = Focal::FieldOfView(71.9).pixels(wide);
     assert_near(focal, 882.5, 0.1);
-    assert_near(plan(focal, wide, 0.075, 95).near_limit(), 0.70, 0.005);
+    assert_near(plan(focal, wide, 0.075, 96).disparity(0.70), 95.0, 0.7);
     // Intel, D435: 90 degrees, 848x480, 50 mm, 126 disparities: 16.8 cm.
     let d435 = Dims { width: 848, height: 480 };
-    assert_near(
-        plan(Focal::FieldOfView(90.0).pixels(d435), d435, 0.05, 126).near_limit(),
-        0.168,
-        0.0005,
-    );
+    let focal = Focal::FieldOfView(90.0).pixels(d435);
+    assert_near(plan(focal, d435, 0.05, 128).disparity(0.168), 126.0, 0.4);
     // A D435's lens and sensor: 1.93 mm, 3 um.
     assert_near(Focal::Millimetres { focal: 1.93, pixel: 3.0 }.pixels(d435), 643.33, 0.01);
     assert_near(plan(424.0, d435, 0.05, 126).fields_of_view()[0], 90.0, 1e-9);
@@ -103,22 +104,36 @@ fn what_cannot_be_had_is_said_with_what_to_change() {
     for part in [
         "disparity of 125 px",
         "--max-disparity 128",
-        "nearer than 0.39 m",
-        "allow 9.8 % at 5 m",
-        "to 2.56 m",
+        "nearer than 0.40 m",
+        "allow 10.0 % at 5 m",
+        "to 2.50 m",
     ] {
         assert!(advice.contains(part), "{part} is not in\n{advice}");
     }
     // Each of the ways out is one.
     assert!(suggest(230.0, dims, 128, 0.25, &wish).unwrap().within_range);
-    assert!(suggest(230.0, dims, 64, 0.25, &Wish { error: 0.0977, ..wish }).unwrap().within_range);
-    assert!(suggest(230.0, dims, 64, 0.25, &Wish { near: 0.391, ..wish }).unwrap().within_range);
-    assert!(suggest(230.0, dims, 64, 0.25, &Wish { far: 2.56, ..wish }).unwrap().within_range);
+    assert!(suggest(230.0, dims, 64, 0.25, &Wish { error: 0.1, ..wish }).unwrap().within_range);
+    assert!(suggest(230.0, dims, 64, 0.25, &Wish { near: 0.4, ..wish }).unwrap().within_range);
+    assert!(suggest(230.0, dims, 64, 0.25, &Wish { far: 2.5, ..wish }).unwrap().within_range);
     // And what is said to be none, is none.
     for (focal, width) in [(460.0, 640), (115.0, 320), (920.0, 1280)] {
         let found = suggest(focal, Dims { width, height: 240 }, 64, 0.25, &wish).unwrap();
         assert_near(found.disparity_near_px, 125.0, 1e-9);
     }
+    // 254.5 px are found of the widest range.
+    let within = suggest(230.0, VGA, 64, 0.25, &Wish { far: 10.18, ..wish }).unwrap();
+    says(&within.advice.join("\n"), &["--max-disparity 256"]);
+    let beyond = suggest(230.0, VGA, 256, 0.25, &Wish { far: 10.2, ..wish }).unwrap();
+    let advice = beyond.advice.join("\n");
+    assert!(!beyond.within_range && advice.contains("allow 5.1 %"), "{advice}");
+    assert!(!advice.contains("search"), "{advice}");
+    // There is room for the range in images with more pixels, and only there.
+    let few = Dims { width: 120, height: 90 };
+    let advice = suggest(86.0, few, 64, 0.25, &wish).unwrap().advice.join("\n");
+    says(&advice, &["more pixels across than the 120"]);
+    assert!(!advice.contains("search") && !advice.contains("does not change"), "{advice}");
+    let error = suggest(230.0, dims, 64, 0.25, &Wish { far: 1000.0, ..wish }).unwrap_err();
+    says(&error.to_string(), &["5.00 % at 1000 m needs a baseline of 21.7", "0.0001 to 10 m"]);
     // A short common view, a long baseline, one that is too short to be built.
     let narrow = Dims { width: 160, height: 120 };
     assert!(
@@ -137,7 +152,7 @@ fn the_table_spans_the_range_and_rises() {
         let table = plan(451.0, VGA, 0.075, 96).table(wish);
         let distances: Vec<f64> = table.iter().map(|row| row.distance_m).collect();
         assert!(distances.is_sorted() && (6..30).contains(&distances.len()), "{distances:?}");
-        assert_near(distances[0], 451.0 * 0.075 / 96.0, 1e-12);
+        assert_near(distances[0], 451.0 * 0.075 / 94.5, 1e-12);
         assert_eq!(wish.is_some(), distances.contains(&0.45) && distances.contains(&4.1));
         assert!(table.is_sorted_by(|near, far| near.error_percent <= far.error_percent));
         assert!(table.is_sorted_by(|near, far| near.overlap_percent <= far.overlap_percent));
@@ -148,7 +163,7 @@ fn the_table_spans_the_range_and_rises() {
 fn extreme_plans_are_tabled() {
     for (focal, dims, baseline, range) in [
         (1.0, Dims { width: 16, height: 16 }, 0.0001, 8),
-        (100_000.0, Dims { width: 1280, height: 16 }, 10.0, 1279),
+        (100_000.0, Dims { width: 1280, height: 16 }, 10.0, 256),
         (10.0, Dims { width: 1280, height: 1280 }, 10.0, 8),
         (100_000.0, Dims { width: 16, height: 1280 }, 0.0001, 15),
     ] {
@@ -168,8 +183,9 @@ fn impossible_plans_are_refused_by_name() {
         (f64::NAN, 320, 0.1, 64, 0.25, "focal length"),
         (230.0, 320, 0.0, 64, 0.25, "baseline"),
         (230.0, 8, 0.1, 64, 0.25, "images of 8x240"),
-        (230.0, 320, 0.1, 7, 0.25, "range of 7"),
-        (230.0, 320, 0.1, 320, 0.25, "range of 320"),
+        (230.0, 320, 0.1, 7, 0.25, "is 7 but must be 8 to 256; change --max-disparity"),
+        (230.0, 200, 0.1, 200, 0.25, "is 200 but must be 8 to 199"),
+        (230.0, 320, 0.1, 257, 0.25, "is 257 but must be 8 to 256"),
         (230.0, 320, 0.1, 64, 0.0, "deviation of 0 px"),
     ];
     for (focal, width, baseline, range, sigma, says) in plans {

@@ -79,14 +79,14 @@ fn a_plan_is_printed_and_listed() {
     let folder = with_rig(RIG);
     let at = folder.path();
     let oak = "plan-rig --focal-px 451 --size 640x480 --baseline-m 0.075 --max-disparity 96";
-    tells(at, oak, &["near limit 0.352 m", "below 5 % up to 6.76 m"]);
+    tells(at, oak, &["near limit 0.358 m", "below 5 % up to 6.76 m"]);
     let json = json(at, &format!("{oak} --json -"));
-    assert!((json["near_limit_m"].as_f64().unwrap() - 0.352_343_75).abs() < 1e-9);
+    assert!((json["near_limit_m"].as_f64().unwrap() - 33.825 / 94.5).abs() < 1e-9);
     assert!(json["suggestion"].is_null() && json["table"].as_array().unwrap().len() > 5);
     // 1.93 mm / 3 um, 848 px: 643 px, 66.8 degrees.
     let lens = "plan-rig --focal-mm 1.93 --pixel-um 3 --size 848x480 --range 0.5..4";
     tells(at, lens, &["focal length 643.3 px", "a baseline of 31.1 mm at least"]);
-    let words = ["with the one given, 7.8 % at 4 m: not reached"];
+    let words = ["with the one given, 7.8 % at 4 m: not reached; 0.5 m: reached"];
     tells(at, &format!("{lens} --baseline-m 0.02"), &words);
 }
 
@@ -94,13 +94,23 @@ fn a_plan_is_printed_and_listed() {
 fn wrong_plans_say_what_to_give() {
     let folder = with_rig(RIG);
     let cases = [
+    tells(at, &format!("{lens} --baseline-m 0.05"), &["at 4 m: reached; 0.5 m: not reached"]);
+    // What is suggested can be given.
+    let narrow = "plan-rig --hfov-deg 70 --size 640x480 --range 0.2..10";
+    tells(at, narrow, &["--max-disparity 256", "109.5 mm at least"]);
+    let again = tells(at, &format!("{narrow} --max-disparity 256"), &["near limit 0.19"]);
+    assert!(!again.contains("needs a disparity"), "{again}");
+    tells(at, &format!("{narrow} --baseline-m 0.1095"), &["at 10 m: reached"]);
         ("plan-rig --baseline-m 0.1", "--focal-px"),
         ("plan-rig --focal-px 300", "--baseline-m"),
         ("plan-rig --focal-mm 3 --baseline-m 0.1", "--pixel-um"),
         ("plan-rig --focal-px 300 --range 4..1", "two rising distances"),
         ("plan-rig --focal-px 451 --baseline-m 75", "75 m: did you mean mm?"),
         ("plan-rig --hfov-deg 180 --baseline-m 0.1", "1 to 150"),
-        ("plan-rig --focal-px 300 --baseline-m 0.1 --max-disparity 320", "range of 320"),
+        (
+            "plan-rig --focal-px 300 --baseline-m 0.1 --max-disparity 300",
+            "8 to 256; change --max-disparity",
+        ),
         ("plan-rig --focal-px 300 --range 1..2 --error 0", "error of 0 %"),
     ];
     all_refused(folder.path(), &cases);

@@ -14,8 +14,6 @@ use linestereo_tests::run;
 const DIMS: Dims = Dims { width: 320, height: 240 };
 /// End of the disparities searched, px.
 const RANGE: u16 = 32;
-/// Disparities from here on belong to the last one that is compared, px.
-const LAST: f64 = RANGE as f64 - 1.5;
 /// Most that an answer may be off, px.
 const RIGHT: f64 = 1.0;
 
@@ -64,6 +62,25 @@ fn ends(result: &FrameResult) -> impl Iterator<Item = f64> {
     result.matches.iter().flat_map(|found| found.disparity).map(|told| told.to_num::<f64>())
 }
 
+/// Disparities from here on belong to the last one that is compared, px.
+fn last() -> f64 {
+    Params::largest_disparity(RANGE).to_num()
+}
+
+#[test]
+fn the_largest_disparity_is_where_answers_end() {
+    for seed in 1..=3 {
+        let found = |disparity| run(&mut engine(), Wall::upright(disparity).draw(seed).each_ref());
+        let near = found(last() - 0.3);
+        assert!(near.points.len() > 10_000, "texture {seed}: {}", near.health);
+        let nearer = found(last() + 0.3);
+        assert!(nearer.points.is_empty(), "texture {seed}: {}", nearer.points.len());
+    }
+    let searched =
+        [8, 64, 256, u16::MAX].map(|range| Params::largest_disparity(range).to_num::<f64>());
+    assert_eq!(searched, [6.5, 62.5, 254.5, 254.5]);
+}
+
 #[test]
 fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
     let (mut points, mut possible, mut answered, mut asked) = (0, 0, 0, 0);
@@ -82,13 +99,13 @@ fn a_wall_nearer_than_the_range_is_not_matched_at_its_end() {
             // Nor would the matches be any without the check of the pair.
             let mut alone = engine().answering_unfit();
             let result = run(&mut alone, pair.each_ref());
-            assert!(ends(&result).all(|told| told < LAST), "{what}: {:?}", result.matches);
+            assert!(ends(&result).all(|told| told < last()), "{what}: {:?}", result.matches);
             for point in &result.points {
-                assert!(point.disparity.to_num::<f64>() < LAST, "{what}: {point:?}");
+                assert!(point.disparity.to_num::<f64>() < last(), "{what}: {point:?}");
             }
             for pixel in pixels() {
                 let found = alone.depth_at(pixel);
-                let is_last = found.is_ok_and(|found| found.disparity.to_num::<f64>() >= LAST);
+                let is_last = found.is_ok_and(|found| found.disparity.to_num::<f64>() >= last());
                 assert!(!is_last, "{what}, {pixel:?}: {found:?}");
                 (answered, asked) = (answered + usize::from(found.is_ok()), asked + 1);
             }

@@ -279,8 +279,8 @@ typedef struct {
   // First disparity searched, px; -32 to 0. 0.
   int16_t min_disparity;
   // End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the
-  // width. The nearest depth is focal length times baseline divided by it. 64, or what a
-  // narrower image allows.
+  // width. The nearest depth is focal length times baseline divided by `max_disparity - 1.5`.
+  // 64, or what a narrower image allows.
   uint16_t max_disparity;
   // Least grey step times four at which an edge is started; 4 to 1020. 48.
   uint16_t anchor_gradient;

@@ -17,8 +17,8 @@ pub struct Config {
     /// First disparity searched, px; -32 to 0. 0.
     pub min_disparity: i16,
     /// End of the disparities searched, exclusive, px; 8 to 256 above `min_disparity`, below the
-    /// width. The nearest depth is focal length times baseline divided by it. 64, or what a
-    /// narrower image allows.
+    /// width. The nearest depth is focal length times baseline divided by `max_disparity - 1.5`.
+    /// 64, or what a narrower image allows.
     pub max_disparity: u16,
     /// Least grey step times four at which an edge is started; 4 to 1020. 48.
     pub anchor_gradient: u16,

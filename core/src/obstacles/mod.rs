@@ -43,8 +43,9 @@
 //!   plane, two of them in each half of the sector at all rows in which something within the range
 //!   would stand. Without one, one in each half at the rows around the camera's own height: of what
 //!   is lower nothing is known. Obstacles are possible all the same: a wall without texture, a wire
-//!   along the rows and anything nearer than the near limit `f*B/max_disparity` give no credible
-//!   hypothesis. A sector without hypotheses is unknown, not free.
+//!   along the rows and anything nearer than the near limit
+//!   ([`Params::largest_disparity`](crate::Params::largest_disparity)) give no credible hypothesis.
+//!   A sector without hypotheses is unknown, not free.
 //! - **Unknown**: too few hypotheses, or too old ones.
 //! - **Outside**: never in view of this camera. Sectors partly in view can have obstacles, but are
 //!   never free; nor are those near the left border,

@@ -103,12 +103,14 @@ impl ObstacleParams {
         let [first, last] = [-0.5, view.width - 0.5].map(|column| view.sector_at(column));
         let in_view = (last - first + 1).clamp(1, MAX_IN_VIEW as i32);
         let range_cm = nearest(100.0 * self.range_m) as u16;
-        let most = f32::from(params.max_disparity) + rig.offset_q6() as f32 / 64.0;
+        let offset = rig.offset_q6() as f32 / 64.0;
+        let most = f32::from(params.max_disparity) + offset;
         if most > LARGEST {
             return Err(ObstacleError::TooLarge(most));
         }
+        let found = f32::from(Params::largest_disparity(params.max_disparity)) + offset;
         let near =
-            if most > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / most) } else { i64::MAX };
+            if found > 0.0 { nearest(100.0 / 65536.0 * focal_baseline / found) } else { i64::MAX };
         let mut plan = ObstaclePlan {
             first: first.rem_euclid(self.sectors.into()) as u8,
             in_view: in_view as u8,

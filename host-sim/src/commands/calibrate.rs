@@ -56,7 +56,7 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Aspect::Free)]
     aspect: Aspect,
     /// Disparity range for which the nearest distance is stated.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(8..=256))]
     max_disparity: u16,
     /// Skip photos without a partner of the same number.
     #[arg(long)]

@@ -4,6 +4,7 @@ use super::rectified_view::ViewArgs;
 use crate::output::{OutputFiles, OutputPath, print};
 use anyhow::{Context, Result, anyhow};
 use core::fmt::Write;
+use linestereo::Params;
 use linestereo_frames::untrusted::{self, SETTINGS_BYTES};
 use linestereo_rig::{CameraSide, Lens, RemapCamera, RigImage, RigImageHead};
 use nalgebra::{Matrix3, Vector3};
@@ -37,7 +38,7 @@ pub fn run(args: &Args) -> Result<()> {
         return print(&explain(path)?);
     }
     let (Some(rig), Some(out)) = (&args.rig, &args.out) else { unreachable!("clap asks for both") };
-    let range = (0, args.max_disparity.unwrap_or(linestereo::Params::DEFAULT.max_disparity));
+    let range = (0, args.max_disparity.unwrap_or(Params::DEFAULT.max_disparity));
     let image = args.view.image(&[rig.clone().into()], None, args.focal_px, range)?;
     let bytes = image.encode(0);
     let mut output = OutputFiles::new();
@@ -89,7 +90,7 @@ fn description(image: &RigImage, head: &RigImageHead) -> String {
         remap.dims()
     );
     let (first, end) = image.disparities();
-    let nearest = focal * remap.baseline() / f32::from(end);
+    let nearest = focal * remap.baseline() / Params::largest_disparity(end).to_num::<f32>();
     let _ = writeln!(text, "disparities   {first} .. {end} px: depths from {nearest:.3} m");
     text
 }

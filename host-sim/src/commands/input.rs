@@ -14,13 +14,12 @@ use super::pose::PoseArgs;
 use super::rectified_view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
 use crate::output::{detail, note};
+use crate::planning::{LEAST_RANGE, MAX_RANGE};
 use crate::results::listing::{Query, finite_metres};
 use anyhow::{Context, Result, anyhow, bail};
 use linestereo::image::{Span, ViewError, shrink_to_valid};
 use linestereo::unstable::Observer;
-use linestereo::{
-    Dims, Gray, Params, Rig, ground::GroundPlane, params::RigError, units::Disparity,
-};
+use linestereo::{Dims, Gray, Params, Rig, ground::GroundPlane, params::RigError};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_frames::rectified::{check_baseline, check_centre, check_focal};
 use linestereo_frames::{
@@ -31,10 +30,6 @@ use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Least and largest disparity range of the core.
-const LEAST_RANGE: u16 = 8;
-const MAX_RANGE: usize = 256;
 
 /// Matches of what is infinitely far scatter by less than this, px.
 const BEYOND_INFINITY: i16 = 2;
@@ -419,11 +414,10 @@ fn range_to(nearest: f64, rig: Option<&Rig>, dims: Dims) -> Result<u16> {
     if !(0.01..=1000.0).contains(&nearest) {
         bail!("--nearest is {nearest}; give 0.01 to 1000 metres");
     }
-    let most = (usize::from(dims.width) - 1).min(MAX_RANGE) as u16;
-    let reaches =
-        |&range: &u16| rig.depth(Disparity::from_num(range - 1)).to_num::<f64>() <= nearest;
-    (LEAST_RANGE..=most).find(reaches).with_context(|| {
-        let least = rig.depth(Disparity::from_num(most - 1)).to_num::<f64>();
+    let most = (dims.width - 1).min(MAX_RANGE);
+    let limit = |range: u16| rig.depth(Params::largest_disparity(range)).to_num::<f64>();
+    (LEAST_RANGE..=most).find(|&range| limit(range) <= nearest).with_context(|| {
+        let least = (100.0 * limit(most)).ceil() / 100.0;
         format!(
             "--nearest {nearest} needs more than {most} disparities; give {least:.2} or more, or \
              reduce the images with --width, or --size with --rig"
@@ -439,7 +433,7 @@ impl Setup<'_> {
 
     fn described(&self) -> String {
         let Params { min_disparity, max_disparity, rig, .. } = &self.params;
-        let nearest = rig.map(|rig| rig.depth(Disparity::saturating_from_num(*max_disparity)));
+        let nearest = rig.map(|rig| rig.depth(Params::largest_disparity(*max_disparity)));
         let nearest =
             nearest.and_then(finite_metres).map(|metres| format!(", depths from {metres:.3} m"));
         format!(

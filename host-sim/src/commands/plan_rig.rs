@@ -35,7 +35,7 @@ pub struct Args {
     /// Distance between the cameras [default: the one suggested for --range].
     #[arg(long, value_name = "M", required_unless_present = "range", value_parser = super::input::baseline)]
     baseline_m: Option<f64>,
-    /// Disparities that are searched.
+    /// Search disparities 0 .. N px.
     #[arg(long, value_name = "N", default_value_t = 64)]
     max_disparity: u16,
     /// Standard deviation of a disparity.
@@ -97,13 +97,18 @@ fn text(
             text,
             "for {near} to {far} m and {:.1} % at {far} m: a baseline of {:.1} mm at least",
             100.0 * error,
-            1e3 * found.baseline_m
+            // Rounded to the side on which it is enough.
+            (1e4 * found.baseline_m - 1e-6).ceil() / 10.0
         );
         if is_given {
-            let percent = plan.row(*far).error_percent;
-            let is_reached = percent <= 100.0 * error * (1.0 + 1e-9);
-            let reached = if is_reached { "reached" } else { "not reached" };
-            let _ = writeln!(text, "  with the one given, {percent:.1} % at {far} m: {reached}");
+            let (percent, limit) = (plan.row(*far).error_percent, plan.near_limit());
+            let reached = |is_reached: bool| if is_reached { "reached" } else { "not reached" };
+            let _ = writeln!(
+                text,
+                "  with the one given, {percent:.1} % at {far} m: {}; {near} m: {}",
+                reached(percent <= 100.0 * error * (1.0 + 1e-9)),
+                reached(limit <= near * (1.0 + 1e-9))
+            );
         }
         for sentence in &found.advice {
             let _ = writeln!(text, "  {sentence}");

@@ -1,17 +1,20 @@
 //! The smallest baseline for a wanted range, and what to change where that is not enough.
 
-use super::RigPlan;
+use super::{MAX_RANGE, RigPlan};
 use anyhow::{Result, bail};
-use linestereo::Dims;
+use core::ops::RangeInclusive;
+use linestereo::{Dims, Params};
 
 /// Baselines above this bend and do not fit robots, m.
 const LONG: f64 = 0.3;
 /// Lenses do not stand closer than this, m.
 const SHORT: f64 = 0.02;
+/// Baselines of rigs, m: those that [`linestereo::Rig`] takes.
+const BASELINES: RangeInclusive<f64> = 0.0001..=10.0;
 /// Less common view than this at the nearest distance is worth a word.
 const LEAST_OVERLAP: f64 = 0.5;
 /// Ranges are suggested in steps of this.
-const RANGE_STEP: f64 = 8.0;
+const RANGE_STEP: u16 = 8;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wish {
@@ -52,10 +55,20 @@ pub fn suggest(
     if !(error > 0.0 && error < 1.0) {
         bail!("an error of {} % is not between 0 and 100", 100.0 * error);
     }
-    let plan = RigPlan::new(focal, dims, far * sigma / (focal * error), max_disparity, sigma)?;
+    let baseline = far * sigma / (focal * error);
+    if !BASELINES.contains(&baseline) {
+        bail!(
+            "{:.2} % at {far} m needs a baseline of {baseline:.5} m, and rigs have {} to {} m; \
+             change --error, FAR or the focal length",
+            100.0 * error,
+            BASELINES.start(),
+            BASELINES.end()
+        );
+    }
+    let plan = RigPlan::new(focal, dims, baseline, max_disparity, sigma)?;
     let needed = plan.disparity(near);
     // A hair above the range is rounding, not a wish that fails.
-    let within_range = needed <= f64::from(max_disparity) * (1.0 + 1e-9);
+    let within_range = needed <= plan.largest_disparity() * (1.0 + 1e-9);
     let mut advice = Vec::new();
     if !within_range {
         advice.extend(beyond_range(&plan, wish, needed));
@@ -90,29 +103,39 @@ pub fn suggest(
     })
 }
 
-/// The nearest distance has a larger disparity than is searched.
+/// The nearest distance has a larger disparity than is found: what would help.
 fn beyond_range(plan: &RigPlan, wish: &Wish, needed: f64) -> [String; 2] {
     let Wish { near, far, error } = *wish;
-    let range = f64::from(plan.max_disparity);
-    let wider = (needed / RANGE_STEP).ceil() * RANGE_STEP;
-    let search = if wider < f64::from(plan.dims.width) {
-        format!("search {wider:.0} disparities (--max-disparity {wider:.0}; time grows with it)")
-    } else {
-        format!(
-            "{wider:.0} disparities would do, but the images are {} px wide: take more pixels",
-            plan.dims.width
-        )
-    };
+    let found = plan.largest_disparity();
+    let width = plan.dims.width;
+    let reaches = |range: &u16| Params::largest_disparity(*range).to_num::<f64>() >= needed;
+    let range = (RANGE_STEP..=MAX_RANGE).step_by(RANGE_STEP.into()).find(reaches);
+    let mut ways = Vec::new();
+    let is_narrow = range.is_some_and(|range| range >= width);
+    ways.extend(range.map(|range| {
+        if is_narrow {
+            format!("take more pixels across than the {width} of these images")
+        } else {
+            format!("search {range} disparities (--max-disparity {range}; time grows with it)")
+        }
+    }));
+    // Rounded to the side on which they do.
+    let percent = (1000.0 * far * plan.sigma / (near * found)).ceil() / 10.0;
+    if percent < 100.0 {
+        ways.push(format!("allow {percent:.1} % at {far} m"));
+    }
+    let nearer = (100.0 * near * found * error / plan.sigma).floor() / 100.0;
+    if nearer > near {
+        ways.push(format!("measure only {near} to {nearer:.2} m"));
+    }
+    let no_help = if is_narrow { "" } else { ". Another lens or resolution does not change this" };
     [
         format!(
-            "{near} m needs a disparity of {needed:.0} px, the range is {range:.0}: nothing nearer than {:.2} m would be found",
+            "{near} m needs a disparity of {needed:.0} px, and --max-disparity {} finds up to \
+             {found} px: nothing nearer than {:.2} m",
+            plan.max_disparity,
             plan.near_limit()
         ),
-        format!(
-            "{search}; or allow {:.1} % at {far} m; or measure only {near} to {:.2} m. Another \
-             lens or resolution does not help",
-            100.0 * far * plan.sigma / (near * range),
-            near * range * error / plan.sigma
-        ),
+        ways.join("; or ") + no_help,
     ]
 }

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! disparity  d = f B / z                 f in px, B in m, z in m
-//! near limit z = f B / d_max
+//! near limit z = f B / d_max           d_max by Params::largest_disparity
 //! error      z^2 / (f B) * sigma         first order; as a share of z: z sigma / (f B)
 //! overlap    1 - d / width               share of each image's columns that the other camera sees too
 //! ```
@@ -22,15 +22,16 @@ mod advice;
 
 pub use advice::{Suggestion, Wish, suggest};
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use core::ops::RangeInclusive;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
-use linestereo::{Dims, Rig};
+use linestereo::{Dims, Params, Rig};
 
 /// Usual standard deviation of a disparity, px.
 pub const USUAL_SIGMA: f64 = 0.25;
-/// Least disparity range of the core.
-const LEAST_RANGE: u16 = 8;
+/// Least and largest disparity range of the core.
+pub const LEAST_RANGE: u16 = 8;
+pub const MAX_RANGE: u16 = 256;
 /// Standard deviations that make sense, px.
 const SIGMAS: RangeInclusive<f64> = 0.001..=16.0;
 /// Where the table has its rows within a power of ten.
@@ -72,7 +73,7 @@ pub struct RigPlan {
     /// Size of the rectified images.
     pub dims: Dims,
     pub baseline: f64,
-    /// Disparities that are searched, px.
+    /// End of the disparities that are searched, px.
     pub max_disparity: u16,
     /// Standard deviation of a disparity, px.
     pub sigma: f64,
@@ -106,12 +107,9 @@ impl RigPlan {
         {
             bail!("images of {dims} are outside {MIN_SIDE}x{MIN_SIDE} to {MAX_WIDTH}x{MAX_HEIGHT}");
         }
-        if !(LEAST_RANGE..dims.width).contains(&max_disparity) {
-            bail!(
-                "a disparity range of {max_disparity} is below {LEAST_RANGE} or not below the \
-                 image's width"
-            );
-        }
+        Params { max_disparity, ..Params::DEFAULT }
+            .check(dims)
+            .map_err(|error| anyhow!("{error}; change --max-disparity"))?;
         if !SIGMAS.contains(&sigma) {
             bail!("a standard deviation of {sigma} px is outside 0.001 to 16");
         }
@@ -128,9 +126,14 @@ impl RigPlan {
         self.focal * self.baseline / distance
     }
 
+    /// Largest disparity that is found, px.
+    fn largest_disparity(&self) -> f64 {
+        Params::largest_disparity(self.max_disparity).to_num()
+    }
+
     /// Nothing nearer than this is found, m.
     pub fn near_limit(&self) -> f64 {
-        self.disparity(f64::from(self.max_disparity))
+        self.disparity(self.largest_disparity())
     }
 
     /// Nearer than this the cameras see nothing in common, m.

@@ -273,7 +273,7 @@ class Matcher:
     def __init__(self, max_disparity: Optional[int] = None, rig: Union[Rig, Calibration, None] = None, *, min_disparity: int = 0,
                  min_confidence: Optional[float] = None) -> None:
         """max_disparity: end of the disparities searched, px; 8 to 256 above min_disparity, below the width; 64 without, or what a narrower image
-        allows. focal length in px * baseline in m / max_disparity is the nearest depth.
+        allows. focal length in px * baseline in m / (max_disparity - 1.5) is the nearest depth.
         rig: a `Rig` gives depths; a `Calibration` rectifies raw pairs first.
         min_disparity: first disparity searched, px; -32 to 0.
         min_confidence: least probability of points and segments, 0.1 to 0.99; 0.9 without.

@@ -9,8 +9,8 @@
 
 use super::estimate::{CornerError, Estimate};
 use core::fmt;
-use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH};
+use linestereo::{Dims, Params};
 use linestereo_rig::{CameraSide, Rectification, View};
 
 /// Cells that coverage is counted in, across and down.
@@ -189,7 +189,7 @@ fn rectified(estimate: &Estimate, max_disparity: u16) -> Option<Rectified> {
     Some(Rectified {
         field,
         kept: CameraSide::BOTH.map(|eye| kept(&rectification, eye, raw)),
-        near: strength / f64::from(max_disparity),
+        near: strength / Params::largest_disparity(max_disparity).to_num::<f64>(),
         far: FAR.1 * strength / FAR.0,
         vertical,
         view_vertical,

@@ -66,7 +66,7 @@ fn rectified_text(text: &mut String, rectified: &Rectified, max_disparity: u16) 
     );
     let _ = writeln!(
         text,
-        "range at this size: from {near:.2} m (disparity {max_disparity}); an error of 0.25 px costs 10 % at {far:.2} m"
+        "range at this size: from {near:.2} m (--max-disparity {max_disparity}); an error of 0.25 px costs 10 % at {far:.2} m"
     );
 }
 
