@@ -68,6 +68,23 @@ fn folders_keep_their_names_and_run_gives_what_rectify_gives() {
             assert!(folder.path().join("done").join(kind).join(name).is_file(), "{kind}/{name}");
         }
     }
+    // The same pairs as one image each.
+    fs::create_dir(folder.path().join("joined")).unwrap();
+    for kind in ["boxes", "cards"] {
+        let [left, right] = ["left", "right"].map(|side| {
+            let path = folder.path().join(format!("raw/{kind}/{side}.png"));
+            image::open(path).unwrap().into_luma8()
+        });
+        let both = image::GrayImage::from_fn(640, 240, |x, y| {
+            *if x < 320 { left.get_pixel(x, y) } else { right.get_pixel(x - 320, y) }
+        });
+        both.save(folder.path().join(format!("joined/{kind}.png"))).unwrap();
+    }
+    succeed(folder.path(), "rectify joined --rig rig.toml --out halves");
+    for name in ["boxes/left.png", "cards/right.png"] {
+        let of = |out: &str| fs::read(folder.path().join(out).join(name)).unwrap();
+        assert_eq!(of("halves"), of("done"), "{name}");
+    }
     // Drawn without a lens: by this rig their rows do not match.
     let json = |args: &str| json_of_any(folder.path(), &format!("run {args} --json -"));
     let raw = json("raw/boxes/left.png raw/boxes/right.png --rig rig.toml");
@@ -135,11 +152,13 @@ fn what_cannot_be_rectified_is_one_clear_line() {
         fs::copy(folder.path().join("raw/boxes").join(side), folder.path().join(side)).unwrap();
     }
     succeed(folder.path(), "scene --kind boxes --size 160x120 small");
+    succeed(folder.path(), "scene --kind boxes --size 320x240 mixed/a");
+    succeed(folder.path(), "scene --kind boxes --size 640x480 mixed/b");
     fs::create_dir(folder.path().join("empty")).unwrap();
     fs::write(folder.path().join("none.toml"), "version = 1").unwrap();
     let rectify = "rectify --rig rig.toml --picture p.png";
     let run = "run left.png right.png";
-    let cases: [(&str, &str); 12] = [
+    let cases: [(&str, &str); 13] = [
         (&format!("{rectify} left.png left.png --raw-width 320"), "give 16 to less than the 320"),
         ("rectify left.png left.png", "--rig"),
         ("rectify --rig rig.toml left.png", "RIGHT"),
@@ -151,6 +170,10 @@ fn what_cannot_be_rectified_is_one_clear_line() {
         (&format!("{rectify} left.png left.png --alpha 2"), "correct --alpha"),
         (&format!("{rectify} left.png small/left.png"), "give two images of one size"),
         (&format!("{rectify} small/left.png small/right.png"), "raw images of 320x240"),
+        (
+            "rectify --rig rig.toml mixed --out m --raw-width 160",
+            "b/left.png: the rig is for raw images of 320x240, but these are 640x480",
+        ),
         ("rectify --rig rig.toml empty --out p", "no pair was found in any known layout"),
         (&format!("{run} --size 160x120"), "--rig"),
         (&format!("{run} --rig rig.toml --width 160"), "cannot be used with"),

@@ -7,7 +7,9 @@ use crate::interchange::{Options, load_rig_texts};
 use core::fmt;
 use linestereo::{Dims, image::Span};
 use linestereo_boards::Board;
-use linestereo_frames::{FrameError, GrayImage, LayoutFault, RectifiedPair, RigText, area_average};
+use linestereo_frames::{
+    FrameError, GrayImage, LayoutFault, RectifiedPair, RigText, area_average, resampled_height,
+};
 use linestereo_rig::{
     Band, Calibration, CalibrationError, Camera, CameraError, CameraSide, Mesh, MeshError, Remap,
     RowError, View, fine_mesh_nodes, mesh_nodes,
@@ -32,6 +34,21 @@ pub enum RectifierError {
     /// The rows of a raw image are refused.
     #[error("{0} camera: {1}")]
     Row(CameraSide, RowError),
+    /// A rectified row needs more of the raw image than there is memory for.
+    #[error(
+        "{eye} camera: a row of the rectified images needs {rows} rows of the raw ones, too many \
+         for images of {raw}; reduce them with --raw-width {width}"
+    )]
+    Band {
+        /// The camera.
+        eye: CameraSide,
+        /// Raw rows that are needed at once.
+        rows: u16,
+        /// Size of the raw images.
+        raw: Dims,
+        /// Width to which the images can be reduced so that there is memory for all of them, px.
+        width: u16,
+    },
     /// A raw image is not of the rig's size.
     #[error(
         "the rig is for raw images of {needed}, but these are {given}; give images of {needed}"
@@ -115,6 +132,15 @@ fn built<const NODES: usize, const ROWS: usize>(
 ) -> Result<Box<Mesh<NODES, ROWS>>, RectifierError> {
     let mut mesh = Box::new(Mesh::new());
     mesh.build(remap, eye).map_err(|error| RectifierError::Mesh(eye, error))?;
+    if mesh.band_bytes() > BAND {
+        let (rows, raw) = (mesh.band_rows(), mesh.raw_dims());
+        // A row more, for what is read behind the last one.
+        let fits = |&width: &u16| {
+            usize::from(width) * (usize::from(resampled_height(raw, width)) + 1) <= BAND
+        };
+        let width = (1..raw.width).rev().find(fits).unwrap_or(1);
+        return Err(RectifierError::Band { eye, rows, raw, width });
+    }
     Ok(mesh)
 }
 
@@ -206,6 +232,28 @@ pub fn rectify_raw(
 mod tests {
     use super::*;
     use linestereo_rig::Lens;
+
+    #[test]
+    fn raw_images_with_too_many_rows_are_refused_with_a_width_that_is_taken() {
+        let dims = Dims { width: 4000, height: 3000 };
+        let lens = Lens::Fisheye { k: [0.0; 4] };
+        let camera = Camera::new(dims, [1300.0; 2], [1999.5, 1499.5], 0.0, lens).unwrap();
+        let turned = crate::rig_file::quaternion([0.0, 0.0, 0.1]);
+        let pair = Calibration::new(camera, camera, turned, [-0.07, 0.0, 0.0]).unwrap();
+        let rectifier = |pair: &Calibration| {
+            let dims = Dims { width: 1280, height: 960 };
+            let view = pair.rectify(dims, View::Alpha(0.0)).unwrap();
+            PairRectifier::new(&view.remap()).map(|_| ())
+        };
+        let Err(error @ RectifierError::Band { raw, width, .. }) = rectifier(&pair) else {
+            panic!("no memory holds so many rows")
+        };
+        assert_eq!(raw, dims);
+        assert!(error.to_string().contains(&format!("--raw-width {width}")), "{error}");
+        assert!(width > 1280, "{width}");
+        let height = resampled_height(dims, width);
+        assert_eq!(rectifier(&reduced(&pair, Dims { width, height }).unwrap()), Ok(()));
+    }
 
     #[test]
     fn a_ray_stays_at_its_place_in_the_image() {

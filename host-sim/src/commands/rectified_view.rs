@@ -70,7 +70,7 @@ impl ViewArgs {
 
 fn remedy(error: &RigImageError) -> &'static str {
     match error {
-        RigImageError::View(RectifyError::Dims(_)) => "give --size",
+        RigImageError::View(RectifyError::Dims(_)) => "give --size, or reduce with --raw-width",
         RigImageError::View(RectifyError::Alpha(_)) => "correct --alpha",
         RigImageError::View(RectifyError::Rig(_)) => "correct --focal-px, or give another --size",
         RigImageError::Range(_) => "correct --max-disparity, or give a larger --size",

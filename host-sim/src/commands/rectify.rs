@@ -5,7 +5,8 @@ use super::rectified_view::ViewArgs;
 use crate::draw;
 use crate::output::{OutputFiles, OutputPath, say, spare};
 use anyhow::{Context, Result, bail};
-use linestereo_calibration::rectify::PairRectifier;
+use linestereo::Dims;
+use linestereo_calibration::rectify::{PairRectifier, RectifierError};
 use linestereo_frames::{
     Dataset, GrayImage, PairFiles, RigText, StoredPair, check_same_size, load_gray, load_images,
 };
@@ -53,28 +54,28 @@ pub fn run(args: &Args) -> Result<()> {
         Some(_) => Vec::new(),
         None => Dataset::sequence(&args.left, false)?.pairs,
     };
-    let first = pairs.first().map_or(args.left.as_path(), StoredPair::left);
+    let dims = match pairs.first() {
+        Some(first) => load_images(&first.images, None)?[0].dims,
+        None => load_gray(&args.left)?.dims,
+    };
     let rig: Vec<RigText> = args.rig.iter().cloned().map(RigText::from).collect();
-    let image = args.view.image(&rig, Some(load_gray(first)?.dims), None, ANY_RANGE)?;
-    let mut rectifier = PairRectifier::new(image.remap())?;
+    let image = args.view.image(&rig, Some(dims), None, ANY_RANGE)?;
+    let rectifier = PairRectifier::new(image.remap())?;
     let summary = summary(image.remap(), &rectifier);
+    let mut raw = RawPairs { dims, view: &args.view, rectifier };
     match (&args.right, &args.out) {
-        (Some(right), _) => one(args, &mut rectifier, right, summary),
-        (None, Some(out)) => say(&(summary + &folder(args, &pairs, out, &mut rectifier)?)),
+        (Some(right), _) => one(args, &mut raw, right, summary),
+        (None, Some(out)) => say(&(summary + &folder(args, &pairs, out, &mut raw)?)),
         (None, None) => unreachable!("clap asks for one of them"),
     }
 }
 
-fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String) -> Result<()> {
+fn one(args: &Args, raw: &mut RawPairs<'_>, right: &Path, summary: String) -> Result<()> {
     let written = super::written([&args.out_left, &args.out_right, &args.picture]);
     if written.is_empty() {
         bail!("nothing is asked for; give --out-left and --out-right, or --picture");
     }
-    let pair = Pair::load(
-        &PairFiles::Two([args.left.clone(), right.to_path_buf()]),
-        &args.view,
-        rectifier,
-    )?;
+    let pair = raw.load(&PairFiles::Two([args.left.clone(), right.to_path_buf()]))?;
     let mut output = OutputFiles::new();
     for (path, image) in [&args.out_left, &args.out_right].into_iter().zip(&pair.rectified) {
         output.add_made(path.as_ref(), || Ok(draw::gray_png(image)?))?;
@@ -84,12 +85,7 @@ fn one(args: &Args, rectifier: &mut PairRectifier, right: &Path, summary: String
 }
 
 /// Rectifies one pair; returns the names of the files written, in words.
-fn folder(
-    args: &Args,
-    pairs: &[StoredPair],
-    out: &Path,
-    rectifier: &mut PairRectifier,
-) -> Result<String> {
+fn folder(args: &Args, pairs: &[StoredPair], out: &Path, raw: &mut RawPairs<'_>) -> Result<String> {
     let root = args.left.as_path();
     // A single pair keeps the folder's name, which is that of OUT.
     let is_root = |pair: &StoredPair| pair.folder == root && pairs.len() == 1;
@@ -101,7 +97,7 @@ fn folder(
     let progress = named_bar(pairs.len());
     for stored in pairs {
         progress.set_message(stored.name.clone());
-        let pair = Pair::load(&stored.images, &args.view, rectifier)?;
+        let pair = raw.load(&stored.images)?;
         let target = target(stored);
         std::fs::create_dir_all(&target).with_context(|| {
             format!("cannot make {}; choose a folder that can be written to", target.display())
@@ -119,6 +115,29 @@ fn folder(
     Ok(format!("{} pairs: {}\n", pairs.len(), out.display()))
 }
 
+/// What rectifies pairs of one rig.
+struct RawPairs<'a> {
+    /// Size of the images before they are reduced.
+    dims: Dims,
+    view: &'a ViewArgs,
+    rectifier: PairRectifier,
+}
+
+impl RawPairs<'_> {
+    fn load(&mut self, files: &PairFiles) -> Result<Pair> {
+        let ([left, right], [left_raw, right_raw]) = (files.paths(), load_images(files, None)?);
+        check_same_size((left, left_raw.dims), (right, right_raw.dims))?;
+        let of_pair = || left.display().to_string();
+        let (needed, given) = (self.dims, left_raw.dims);
+        if given != needed {
+            return Err(RectifierError::Size { needed, given }).with_context(of_pair);
+        }
+        let raw = [self.view.raw(left_raw)?, self.view.raw(right_raw)?];
+        let (left, right) = self.rectifier.pair(&raw[0], &raw[1]).with_context(of_pair)?;
+        Ok(Pair { raw, rectified: [left, right] })
+    }
+}
+
 /// A pair before and after.
 struct Pair {
     raw: [GrayImage; 2],
@@ -126,15 +145,6 @@ struct Pair {
 }
 
 impl Pair {
-    fn load(files: &PairFiles, view: &ViewArgs, rectifier: &mut PairRectifier) -> Result<Self> {
-        let ([left, right], [left_raw, right_raw]) = (files.paths(), load_images(files, None)?);
-        check_same_size((left, left_raw.dims), (right, right_raw.dims))?;
-        let raw = [view.raw(left_raw)?, view.raw(right_raw)?];
-        let (left_rectified, right_rectified) =
-            rectifier.pair(&raw[0], &raw[1]).with_context(|| left.display().to_string())?;
-        Ok(Self { raw, rectified: [left_rectified, right_rectified] })
-    }
-
     fn picture(&self) -> Result<Vec<u8>> {
         Ok(draw::png(&draw::rows(&self.raw, &self.rectified))?)
     }
