@@ -403,8 +403,21 @@ fn sizes_and_lenses_come_from_the_file_or_the_options() {
     let options = Options { lens: Some(LensModel::Fisheye), ..Options::default() };
     let found = read(&[&four], &options).unwrap();
     assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
-    let found = good(&[&four.replace("image_width", "fisheye_model: 1\nimage_width")]);
-    assert_eq!(found.rig.calibration.camera(CameraSide::Left).lens(), fisheye);
+    let stated = four.replace("image_width", "fisheye_model: 1\nimage_width");
+    assert_eq!(good(&[&stated]).rig.calibration.camera(CameraSide::Left).lens(), fisheye);
+    // What the files say holds.
+    assert_eq!(read(&[&stated], &options).unwrap().rig, good(&[&stated]).rig);
+    let radial = Options { lens: Some(LensModel::BrownConrady), ..Options::default() };
+    let error = read(&[&stated], &radial).unwrap_err();
+    assert!(matches!(error.problem, Problem::Stated("--lens")) && error.line.is_some(), "{error}");
+    let unit = Some(TranslationUnit::Millimetres);
+    let units = Options { translation_unit: unit, ..Options::default() };
+    for texts in [&[KALIBR][..], &ROS, &EUROC] {
+        for options in [&radial, &units] {
+            let error = read(texts, options).unwrap_err();
+            assert!(matches!(error.problem, Problem::Stated(_)), "{error}");
+        }
+    }
     let found = read(&[&opencv()], &options).unwrap_err();
     assert!(
         matches!(found.problem, Problem::Shape { .. }),
@@ -441,7 +454,17 @@ fn cameras_in_the_wrong_order_are_exchanged_on_demand() {
     right.replace_range(rows, "");
     let right = right.replace("  T_cn_cnm1:\n  - [0.0, 0.0, 0.0, 1.0]\n", "");
     assert_is_the_example(&read(&[&(right + &left)], &options).unwrap());
-    assert!(matches!(read(&[KALIBR], &options).unwrap_err().problem, Problem::Swapped));
+    assert!(matches!(read(&[KALIBR], &options).unwrap_err().problem, Problem::NotSwapped));
+    // ROS: files in the wrong order, and a calibration with exchanged cameras, whose second file
+    // has the baseline with another sign.
+    let [left, right] = ROS;
+    let moved = left.replace("[400, 0, 310, 0,", "[400, 0, 310, 40,");
+    let still = right.replace("-40.0", "0.0");
+    for texts in [[right, left], [&still, &moved]] {
+        assert!(matches!(bad(&texts).1, Problem::Projection(_)));
+        assert_is_the_example(&read(&texts, &options).unwrap());
+    }
+    assert!(matches!(read(&ROS, &options).unwrap_err().problem, Problem::NotSwapped));
 }
 
 #[test]

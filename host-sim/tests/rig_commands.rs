@@ -60,6 +60,10 @@ fn wrong_conversions_leave_no_file_and_say_why() {
     let folder = with_rig(RIG);
     let at = folder.path();
     fs::write(at.join("bad.yml"), "%YAML:1.0\nM1: [1, 2\n").unwrap();
+    let fisheye = "lens = { model = \"fisheye\", k = [0.0, 0.0, 0.0, 0.0] }\n[right]";
+    let (left, right) = RIG.split_once("[right]").unwrap();
+    let (left, _) = left.split_once("lens").unwrap();
+    fs::write(at.join("mixed.toml"), format!("{left}{fisheye}{right}")).unwrap();
     fs::write(at.join("k3.toml"), RIG.replace("0.1, 0.0]", "0.1, 0.5]")).unwrap();
     let cases = [
         ("convert-rig rig.toml --to ros --out one.yaml", "give --out twice"),
@@ -69,9 +73,11 @@ fn wrong_conversions_leave_no_file_and_say_why() {
         ("convert-rig rig.toml --translation-unit inch", "give m, mm"),
         ("convert-rig bad.yml", "bad.yml, line "),
         ("convert-rig k3.toml --to kalibr --out k.yaml", "no place for the lens coefficient k3"),
+        ("convert-rig mixed.toml --to opencv-yaml --out k.yaml", "another lens; write rig-toml\n"),
+        ("convert-rig rig.toml --lens fisheye", "leave --lens out"),
     ];
     all_refused(at, &cases);
-    assert_eq!(fs::read_dir(at).unwrap().count(), 3);
+    assert_eq!(fs::read_dir(at).unwrap().count(), 4);
 }
 
 #[test]
@@ -88,12 +94,6 @@ fn a_plan_is_printed_and_listed() {
     tells(at, lens, &["focal length 643.3 px", "a baseline of 31.1 mm at least"]);
     let words = ["with the one given, 7.8 % at 4 m: not reached; 0.5 m: reached"];
     tells(at, &format!("{lens} --baseline-m 0.02"), &words);
-}
-
-#[test]
-fn wrong_plans_say_what_to_give() {
-    let folder = with_rig(RIG);
-    let cases = [
     tells(at, &format!("{lens} --baseline-m 0.05"), &["at 4 m: reached; 0.5 m: not reached"]);
     // What is suggested can be given.
     let narrow = "plan-rig --hfov-deg 70 --size 640x480 --range 0.2..10";
@@ -101,6 +101,12 @@ fn wrong_plans_say_what_to_give() {
     let again = tells(at, &format!("{narrow} --max-disparity 256"), &["near limit 0.19"]);
     assert!(!again.contains("needs a disparity"), "{again}");
     tells(at, &format!("{narrow} --baseline-m 0.1095"), &["at 10 m: reached"]);
+}
+
+#[test]
+fn wrong_plans_say_what_to_give() {
+    let folder = with_rig(RIG);
+    let cases = [
         ("plan-rig --baseline-m 0.1", "--focal-px"),
         ("plan-rig --focal-px 300", "--baseline-m"),
         ("plan-rig --focal-mm 3 --baseline-m 0.1", "--pixel-um"),

@@ -143,6 +143,9 @@ pub enum Problem {
         /// As an option.
         given: Dims,
     },
+    /// An option for what the files say themselves.
+    #[error("{0} is for files that do not say it, and this one does; leave {0} out")]
+    Stated(&'static str),
     /// The size of the images is none.
     #[error("the size of the images is {0}")]
     Size(String),
@@ -165,17 +168,24 @@ pub enum Problem {
     Pair(CalibrationError),
     /// The first camera is the right one.
     #[error(
-        "the second camera lies to the left of the first: if it is the left camera, use \
-         convert-rig --swap and swap the images too; otherwise the pose is inverted, or its sign \
-         is wrong"
+        "the second camera lies to the left of the first: if it is the left camera, give its file \
+         first where it has one, or use convert-rig --swap, and swap the images too; otherwise the \
+         pose is inverted, or its sign is wrong"
     )]
     Swapped,
+    /// The first camera is the left one, though it is said not to be.
+    #[error(
+        "the second camera lies to the right of the first, so the first is the left one; leave \
+         --swap out"
+    )]
+    NotSwapped,
     /// `rig.toml` itself is wrong.
     #[error("{0}")]
     RigFile(RigFileError),
     /// The rig cannot be written in a format.
     #[error(
-        "{format} has no place for {what}; write rig-toml, or opencv-yaml{more}",
+        "{format} has no place for {what}; write rig-toml{others}{more}",
+        others = if *.format == "OpenCV" { "" } else { ", or opencv-yaml" },
         more = if .what.ends_with("coefficient k3") { LEAVE_OUT_K3 } else { "" }
     )]
     NotRepresentable {

@@ -100,9 +100,10 @@ pub struct Options {
     /// Size of the images at hand: taken where neither the file nor `size` says it.
     pub images: Option<Dims>,
     /// Unit of OpenCV's `T`; else that of `square_size` in the file, else metres below 5,
-    /// millimetres above.
+    /// millimetres above. An error for other formats, which have a unit.
     pub translation_unit: Option<TranslationUnit>,
-    /// Meaning of OpenCV's coefficients; else what the file says, else radial-tangential.
+    /// Meaning of OpenCV's coefficients where the file lacks it, else radial-tangential; an error
+    /// where it differs, and for other formats, which say it.
     pub lens: Option<LensModel>,
     /// The second camera of foreign files is the left one.
     pub swap: bool,
@@ -220,7 +221,7 @@ pub fn export(rig: &RigFile, to: Format) -> Result<Exported, Problem> {
 fn own(paths: &[PathBuf], options: &Options) -> Result<Imported, Fault> {
     let [path] = paths else { return Err(file_count(Format::RigToml, "one file")) };
     let rig = RigFile::load(path).map_err(|error| Problem::RigFile(error).anywhere())?;
-    check_size(&rig.calibration, options)?;
+    check_options(&rig.calibration, Format::RigToml, options)?;
     check_cameras(&rig.calibration, Format::RigToml)?;
     let notes = if options.swap {
         vec!["a rig.toml says which camera is the left one: they are not exchanged".to_owned()]
@@ -263,7 +264,7 @@ fn foreign(texts: &[String], options: &Options) -> Result<Imported, Fault> {
             read.calibration
         }
     };
-    check_size(&calibration, options)?;
+    check_options(&calibration, format, options)?;
     check_cameras(&calibration, format)?;
     Ok(Imported { rig: RigFile { calibration, quality: None }, format, stored, notes })
 }
@@ -279,10 +280,22 @@ fn file_count(format: Format, needed: &'static str) -> Fault {
     Problem::FileCount { format, needed }.anywhere()
 }
 
-fn check_size(calibration: &Calibration, options: &Options) -> Result<(), Fault> {
+/// Refuses options that contradict the files, or that only files of OpenCV need.
+fn check_options(
+    calibration: &Calibration,
+    format: Format,
+    options: &Options,
+) -> Result<(), Fault> {
     let file = calibration.camera(CameraSide::Left).dims();
-    match options.size {
-        Some(given) if given != file => Err(Problem::SizeDiffers { file, given }.anywhere()),
+    let is_opencv = matches!(format, Format::OpencvYaml | Format::OpencvXml);
+    match *options {
+        Options { size: Some(given), .. } if given != file => {
+            Err(Problem::SizeDiffers { file, given }.anywhere())
+        }
+        Options { lens: Some(_), .. } if !is_opencv => Err(Problem::Stated("--lens").anywhere()),
+        Options { translation_unit: Some(_), .. } if !is_opencv => {
+            Err(Problem::Stated("--translation-unit").anywhere())
+        }
         _ => Ok(()),
     }
 }

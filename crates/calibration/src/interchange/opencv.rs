@@ -153,22 +153,27 @@ fn dims(names: &Names<'_>, options: &Options, centre: [f64; 2]) -> Result<Dims, 
 }
 
 fn lens_model(names: &Names<'_>, options: &Options) -> Result<LensModel, Fault> {
-    if let Some(model) = options.lens {
-        return Ok(model);
+    match (stated_lens(names)?, options.lens) {
+        (Some((file, place)), Some(given)) if file != given => {
+            Err(Problem::Stated("--lens").at(place))
+        }
+        (Some((model, _)), _) | (None, Some(model)) => Ok(model),
+        (None, None) => Ok(LensModel::BrownConrady),
     }
+}
+
+/// What the file says, and where.
+fn stated_lens(names: &Names<'_>) -> Result<Option<(LensModel, Place)>, Fault> {
     if let Some(found) = names.word(&["fisheyemodel", "fisheye", "isfisheye"]) {
         let word = found.node.text().unwrap_or("");
         let is_fisheye =
             word.eq_ignore_ascii_case("true") || word.parse().is_ok_and(|value: f64| value != 0.0);
-        return Ok(if is_fisheye { LensModel::Fisheye } else { LensModel::BrownConrady });
+        let model = if is_fisheye { LensModel::Fisheye } else { LensModel::BrownConrady };
+        return Ok(Some((model, found.node.place)));
     }
-    match names.word(&["distortionmodel", "lensmodel"]) {
-        Some(found) => {
-            let model = LensModel::named(found.node.text().unwrap_or(""), found.node.place)?;
-            Ok(model.unwrap_or(LensModel::BrownConrady))
-        }
-        None => Ok(LensModel::BrownConrady),
-    }
+    let Some(found) = names.word(&["distortionmodel", "lensmodel"]) else { return Ok(None) };
+    let model = LensModel::named(found.node.text().unwrap_or(""), found.node.place)?;
+    Ok(Some((model.unwrap_or(LensModel::BrownConrady), found.node.place)))
 }
 
 /// From left to right, in the unit of the file.

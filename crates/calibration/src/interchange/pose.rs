@@ -76,6 +76,7 @@ impl Pose {
         Calibration::new(left, right, quaternion(&pose.rotation), pose.translation.into()).map_err(
             |error| {
                 let problem = match error {
+                    CalibrationError::Swapped if swap => Problem::NotSwapped,
                     CalibrationError::Swapped => Problem::Swapped,
                     other => Problem::Pair(other),
                 };

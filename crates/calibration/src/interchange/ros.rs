@@ -47,15 +47,20 @@ struct Info {
     projection: Matrix,
 }
 
-pub(super) fn read([left, right]: [&Node; 2], swap: bool) -> Result<Calibration, Fault> {
-    let (left, right) = (info(left, CameraSide::Left)?, info(right, CameraSide::Right)?);
+/// The rig; with `swap` the second file is the left camera's, or the calibration took the cameras
+/// for each other.
+pub(super) fn read([left, right]: [&Node; 2], mut swap: bool) -> Result<Calibration, Fault> {
+    let (mut left, mut right) = (info(left, CameraSide::Left)?, info(right, CameraSide::Right)?);
+    let shift = |info: &Info| info.projection.shaped::<12>(3, 4).map_or(0.0, |p| p[3]);
+    if swap && shift(&left) != 0.0 {
+        (left, right, swap) = (right, left, false);
+    }
     let place = right.projection.place;
-    if let (Ok(p1), Ok(p2)) =
-        (left.projection.shaped::<12>(3, 4), right.projection.shaped::<12>(3, 4))
-        && (p2[3] > 0.0 || p1[3] > 0.0 && p2[3] >= 0.0)
-    {
-        let unfit = Unfit::Sign { left: p1[3], right: p2[3] };
-        return Err(Problem::Projection(unfit.to_string()).at(place));
+    let [p1, p2] = [&left, &right].map(shift);
+    if !swap && (p2 > 0.0 || p1 > 0.0 && p2 >= 0.0) {
+        let unfit = Unfit::Sign { left: p1, right: p2 };
+        let text = format!("{unfit}, or use convert-rig --swap where cameras are exchanged");
+        return Err(Problem::Projection(text).at(place));
     }
     let pose = pose::from_rectification(
         [&left.rotation, &right.rotation],
