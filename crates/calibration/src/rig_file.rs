@@ -48,7 +48,10 @@ pub enum RigFileError {
     #[error("{0}: {1}")]
     Parse(PathBuf, String),
     /// A later version.
-    #[error("{0} has version {1}, this program knows {VERSION}")]
+    #[error(
+        "{0} is a rig file of version {1}, and this program reads version {VERSION}; use the \
+         program that wrote it, or a later one"
+    )]
     Version(PathBuf, u32),
     /// A camera in it is none.
     #[error("{0}, [{1}]: {2}")]
@@ -58,10 +61,17 @@ pub enum RigFileError {
     Pair(PathBuf, CalibrationError),
 }
 
+/// What every version has.
+#[derive(Deserialize)]
+struct AnyVersion {
+    version: u32,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Raw {
-    version: u32,
+    #[serde(rename = "version")]
+    _version: u32,
     left: RawCamera,
     right: RawCamera,
     pose: RawPose,
@@ -100,11 +110,12 @@ impl RigFile {
         let at = || path.to_path_buf();
         let text = untrusted::read_text(path, SETTINGS_BYTES)
             .map_err(|error| RigFileError::Read(at(), error))?;
-        let raw: Raw =
-            toml::from_str(&text).map_err(|error| RigFileError::Parse(at(), error.to_string()))?;
-        if raw.version != VERSION {
-            return Err(RigFileError::Version(at(), raw.version));
+        let no_rig = |error: toml::de::Error| RigFileError::Parse(at(), error.to_string());
+        let AnyVersion { version } = toml::from_str(&text).map_err(no_rig)?;
+        if version != VERSION {
+            return Err(RigFileError::Version(at(), version));
         }
+        let raw: Raw = toml::from_str(&text).map_err(no_rig)?;
         let camera = |raw: &RawCamera, eye| {
             camera(raw).map_err(|error| RigFileError::Camera(at(), eye, error))
         };
@@ -242,5 +253,9 @@ mod tests {
         fs::write(&path, "version = 1\n[left]\nsize = [640, -3]\n").unwrap();
         let text = RigFile::load(&path).unwrap_err().to_string();
         assert!(text.contains("line 3"), "{text}");
+        // What a later version has is not known.
+        fs::write(&path, "version = 2\nnew = 1\n").unwrap();
+        let text = RigFile::load(&path).unwrap_err().to_string();
+        assert!(text.contains("of version 2") && text.contains("a later one"), "{text}");
     }
 }
