@@ -43,6 +43,14 @@ fn folders_without_usable_pairs() {
     );
     refused(
         |photos| {
+            for side in ["left", "right"] {
+                empty_photo(&photos.join(format!("{side}1.png")), 4112, 64);
+            }
+        },
+        &["1.png: a raw image of 4112x64", "4096x4096; give all photos another size"],
+    );
+    refused(
+        |photos| {
             pairs(photos, 6, 6);
             fs::write(photos.join("left02.png"), b"no image").unwrap();
         },

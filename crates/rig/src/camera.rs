@@ -203,6 +203,15 @@ pub enum CameraError {
     Folds(f64),
 }
 
+/// Checks the size of raw images, px.
+///
+/// # Errors
+/// [`CameraError::Dims`].
+pub fn check_raw_dims(dims: Dims) -> Result<(), CameraError> {
+    let is_raw = [dims.width, dims.height].iter().all(|side| (16..=4096).contains(side));
+    if is_raw { Ok(()) } else { Err(CameraError::Dims(dims)) }
+}
+
 /// Checks the size of raw images, px, and what a camera's numbers can be.
 pub(crate) fn check_numbers<T: Real>(
     dims: Dims,
@@ -212,9 +221,7 @@ pub(crate) fn check_numbers<T: Real>(
     lens: &Lens<T>,
 ) -> Result<(), CameraError> {
     let within = |v: &T, low: f32, high: f32| T::from(low) <= *v && *v <= T::from(high);
-    if !(16..=4096).contains(&dims.width) || !(16..=4096).contains(&dims.height) {
-        return Err(CameraError::Dims(dims));
-    }
+    check_raw_dims(dims)?;
     if let Some(&wrong) = focal.iter().find(|f| !within(f, 1.0, 100_000.0)) {
         return Err(CameraError::Focal(wrong.into()));
     }

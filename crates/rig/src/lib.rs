@@ -34,7 +34,7 @@ mod rows;
 mod turn;
 
 pub use calibration::{Calibration, CalibrationError, CameraSide};
-pub use camera::{Camera, CameraError, Lens, MAX_TANGENT};
+pub use camera::{Camera, CameraError, Lens, MAX_TANGENT, check_raw_dims};
 pub use mesh::{Mesh, MeshError};
 pub use nodes::{fine_mesh_nodes, mesh_nodes};
 pub use rectification::{Rectification, RectifyError, View};

@@ -16,6 +16,7 @@ use linestereo_calibration::boards::{
 };
 use linestereo_calibration::rig_file::{Quality, RigFile};
 use linestereo_frames::{EXIF_REMEDY, GrayImage, UPRIGHT, exif_turn, load_gray};
+use linestereo_rig::check_raw_dims;
 use std::path::PathBuf;
 
 /// Calibrate two cameras and the pose between them from photos of a chessboard, a ChArUco board or
@@ -56,9 +57,10 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t = Aspect::Free)]
     aspect: Aspect,
     /// Disparity range for which the nearest distance is stated.
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u16).range(8..=256))]
+    #[arg(long, value_name = "N", default_value_t = 64,
+          value_parser = clap::value_parser!(u16).range(8..=256))]
     max_disparity: u16,
-    /// Skip photos without a partner of the same number.
+    /// Skip photos without a partner of the same number or name.
     #[arg(long)]
     skip_unpaired: bool,
 }
@@ -171,10 +173,18 @@ fn turned_by_exif(pairs: &[PhotoPair]) -> Result<String> {
 /// Corners, or why there are none, of both photos of a pair.
 type Found = [Result<BoardCorners, NotFound>; 2];
 
-/// Looks for the board in all photos, on every core; checks that all have one size.
+/// Looks for the board in all photos, on every core; checks that all have one size, which rigs
+/// have.
 fn find_boards(board: &Board, pairs: &[PhotoPair]) -> Result<(Dims, Vec<Found>)> {
-    let find = |path: &PathBuf| {
-        load_gray(path).map(|image| (image.dims, JunctionFinder.find(&image, board)))
+    let find = |path: &PathBuf| -> Result<_> {
+        let image = load_gray(path)?;
+        check_raw_dims(image.dims).map_err(|error| {
+            anyhow!(
+                "{}: {error}; give all photos another size, and match images of that size",
+                path.display()
+            )
+        })?;
+        Ok((image.dims, JunctionFinder.find(&image, board)))
     };
     let seen = for_each_pair(
         pairs,

@@ -2,8 +2,9 @@
 //!
 //! Left and right photos stand in one folder (`left01.jpg`, `right01.jpg`; `3_cam0.png`,
 //! `3_cam1.png`) or in two inside it (`left/`, `right/`, or `cam0/`, `cam1/`, with or without
-//! `data/` below), by every name of a side that recordings have. A pair has the same number;
-//! without one, the same rest of the name.
+//! `data/` below), by every name of a side that recordings have. A pair has the same last number.
+//! Without one, or where both cameras have several photos of one number, it has the same rest of
+//! the name.
 
 use linestereo_frames::{SIDES, without_side};
 use linestereo_rig::CameraSide;
@@ -42,7 +43,7 @@ pub enum PhotoError {
     None(PathBuf),
     /// One camera's photos only.
     #[error(
-        "{0} holds {1} photos but no {miss} ones; a pair has the same number",
+        "{0} holds {1} photos but no {miss} ones; a pair has the same number or name",
         miss = if *.1 == CameraSide::Left { CameraSide::Right } else { CameraSide::Left }
     )]
     OneSide(PathBuf, CameraSide),
@@ -51,8 +52,8 @@ pub enum PhotoError {
     Twice(PathBuf, PathBuf),
     /// Photos without a partner.
     #[error(
-        "{} left and {} right photos do not make pairs: {} without a partner of the same number; \
-         add it, remove them, or leave them out with --skip-unpaired",
+        "{} left and {} right photos do not make pairs: {} without a partner of the same number or \
+         name; add it, remove them, or leave them out with --skip-unpaired",
         .1[0], .1[1], names(.0)
     )]
     Unpaired(Vec<PathBuf>, [usize; 2]),
@@ -64,12 +65,14 @@ fn names(paths: &[PathBuf]) -> String {
     names.join(", ") + if paths.len() > LISTED { ", ..." } else { "" }
 }
 
-/// Pairs in a folder, in the order of their numbers, and the photos left without a partner.
+/// Pairs in a folder, in the order of their numbers or names, and the photos left without a
+/// partner.
 pub fn find_pairs(
     folder: &Path,
     skip_unpaired: bool,
 ) -> Result<(Vec<PhotoPair>, Vec<PathBuf>), PhotoError> {
-    let [mut left, mut right] = [numbered(folder, 0)?, numbered(folder, 1)?];
+    let photos = [named(folder, 0)?, named(folder, 1)?];
+    let [mut left, mut right] = by_number_or_name(&photos)?;
     let counts = [left.len(), right.len()];
     match counts {
         [0, 0] => return Err(PhotoError::None(folder.to_path_buf())),
@@ -104,10 +107,11 @@ impl Key {
             .rsplit(|letter: char| !letter.is_ascii_digit())
             .next()
             .and_then(|digits| digits.parse().ok());
-        number.map_or_else(
-            || Self::Rest(rest.trim_matches(['_', '-', ' ', '.']).to_owned()),
-            Self::Number,
-        )
+        number.map_or_else(|| Self::name(rest), Self::Number)
+    }
+
+    fn name(rest: &str) -> Self {
+        Self::Rest(rest.trim_matches(['_', '-', ' ', '.']).to_owned())
     }
 
     fn text(&self) -> String {
@@ -118,19 +122,37 @@ impl Key {
     }
 }
 
-/// One camera's photos by number.
-fn numbered(folder: &Path, side: usize) -> Result<BTreeMap<Key, PathBuf>, PhotoError> {
-    let mut found = BTreeMap::new();
-    for (path, rest) in named(folder, side)? {
-        if let Some(other) = found.insert(Key::of(&rest), path.clone()) {
-            return Err(PhotoError::Twice(other, path));
+/// One camera's photos by what pairs have in common.
+type Photos = BTreeMap<Key, PathBuf>;
+
+/// Both cameras' photos by number, or by name where both have several of one number.
+fn by_number_or_name(photos: &[Vec<Photo>; 2]) -> Result<[Photos; 2], PhotoError> {
+    let by = |key: fn(&str) -> Key| photos.each_ref().map(|photos| keyed(photos, key));
+    let [left, right] = match by(Key::of) {
+        [Err(_), Err(_)] => by(Key::name),
+        found => found,
+    };
+    Ok([left?, right?])
+}
+
+fn keyed(photos: &[Photo], key: fn(&str) -> Key) -> Result<Photos, PhotoError> {
+    let mut found = Photos::new();
+    for Photo { path, rest } in photos {
+        if let Some(other) = found.insert(key(rest), path.clone()) {
+            return Err(PhotoError::Twice(other, path.clone()));
         }
     }
     Ok(found)
 }
 
-/// One camera's photos with the rest of their names.
-fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoError> {
+/// A photo and its name without the word for the camera.
+struct Photo {
+    path: PathBuf,
+    rest: String,
+}
+
+/// One camera's photos.
+fn named(folder: &Path, side: usize) -> Result<Vec<Photo>, PhotoError> {
     let mut found = Vec::new();
     for path in listed(folder)? {
         if path.is_dir() {
@@ -139,14 +161,15 @@ fn named(folder: &Path, side: usize) -> Result<Vec<(PathBuf, String)>, PhotoErro
                 let below = path.join("data");
                 let inside = listed(if below.is_dir() { &below } else { &path })?;
                 let photos = inside.into_iter().filter(|path| is_photo(path));
-                found.extend(photos.map(|photo| {
-                    (photo.clone(), rest_of(&photo, side).unwrap_or_else(|| stem_of(&photo)))
+                found.extend(photos.map(|path| {
+                    let rest = rest_of(&path, side).unwrap_or_else(|| stem_of(&path));
+                    Photo { path, rest }
                 }));
             }
         } else if is_photo(&path)
             && let Some(rest) = rest_of(&path, side)
         {
-            found.push((path, rest));
+            found.push(Photo { path, rest });
         }
     }
     Ok(found)
@@ -182,6 +205,26 @@ fn listed(folder: &Path) -> Result<Vec<PathBuf>, PhotoError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn photos_of_one_number_are_paired_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let photo = |name: &str| fs::write(folder.path().join(name), b"").unwrap();
+        for side in ["left", "right"] {
+            fs::create_dir(folder.path().join(side)).unwrap();
+            for number in [1, 2, 10] {
+                photo(&format!("{side}/{number}_640.png"));
+            }
+        }
+        let (pairs, alone) = find_pairs(folder.path(), false).unwrap();
+        let names: Vec<[String; 2]> =
+            pairs.iter().map(|pair| pair.files.each_ref().map(|file| stem_of(file))).collect();
+        assert_eq!(names, [["10_640"; 2], ["1_640"; 2], ["2_640"; 2]]);
+        assert!(alone.is_empty());
+        photo("left/3_640.png");
+        let error = find_pairs(folder.path(), false).unwrap_err();
+        assert!(matches!(&error, PhotoError::Unpaired(alone, [4, 3]) if alone.len() == 1));
+    }
 
     #[test]
     fn the_last_number_of_a_name_counts() {
