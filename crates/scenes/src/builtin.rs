@@ -45,9 +45,11 @@ impl Kind {
             Self::Corridor => {
                 ["corridor", "long slanted walls, floor and ceiling that end in a door"]
             }
-            Self::Poles => {
-                ["poles", "poles 1 to 8 px wide, upright and leaning, before a textured wall"]
-            }
+            Self::Poles => [
+                "poles",
+                "poles 1 to 8 px wide (in images of 320 px), upright and leaning, before a \
+                     textured wall",
+            ],
             Self::Boxes => ["boxes", "boxes of random place and turn that hide each other"],
             Self::Blank => ["blank", "blank walls and boxes: outlines are all there is"],
             Self::Repetition => {

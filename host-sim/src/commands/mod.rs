@@ -243,4 +243,14 @@ mod tests {
             "{help}"
         );
     }
+
+    #[test]
+    fn no_help_names_the_laboratory_which_users_do_not_have() {
+        let mut commands = vec![arguments::prepared(command())];
+        while let Some(mut command) = commands.pop() {
+            let help = command.render_long_help().to_string();
+            assert!(!help.contains("linestereo-lab"), "{help}");
+            commands.extend(command.get_subcommands().cloned());
+        }
+    }
 }

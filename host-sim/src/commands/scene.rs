@@ -9,8 +9,7 @@ use linestereo::Dims;
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use std::path::{Path, PathBuf};
 
-/// Render synthetic scenes with exact ground truth to folders that `run` and `linestereo-lab
-/// compare` read.
+/// Render synthetic scenes with exact ground truth to folders that `run` and `sequence` read.
 ///
 /// Every folder gets left.png, right.png, gt.png (16-bit, disparity * 256, 0 = unknown),
 /// visible.png, objects.png and scene.json. The same options give the same bytes on every machine.
