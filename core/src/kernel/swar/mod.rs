@@ -39,6 +39,13 @@ const fn four(byte: u8) -> u32 {
     0x0101_0101 * byte as u32
 }
 
+/// Product of a word and of `factor` / 2^32: one instruction, where a mask of the bits below some
+/// bits takes two otherwise.
+#[inline(always)]
+fn scaled(word: u32, factor: u32) -> u32 {
+    ((u64::from(word) * u64::from(factor)) >> 32) as u32
+}
+
 /// The whole words among bytes, and the bytes before and behind them.
 #[inline(always)]
 fn whole_words(bytes: &[u8]) -> (&[u8], &[u32], &[u8]) {

@@ -4,78 +4,240 @@
 //! In: codes, curves of bytes over disparity. Out: costs, path costs and their sums.
 //!
 //! ```text
-//! costs   four disparities a round; differences of half words, and a bit above them that says
-//!         which are negative
+//! costs   what three codes of the window are above three others, by a bit above each difference
+//!         that says which are negative; sums of codes give the rest
 //! path    what is left to `reach` in seven bits a byte; words without any keep the costs
 //! lowest  a word is looked at byte by byte where one of them is below the lowest so far
 //! ```
 //!
 //! # Cost
-//! 64 disparities: costs 9984 (21 400), path 650 to 900 (1400), sums 750 (1100), lowest 190 (520).
+//! 64 disparities: costs 7700 (21 400), path 650 to 900 (1400), sums 750 (1100), lowest 190 (520).
 //!
 //! # Source
 //! See [`super`].
 
 use super::super::portable::{self, CodeColumn, JUMP_PENALTY, STEP_PENALTY, STRIP};
-use super::{HALVES, HIGH, four, whole_words, whole_words_mut};
+use super::{HALVES, HIGH, four, scaled, whole_words, whole_words_mut};
+use core::mem::MaybeUninit;
 
-/// Disparities at a time.
-const BLOCK: usize = 4;
+/// Most disparities at a time.
+const BLOCK: usize = 64;
 /// Columns that their windows reach.
 const REACH: usize = BLOCK + STRIP - 1;
-/// A bit above each half's byte.
-const ABOVE: u32 = HALVES + 0x0001_0001;
+/// A bit above each of three codes, which lie ten bits apart.
+const ABOVE: u32 = 1 << 8 | 1 << 18 | 1 << 28;
+/// The second of three sums.
+const MIDDLE: u32 = 0x3ff << 10;
+
+/// A column of codes of those in which a window is searched.
+#[repr(C)]
+struct Column {
+    /// Its first three codes.
+    three: u32,
+    /// The fourth of the two columns before and of this one.
+    fourths: u32,
+    /// Sum of all codes of the columns up to this one.
+    sum: u32,
+}
+
+/// A window, with the bits [`ABOVE`].
+struct Window {
+    threes: [u32; STRIP],
+    fourths: [u32; 3],
+    sum: u32,
+}
 
 /// See [`portable::code_costs`].
 pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &mut [u8]) {
-    let ([], columns_of_words, []) = whole_words(columns.as_flattened()) else {
+    let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
+    let words = [window, columns].map(|columns| whole_words(columns.as_flattened()));
+    let [([], of_window, []), ([], mut columns, [])] = words else {
         return portable::code_costs(window, columns, costs);
     };
-    let window = window.map(|column| {
-        let codes = u32::from_ne_bytes(column);
-        [codes & HALVES | ABOVE, codes >> 8 & HALVES | ABOVE]
-    });
-    let length = (columns.len() + 1).saturating_sub(STRIP).min(costs.len());
-    let mut from = columns_of_words;
-    let (blocks, rest) = costs.get_mut(..length).unwrap_or_default().as_chunks_mut();
-    for block in blocks {
-        let Some(columns) = from.first_chunk() else { return };
-        *block = costs_of(&window, columns);
-        from = from.get(BLOCK..).unwrap_or_default();
-    }
-    if !rest.is_empty() {
-        let mut columns = [0; REACH];
-        columns.iter_mut().zip(from).for_each(|(column, &codes)| *column = codes);
-        rest.iter_mut().zip(costs_of(&window, &columns)).for_each(|(cost, of)| *cost = of);
+    let Some(window) = of_window.first_chunk().map(Window::new) else { return };
+    let mut memory = [const { MaybeUninit::uninit() }; REACH];
+    for costs in costs.get_mut(..length).unwrap_or_default().chunks_mut(BLOCK) {
+        window.search(spread(columns, costs.len() + STRIP - 1, &mut memory), costs);
+        columns = columns.get(BLOCK..).unwrap_or_default();
     }
 }
 
-/// Costs of a window at a block of disparities.
+/// The first three codes of a column, ten bits apart.
 #[inline(always)]
-fn costs_of(window: &[[u32; 2]; STRIP], columns: &[u32; REACH]) -> [u8; BLOCK] {
-    let halves = |column: u32| [column & HALVES, column >> 8 & HALVES];
-    let [first, second, third, rest @ ..] = columns;
-    let mut here = [halves(*first), halves(*second), halves(*third)];
-    let mut sums = [2 * STRIP as u32 * 0x0001_0001; BLOCK];
-    for (window, &column) in window.iter().zip(rest) {
-        let ([a, b, c, d], [e, f, g], h) = (sums, here, halves(column));
-        let add = |sum: u32, codes: [u32; 2]| add_differences(sum, window, codes);
-        (sums, here) = ([add(a, e), add(b, f), add(c, g), add(d, h)], [f, g, h]);
-    }
-    // Both halves of a sum, of which 1/64 is kept.
-    sums.map(|sum| ((sum.wrapping_add(sum << 16)) >> 22) as u8 + JUMP_PENALTY)
+fn three(codes: u32) -> u32 {
+    codes & 0xff | (codes & 0xff00) << 2 | (codes & 0x00ff_0000) << 4
 }
 
-/// Adds the absolute differences of two half words each; those of the window have a bit above.
+/// Sum of four codes.
 #[inline(always)]
-fn add_differences(sum: u32, window: &[u32; 2], codes: [u32; 2]) -> u32 {
-    window.iter().zip(codes).fold(sum, |sum, (window, code)| {
-        let difference = window.wrapping_sub(code);
-        // 256 where it is not negative: 256 of the difference go, else it is 255 less the size,
-        // and one is missing.
-        let bits = (difference & ABOVE) >> 8;
-        (difference ^ (bits + HALVES)).wrapping_add(sum).wrapping_sub(bits)
-    })
+fn sum_of(codes: u32) -> u32 {
+    let halves = (codes & HALVES) + (codes >> 8 & HALVES);
+    halves.wrapping_mul(0x0001_0001) >> 16
+}
+
+/// Spreads the first `count` columns.
+#[inline(always)]
+fn spread<'m>(
+    columns: &[u32],
+    count: usize,
+    memory: &'m mut [MaybeUninit<Column>; REACH],
+) -> &'m [Column] {
+    let count = count.min(columns.len()).min(REACH);
+    let (mut fourths, mut sum) = (0, 0);
+    for (column, &codes) in memory.iter_mut().zip(columns.get(..count).unwrap_or_default()) {
+        sum += sum_of(codes);
+        fourths = fourths >> 10 | codes >> 24 << 20;
+        column.write(Column { three: three(codes), fourths, sum });
+    }
+    // SAFETY: so many have been written.
+    unsafe { memory.get_unchecked(..count).assume_init_ref() }
+}
+
+/// What three codes of the window are above those at an offset.
+#[cfg(target_arch = "riscv32")]
+#[rustfmt::skip] // an instruction a line
+macro_rules! excess {
+    ($sum:literal = $window:literal, $column:literal) => {
+        concat!(
+            "lw {x}, ", $column, "({columns})\n",
+            "sub {x}, {", $window, "}, {x}\n",
+            "and {y}, {x}, {above}\n",
+            "mulhu {y}, {y}, {mask}\n",
+            "and {", $sum, "}, {x}, {y}\n",
+        )
+    };
+    ($sum:literal += $window:literal, $column:literal) => {
+        concat!(
+            excess!("x" = $window, $column),
+            "add {", $sum, "}, {", $sum, "}, {x}\n",
+        )
+    };
+}
+
+impl Window {
+    fn new(codes: &[u32; STRIP]) -> Self {
+        let [a, b, c, d, e, f, g, h] = codes.map(|column| column >> 24);
+        let fourths = |a: u32, b: u32, c: u32| a | b << 10 | c << 20 | ABOVE;
+        Self {
+            threes: codes.map(|column| three(column) | ABOVE),
+            // Nothing is below 0: the last three columns are those of two codes.
+            fourths: [fourths(a, b, c), fourths(d, e, f), fourths(0, g, h)],
+            sum: codes.map(sum_of).into_iter().sum(),
+        }
+    }
+
+    /// Costs along the columns: twice what the window's codes are above those there, and what these
+    /// are more in all.
+    #[cfg(not(target_arch = "riscv32"))]
+    fn search(&self, columns: &[Column], costs: &mut [u8]) {
+        let [a, b, c, d, e, f, g, h] = self.threes;
+        let [i, j, k] = self.fourths;
+        let mut before = self.sum;
+        for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
+            let Some([c0, c1, c2, c3, c4, c5, c6, c7]) = columns.first_chunk() else { return };
+            let first = (excess(a, c0.three) + excess(b, c1.three))
+                + (excess(c, c2.three) + excess(d, c3.three));
+            let second = (excess(e, c4.three) + excess(f, c5.three))
+                + (excess(g, c6.three) + excess(h, c7.three));
+            let third = excess(i, c2.fourths) + excess(j, c5.fourths) + excess(k, c7.fourths);
+            let middle = (first & MIDDLE) + (second & MIDDLE) + (third & MIDDLE);
+            let outer = first + second + third - middle;
+            // Sums are below 2^14; what the upper bits of `outer` add is cut off.
+            let above = outer + (outer >> 20) + (middle >> 10);
+            let sum = (above << 1).wrapping_add(c7.sum).wrapping_sub(before);
+            *cost = (sum >> 6) as u8 + JUMP_PENALTY;
+            before = c0.sum + self.sum;
+        }
+    }
+
+    /// The same. The compiler would load all columns first, which leaves no registers for the
+    /// window.
+    #[cfg(target_arch = "riscv32")]
+    fn search(&self, columns: &[Column], costs: &mut [u8]) {
+        let length = costs.len().min((columns.len() + 1).saturating_sub(STRIP));
+        if length == 0 {
+            return;
+        }
+        let ([a, b, c, d, e, f, g, h], [i, j, k]) = (self.threes, self.fourths);
+        let costs = costs.as_mut_ptr();
+        // SAFETY: there are so many costs, and seven columns more than these; offsets are those of
+        // `Column`.
+        unsafe {
+            core::arch::asm!(
+                "2:",
+                excess!("first" = "a", "0"),
+                excess!("first" += "b", "12"),
+                excess!("first" += "c", "24"),
+                excess!("first" += "d", "36"),
+                excess!("second" = "e", "48"),
+                excess!("second" += "f", "60"),
+                excess!("second" += "g", "72"),
+                excess!("second" += "h", "84"),
+                "and {third}, {first}, {middle}",
+                "add {first}, {first}, {second}",
+                "and {second}, {second}, {middle}",
+                "add {third}, {third}, {second}",
+                excess!("second" = "i", "28"),
+                excess!("second" += "j", "64"),
+                excess!("second" += "k", "88"),
+                "add {first}, {first}, {second}",
+                "and {second}, {second}, {middle}",
+                "add {third}, {third}, {second}",
+                // Sums are below 2^14; what the upper bits of `first` add is not stored.
+                "sub {first}, {first}, {third}",
+                "srli {x}, {first}, 20",
+                "add {first}, {first}, {x}",
+                "srli {third}, {third}, 10",
+                "add {first}, {first}, {third}",
+                "slli {first}, {first}, 1",
+                "lw {x}, 92({columns})",
+                "sub {x}, {x}, {before}",
+                "add {first}, {first}, {x}",
+                "srli {first}, {first}, 6",
+                "addi {first}, {first}, {penalty}",
+                "sb {first}, 0({costs})",
+                "lw {before}, 8({columns})",
+                "add {before}, {before}, {sum}",
+                "addi {columns}, {columns}, 12",
+                "addi {costs}, {costs}, 1",
+                "bne {costs}, {end}, 2b",
+                a = in(reg) a,
+                b = in(reg) b,
+                c = in(reg) c,
+                d = in(reg) d,
+                e = in(reg) e,
+                f = in(reg) f,
+                g = in(reg) g,
+                h = in(reg) h,
+                i = in(reg) i,
+                j = in(reg) j,
+                k = in(reg) k,
+                columns = inout(reg) columns.as_ptr() => _,
+                costs = inout(reg) costs => _,
+                end = in(reg) costs.add(length),
+                above = in(reg) ABOVE,
+                middle = in(reg) MIDDLE,
+                mask = in(reg) 0xff << 24,
+                sum = in(reg) self.sum,
+                before = inout(reg) self.sum => _,
+                first = out(reg) _,
+                second = out(reg) _,
+                third = out(reg) _,
+                x = out(reg) _,
+                y = out(reg) _,
+                penalty = const JUMP_PENALTY,
+                options(nostack),
+            );
+        }
+    }
+}
+
+/// What three codes with the bits [`ABOVE`] are above three others, at least 0.
+#[cfg(not(target_arch = "riscv32"))]
+#[inline(always)]
+fn excess(window: u32, codes: u32) -> u32 {
+    let difference = window - codes;
+    difference & scaled(difference & ABOVE, 0xff << 24)
 }
 
 /// See [`portable::path_step`].
@@ -97,8 +259,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
     // What is left to `reach`, at least 0.
     let left = |word: u32| {
         let left = reaches - (word & !HIGH);
-        let is_below = left & HIGH & !word;
-        left & (is_below - (is_below >> 7))
+        left & scaled(left & HIGH & !word, 0x7f << 25)
     };
     let mut low = Lowest::START;
     let mut before = 0;
@@ -126,8 +287,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
 #[inline(always)]
 fn larger(a: u32, b: u32) -> u32 {
     let difference = (a | HIGH) - b;
-    let is_larger = difference & HIGH;
-    b + (difference & (is_larger - (is_larger >> 7)))
+    b + (difference & scaled(difference & HIGH, 0x7f << 25))
 }
 
 /// See [`portable::sum_paths`].
@@ -154,7 +314,7 @@ pub fn sum_paths(a: &[u8], b: &[u8], sums: &mut [u8]) -> u8 {
 /// Half words below 1024, at most 255.
 #[inline(always)]
 fn limited(sums: u32) -> u32 {
-    let over = (sums + (0x0400_0400 - ABOVE)) & 0x0400_0400;
+    let over = (sums + (0x0400_0400 - 0x0100_0100)) & 0x0400_0400;
     (sums | (over - (over >> 8)) >> 2) & HALVES
 }
 
