@@ -89,6 +89,30 @@ pub use simd128::{code_columns, code_costs, path_step, sad_curve};
 pub use sse2::{code_columns, code_costs, path_step, sad_curve};
 #[cfg(swar)]
 pub use swar::{
-    code_columns, code_costs, gradient_row, hamming_curve, lowest_byte, path_step, sad_curve,
-    sum_paths,
+    code_columns, code_costs, code_costs_in, gradient_row, hamming_curve, lowest_byte, path_step,
+    sad_curve, spread_bytes, spread_codes, sum_paths,
 };
+
+/// Bytes in which columns are spread: only [`swar`] does.
+#[cfg(not(swar))]
+pub(crate) const fn spread_bytes(_columns: usize) -> usize {
+    0
+}
+
+/// See [`swar::spread_codes`].
+#[cfg(not(swar))]
+#[inline(always)]
+pub(crate) fn spread_codes(_columns: &[CodeColumn], _memory: &mut [u8]) {}
+
+/// See [`swar::code_costs_in`].
+#[cfg(not(swar))]
+#[inline(always)]
+pub(crate) fn code_costs_in(
+    window: &[CodeColumn; STRIP],
+    columns: &[CodeColumn],
+    first: usize,
+    _memory: &[u8],
+    costs: &mut [u8],
+) {
+    code_costs(window, columns.get(first..).unwrap_or_default(), costs);
+}

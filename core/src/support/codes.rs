@@ -17,7 +17,10 @@
 
 use crate::cores::{Cores, join};
 use crate::image::{Gray, Span, halve_rows};
-use crate::kernel::{CODE_FLAT, CODE_ROWS, CodeColumn, STRIP, code_columns, code_costs};
+use crate::kernel::{
+    CODE_FLAT, CODE_ROWS, CodeColumn, STRIP, code_columns, code_costs, code_costs_in, spread_bytes,
+    spread_codes,
+};
 
 /// Width of a window, px.
 pub(super) const WINDOW_COLUMNS: usize = STRIP;
@@ -43,25 +46,29 @@ pub(super) struct CodeRows<'a> {
     row_offset: i32,
     doublings: u32,
     columns: [&'a mut [CodeColumn]; 2],
+    /// Columns of the right image as [`code_costs_in`] takes them.
+    spread: &'a mut [u8],
     /// Rows of half of the image that was coded last, where codes are of halves.
     half: Option<&'a mut [u8]>,
 }
 
 impl<'a> CodeRows<'a> {
-    /// For codes of these images, or of their halves.
+    /// For codes of these images, or of their halves. Spare memory may make searches faster.
     pub(super) fn new(
         images: [Gray<'a>; 2],
         row_offset: i32,
         doublings: u32,
         is_half: bool,
         memory: &'a mut [u8],
+        spare: &'a mut [u8],
     ) -> Option<Self> {
         let [left, _] = images;
         let width = left.dims().width / if is_half { 2 } else { 1 };
         let (codes, rows) = memory.split_at_mut_checked(bytes(width))?;
         let (left, right) = codes.as_chunks_mut().0.split_at_mut_checked(width.into())?;
         let half = if is_half { Some(rows.get_mut(..bytes_of_half(width))?) } else { None };
-        Some(Self { images, row_offset, doublings, columns: [left, right], half })
+        let spread = spare.get_mut(..spread_bytes(width.into())).unwrap_or_default();
+        Some(Self { images, row_offset, doublings, columns: [left, right], spread, half })
     }
 
     /// Computes the codes of the rows around row `y`.
@@ -79,8 +86,12 @@ impl<'a> CodeRows<'a> {
             && self.half.is_none()
         {
             let ([left, right], [a, b]) = (self.images, &mut self.columns);
+            let spread = &mut *self.spread;
             let here = || code((left, 0), rows_around(left, y), a);
-            let there = || code((right, offsets[1]), rows_around(right, y + offsets[1]), b);
+            let there = || {
+                code((right, offsets[1]), rows_around(right, y + offsets[1]), b);
+                spread_codes(b, spread);
+            };
             return join(Some(cores), here, there);
         }
         for ((image, offset), columns) in
@@ -95,6 +106,7 @@ impl<'a> CodeRows<'a> {
             };
             code((image, offset), rows, columns);
         }
+        spread_codes(self.columns[1], self.spread);
     }
 
     /// Pixels of the images in one of those that are coded: 2 where these are halves.
@@ -137,16 +149,18 @@ impl<'a> CodeRows<'a> {
         (rows, self.doublings)
     }
 
-    /// The window that begins at column `x` of the left image, and the columns of the right one
-    /// from `first` on.
-    pub(super) fn windows(
+    /// Costs of the window that begins at column `x` of the left image in the right one, from
+    /// column `first` on. Returns the window; `None` where there is none.
+    pub(super) fn costs(
         &self,
         x: i32,
         first: i32,
-    ) -> Option<(&[CodeColumn; WINDOW_COLUMNS], &[CodeColumn])> {
-        let [left, right] = &self.columns;
-        let window = left.get(usize::try_from(x).ok()?..)?.first_chunk()?;
-        Some((window, right.get(usize::try_from(first).ok()?..)?))
+        costs: &mut [u8],
+    ) -> Option<&[CodeColumn; WINDOW_COLUMNS]> {
+        let window = self.window(x)?;
+        let first = usize::try_from(first).ok()?;
+        code_costs_in(window, self.columns_of_right(), first, self.spread, costs);
+        Some(window)
     }
 
     /// Costs of the window that begins at column `x` of the left image in the same image, from

@@ -142,9 +142,8 @@ impl Fine<'_> {
             return;
         };
         let mut labels = plane.and_then(|plane| PlaneLabels::new(plane, grid, labels));
-        let Some(mut codes) = CodeRows::new(images, row_offset, doublings, false, codes) else {
-            return;
-        };
+        let codes = CodeRows::new(images, row_offset, doublings, false, codes, &mut []);
+        let Some(mut codes) = codes else { return };
         let mut below: [Option<Path>; MAX_COLUMNS] = [None; MAX_COLUMNS];
         // From the last row up: points of the halves are still there when they are needed.
         for row in (0..grid.rows).rev() {

@@ -92,12 +92,16 @@ impl Grid {
 
     /// Working memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        let planes = if self.has_plane {
+        self.bytes_of_codes() + paths::bytes(self.labels(), self.columns) + self.bytes_of_planes()
+    }
+
+    /// Bytes of labels beside the plane.
+    fn bytes_of_planes(&self) -> usize {
+        if self.has_plane {
             CODE_ROWS * usize::from(self.width) + paths::PLANE_LABELS * self.columns
         } else {
             0
-        };
-        self.bytes_of_codes() + paths::bytes(self.labels(), self.columns) + planes
+        }
     }
 
     /// Bytes of the codes, and of the rows that they are of, if these are no image's.
@@ -105,12 +109,13 @@ impl Grid {
         codes::bytes(self.width) + if self.is_half { codes::bytes_of_half(self.width) } else { 0 }
     }
 
-    /// The memory of the codes, that of the paths, and that of labels beside the plane.
-    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<[&'m mut [u8]; 3]> {
+    /// The memory of the codes, that of the paths, that of labels beside the plane, and the rest.
+    pub(super) fn split<'m>(&self, memory: &'m mut [u8]) -> Option<[&'m mut [u8]; 4]> {
         let (codes, memory) = memory.split_at_mut_checked(self.bytes_of_codes())?;
         let (paths, memory) =
             memory.split_at_mut_checked(paths::bytes(self.labels(), self.columns))?;
-        Some([codes, paths, memory])
+        let (planes, spare) = memory.split_at_mut_checked(self.bytes_of_planes())?;
+        Some([codes, paths, planes, spare])
     }
 
     /// The largest disparity compared, px: costs are stored from there down, as columns of the

@@ -338,7 +338,7 @@ impl Matching<'_> {
         sums: &mut Sums,
         watch: &mut dyn FnMut(usize, Seen<'_>), // compiled once, for both sizes
     ) {
-        let Some([codes, paths, labels]) = self.grid.split(memory) else { return };
+        let Some([codes, paths, labels, spare]) = self.grid.split(memory) else { return };
         let mut labels = self
             .plane
             .filter(|_| self.grid.has_plane)
@@ -347,7 +347,7 @@ impl Matching<'_> {
         let [of_half, _] = self.noise.doublings_of_two();
         let is_half = self.grid.is_half;
         let doublings = if is_half { of_half } else { self.noise.doublings() };
-        let codes = CodeRows::new(images, row_offset, doublings, is_half, codes);
+        let codes = CodeRows::new(images, row_offset, doublings, is_half, codes, spare);
         let Some(mut codes) = codes else { return };
         let Some(mut paths) = Paths::new(self.grid.labels(), self.grid.columns, paths) else {
             return;

@@ -18,10 +18,10 @@
 //! # Cost
 //! Some 70 windows of a QVGA pair, a third of which is compared beyond the range.
 
-use super::codes::{BORDER, CodeRows, WINDOW_COLUMNS};
+use super::codes::{BORDER, CodeRows};
 use super::{Grid, MIN_RANGE};
 use crate::curve::MAX_DISPARITIES;
-use crate::kernel::{JUMP_PENALTY, code_costs, lowest_byte, place_of_byte};
+use crate::kernel::{JUMP_PENALTY, lowest_byte, place_of_byte};
 
 /// Rows and columns of points from one sample to the next.
 const STEP: usize = 4;
@@ -146,12 +146,10 @@ impl NearerSearch {
         }
         let mut beyond = [[u8::MAX; MOST_BEYOND]; 2];
         for (costs, x) in beyond.iter_mut().zip(windows) {
-            let needed = length + WINDOW_COLUMNS - 1;
-            let Some((window, right)) = codes.windows(x, x - last - most) else { return };
-            let (Some(right), Some(costs)) = (right.get(..needed), costs.get_mut(..length)) else {
+            let Some(costs) = costs.get_mut(..length) else { return };
+            if codes.costs(x, x - last - most, costs).is_none() {
                 return;
-            };
-            code_costs(window, right, costs);
+            }
         }
         let [sums, others] = &mut beyond;
         sums.iter_mut().zip(others).for_each(|(sum, other)| *sum = sum.saturating_add(*other));

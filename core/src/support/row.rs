@@ -11,7 +11,7 @@ use super::plane::PlaneLabels;
 use super::{Grid, Matching, OUTSIDE, REPEATS_Q6, Seen, SupportCurves, SupportPoint};
 use crate::cores::Cores;
 use crate::image::Span;
-use crate::kernel::{code_costs, code_steps};
+use crate::kernel::code_steps;
 use core::ops::Range;
 
 /// Sums over the windows of an area.
@@ -71,10 +71,10 @@ impl<W: FnMut(usize, Seen<'_>)> Points for RowPart<'_, '_, W> {
             costs.fill(OUTSIDE);
         }
         let x = grid.window(column);
-        if let Some((window, columns)) = codes.windows(x, x - grid.last() + range.start as i32)
-            && let Some(in_range) = costs.get_mut(range)
+        let first = x - grid.last() + range.start as i32;
+        if let Some(in_range) = costs.get_mut(range)
+            && let Some(window) = codes.costs(x, first, in_range)
         {
-            code_costs(window, columns, in_range);
             let Sums { detail, nearer } = self.sums;
             if !in_range.is_empty() {
                 nearer.add((self.row.row, column), costs, codes, self.row.right_start);

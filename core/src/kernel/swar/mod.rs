@@ -26,7 +26,9 @@ mod support;
 pub use codes::code_columns;
 pub use curves::{hamming_curve, sad_curve};
 pub use rows::gradient_row;
-pub use support::{code_costs, lowest_byte, path_step, sum_paths};
+pub use support::{
+    code_costs, code_costs_in, lowest_byte, path_step, spread_bytes, spread_codes, sum_paths,
+};
 
 /// A byte in each half word.
 const HALVES: u32 = 0x00ff_00ff;

@@ -40,6 +40,14 @@ struct Column {
     sum: u32,
 }
 
+impl Column {
+    /// Sum of all codes of the columns before this one.
+    fn before(&self) -> u32 {
+        let codes = |three: u32| (three & 0x3ff) + (three >> 10 & 0x3ff) + (three >> 20);
+        self.sum - codes(self.three) - (self.fourths >> 20)
+    }
+}
+
 /// A window, with the bits [`ABOVE`].
 struct Window {
     threes: [u32; STRIP],
@@ -57,8 +65,45 @@ pub fn code_costs(window: &[CodeColumn; STRIP], columns: &[CodeColumn], costs: &
     let Some(window) = of_window.first_chunk().map(Window::new) else { return };
     let mut memory = [const { MaybeUninit::uninit() }; REACH];
     for costs in costs.get_mut(..length).unwrap_or_default().chunks_mut(BLOCK) {
-        window.search(spread(columns, costs.len() + STRIP - 1, &mut memory), costs);
+        let reached = columns.get(..costs.len() + STRIP - 1).unwrap_or_default();
+        window.search(spread(reached.iter().copied(), &mut memory), costs);
         columns = columns.get(BLOCK..).unwrap_or_default();
+    }
+}
+
+/// Bytes in which so many columns are spread, for [`code_costs_in`].
+pub const fn spread_bytes(columns: usize) -> usize {
+    size_of::<Column>() * columns + align_of::<Column>() - 1
+}
+
+/// Spreads columns of codes, once for all windows that are searched in them.
+pub fn spread_codes(columns: &[CodeColumn], memory: &mut [u8]) {
+    // SAFETY: any bytes may be replaced by those of words.
+    let (_, memory, _) = unsafe { memory.align_to_mut::<MaybeUninit<Column>>() };
+    match whole_words(columns.as_flattened()) {
+        ([], words, []) => spread(words.iter().copied(), memory),
+        _ => spread(columns.iter().map(|&column| u32::from_ne_bytes(column)), memory),
+    };
+}
+
+/// [`code_costs`] along the columns from `first` on, of those spread in this memory, if it holds
+/// any.
+pub fn code_costs_in(
+    window: &[CodeColumn; STRIP],
+    columns: &[CodeColumn],
+    first: usize,
+    memory: &[u8],
+    costs: &mut [u8],
+) {
+    let from = columns.get(first..).unwrap_or_default();
+    // SAFETY: any bytes are words.
+    let (_, spread, _) = unsafe { memory.align_to::<Column>() };
+    let ([], of_window, []) = whole_words(window.as_flattened()) else {
+        return code_costs(window, from, costs);
+    };
+    match (spread.get(first..columns.len()), of_window.first_chunk()) {
+        (Some(spread), Some(codes)) => Window::new(codes).search(spread, costs),
+        _ => code_costs(window, from, costs),
     }
 }
 
@@ -75,16 +120,15 @@ fn sum_of(codes: u32) -> u32 {
     halves.wrapping_mul(0x0001_0001) >> 16
 }
 
-/// Spreads the first `count` columns.
+/// Spreads columns of codes; as many as the memory holds.
 #[inline(always)]
-fn spread<'m>(
-    columns: &[u32],
-    count: usize,
-    memory: &'m mut [MaybeUninit<Column>; REACH],
-) -> &'m [Column] {
-    let count = count.min(columns.len()).min(REACH);
+fn spread(
+    columns: impl ExactSizeIterator<Item = u32>,
+    memory: &mut [MaybeUninit<Column>],
+) -> &[Column] {
+    let count = columns.len().min(memory.len());
     let (mut fourths, mut sum) = (0, 0);
-    for (column, &codes) in memory.iter_mut().zip(columns.get(..count).unwrap_or_default()) {
+    for (column, codes) in memory.iter_mut().zip(columns) {
         sum += sum_of(codes);
         fourths = fourths >> 10 | codes >> 24 << 20;
         column.write(Column { three: three(codes), fourths, sum });
@@ -132,7 +176,7 @@ impl Window {
     fn search(&self, columns: &[Column], costs: &mut [u8]) {
         let [a, b, c, d, e, f, g, h] = self.threes;
         let [i, j, k] = self.fourths;
-        let mut before = self.sum;
+        let mut before = self.sum + columns.first().map_or(0, Column::before);
         for (cost, columns) in costs.iter_mut().zip(columns.windows(STRIP)) {
             let Some([c0, c1, c2, c3, c4, c5, c6, c7]) = columns.first_chunk() else { return };
             let first = (excess(a, c0.three) + excess(b, c1.three))
@@ -155,9 +199,7 @@ impl Window {
     #[cfg(target_arch = "riscv32")]
     fn search(&self, columns: &[Column], costs: &mut [u8]) {
         let length = costs.len().min((columns.len() + 1).saturating_sub(STRIP));
-        if length == 0 {
-            return;
-        }
+        let Some(first) = columns.first().filter(|_| length > 0) else { return };
         let ([a, b, c, d, e, f, g, h], [i, j, k]) = (self.threes, self.fourths);
         let costs = costs.as_mut_ptr();
         // SAFETY: there are so many costs, and seven columns more than these; offsets are those of
@@ -219,7 +261,7 @@ impl Window {
                 middle = in(reg) MIDDLE,
                 mask = in(reg) 0xff << 24,
                 sum = in(reg) self.sum,
-                before = inout(reg) self.sum => _,
+                before = inout(reg) self.sum + first.before() => _,
                 first = out(reg) _,
                 second = out(reg) _,
                 third = out(reg) _,
@@ -348,5 +390,36 @@ impl Lowest {
 
     fn lowest(self) -> Option<u8> {
         (self.low < 127).then_some(self.low)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn costs_in_spread_columns_are_those_in_the_columns() {
+        let mut state = 1_u32;
+        let mut code = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // A quarter each of the least and the largest.
+            ((state >> 22) as i32 - 384).clamp(0, 255) as u8
+        };
+        let columns: [CodeColumn; 320] = core::array::from_fn(|_| core::array::from_fn(|_| code()));
+        let window: [CodeColumn; STRIP] =
+            core::array::from_fn(|_| core::array::from_fn(|_| code()));
+        let mut memory = [0; spread_bytes(320)];
+        spread_codes(&columns, &mut memory);
+        for (first, count) in [(0, 313), (1, 64), (7, 200), (2, 1), (250, 63), (300, 30), (320, 5)]
+        {
+            let (mut costs, mut expected) = ([255; 313], [255; 313]);
+            let from = &columns[first..];
+            portable::code_costs(&window, from, &mut expected[..count]);
+            code_costs_in(&window, &columns, first, &memory, &mut costs[..count]);
+            assert_eq!(costs, expected, "{first}, {count}");
+            let mut costs = [255; 313];
+            code_costs_in(&window, &columns, first, &memory[..80], &mut costs[..count]);
+            assert_eq!(costs, expected, "{first}, {count}, without memory");
+        }
     }
 }
