@@ -6,7 +6,7 @@
 //! pixels    row r and row r + 4 in the halves of a word, r = 0 ..= 7
 //! sums      exact, each 128 above its value: any bit above the lowest eight tells that bytes would
 //!           be limited here, and the column is computed again byte by byte
-//! codes     sums with those of the next column, shifted, limited to a byte, halved
+//! codes     sums with those of the next column, at full scale by a table, halved
 //! ```
 //!
 //! # Cost
@@ -38,9 +38,10 @@ pub fn code_columns(rows: [&[u8]; ROWS], doublings: u32, columns: &mut [CodeColu
     let Some(inner) = width.checked_sub(2).and_then(|end| columns.get_mut(2..end)) else {
         return portable::code_columns(rows, doublings, columns);
     };
-    if !are_whole || !(1..=4).contains(&doublings) {
+    let scale = doublings.checked_sub(1).and_then(|index| FULL_SCALE.get(index as usize));
+    let Some(scale) = scale.filter(|_| are_whole) else {
         return portable::code_columns(rows, doublings, columns);
-    }
+    };
     let rows = rows.map(|row| row.get(..width).unwrap_or_default());
     // Of the two columns before, below the bias.
     let mut before = [0, 1].map(|x| pairs(&rows, x).map(|pair| pair.wrapping_sub(BIAS)));
@@ -50,7 +51,7 @@ pub fn code_columns(rows: [&[u8]; ROWS], doublings: u32, columns: &mut [CodeColu
         let next = sums_of(&rows, x, odd);
         let after = if two.len() == 2 { sums_of(&rows, x + 1, even) } else { next };
         for (column, (sums, next)) in two.iter_mut().zip([(sums, next), (next, after)]) {
-            *column = codes(sums, next, doublings);
+            *column = codes(sums, next, scale);
         }
         sums = after;
     }
@@ -100,23 +101,42 @@ fn byte(sums: u32) -> u32 {
 
 /// Codes of a column, from its sums and the next column's.
 #[inline(always)]
-fn codes(sums: Sums, next: Sums, doublings: u32) -> CodeColumn {
+fn codes(sums: Sums, next: Sums, scale: &FullScale) -> CodeColumn {
     let [along, along1, down, down1] = sums;
     let [along_next, along1_next, down_next, down1_next] = next;
-    let code = |along: u32, down: u32| {
-        (full_scale(along, doublings) + full_scale(down, doublings)) >> 1 & HALVES
+    let codes = |along: u32, down: u32| {
+        let at = |sum: u32| u32::from(*scale.get(sum as usize & SUMS - 1).unwrap_or(&0));
+        [at(along) + at(down), at(along >> 16) + at(down >> 16)].map(|sum| (sum >> 1) as u8)
     };
-    let even = code(along + along_next, down + down_next);
-    let odd = code(along1 + along1_next, down1 + down1_next);
-    (even | odd << 8).to_le_bytes()
+    let [a, c] = codes(along + along_next, down + down_next);
+    let [b, d] = codes(along1 + along1_next, down1 + down1_next);
+    [a, b, c, d]
 }
 
-/// Sums, 256 above their values, doubled so many times and limited to a byte, 128 above their
-/// values.
-#[inline(always)]
-fn full_scale(sums: u32, doublings: u32) -> u32 {
-    let zero = SIGN + BIAS - (0x0100_0100 << doublings);
-    limited((sums << doublings) + zero)
+/// Number of sums of two bytes, 256 above their values.
+const SUMS: usize = 512;
+
+/// Sums, doubled some times and limited to a byte, 128 above their values.
+type FullScale = [u8; SUMS];
+
+/// Of one to four times.
+static FULL_SCALE: [FullScale; 4] = [full_scale(1), full_scale(2), full_scale(3), full_scale(4)];
+
+const fn full_scale(doublings: u32) -> FullScale {
+    let mut scaled = [0; SUMS];
+    let mut sum = 0;
+    while sum < SUMS {
+        let value = ((sum as i32 - 256) << doublings) + 128;
+        scaled[sum] = if value < 0 {
+            0
+        } else if value > 255 {
+            255
+        } else {
+            value as u8
+        };
+        sum += 1;
+    }
+    scaled
 }
 
 /// Half words that are [`SIGN`] above their values, limited to 0 ..= 255.
