@@ -18,6 +18,7 @@
 
 use super::super::portable::{self, CodeColumn, JUMP_PENALTY, STEP_PENALTY, STRIP};
 use super::{HALVES, HIGH, four, scaled, whole_words, whole_words_mut};
+use core::cell::Cell;
 use core::mem::MaybeUninit;
 
 /// Most disparities at a time.
@@ -304,10 +305,11 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
         left & scaled(left & HIGH & !word, 0x7f << 25)
     };
     let mut low = Lowest::START;
-    let mut before = 0;
-    let mut here = words.first().map_or(0, |&first| left(first));
-    for (i, &cost) in costs_of_words.iter().enumerate() {
-        let after = words.get(i + 1).map_or(0, |&after| left(after));
+    let words = Cell::from_mut(words).as_slice_of_cells();
+    let mut following = words.iter().map(|word| left(word.get()));
+    let (mut before, mut here) = (0, following.next().unwrap_or(0));
+    for (word, &cost) in words.iter().zip(costs_of_words) {
+        let after = following.next().unwrap_or(0);
         let (earlier, later) = (here << 8 | before >> 24, here >> 8 | after << 24);
         let new = if earlier | here | later == 0 {
             cost
@@ -316,9 +318,7 @@ pub fn path_step(costs: &[u8], lowest: u8, path: &mut [u8]) -> u8 {
             let most = larger(near, here + four(STEP_PENALTY)) - four(STEP_PENALTY);
             ((cost | HIGH) - most) ^ (!cost & HIGH)
         };
-        if let Some(word) = words.get_mut(i) {
-            *word = new;
-        }
+        word.set(new);
         low.note(new);
         (before, here) = (here, after);
     }
