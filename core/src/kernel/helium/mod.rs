@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! rows    gradient, census
-//! curves  sums of strips over disparity
+//! curves  sums of strips over disparity, lowest entry
 //! codes   codes of texture
 //! support costs of windows of codes, paths
 //! ```
@@ -35,7 +35,7 @@ mod rows;
 mod support;
 
 pub use codes::code_columns;
-pub use curves::sad_curve;
+pub use curves::{lowest, sad_curve};
 pub use rows::{census_row, gradient_row};
 pub use support::{code_costs, lowest_byte, path_step, place_of_byte, sum_paths};
 
