@@ -60,18 +60,18 @@ pub use portable::{
 #[cfg(dsp)]
 pub use dsp::{
     add_products, bilinear_cells, bilinear_runs, census_code, code_moments, code_steps, crossing,
-    hamming_curve, largest_step, limited_steps, lower_curve, lower_sum_curve, reverse_row,
-    row_difference, second_differences, sum_curve, weigh_knots,
+    hamming_curve, largest_step, lower_curve, lower_sum_curve, reverse_row, row_difference,
+    second_differences, sum_curve, weigh_knots,
 };
 #[cfg(all(dsp, not(helium)))]
 pub use dsp::{
-    census_row, code_columns, code_costs, gradient_row, lowest, lowest_byte, path_step,
-    place_of_byte, sad_curve, sum_paths,
+    census_row, code_columns, code_costs, gradient_row, limited_steps, lowest, lowest_byte,
+    path_step, place_of_byte, sad_curve, sum_paths,
 };
 #[cfg(helium)]
 pub use helium::{
-    census_row, code_columns, code_costs, gradient_row, lowest, lowest_byte, path_step,
-    place_of_byte, sad_curve, sum_paths,
+    census_row, code_columns, code_costs, gradient_row, limited_steps, lowest, lowest_byte,
+    path_step, place_of_byte, sad_curve, sum_paths,
 };
 #[cfg(not(dsp))]
 pub use portable::{

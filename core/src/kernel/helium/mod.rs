@@ -5,7 +5,7 @@
 //! not here, and what is too short for a vector, is done by [`dsp`](super::dsp).
 //!
 //! ```text
-//! rows    gradient, census
+//! rows    gradient, census, limited steps
 //! curves  sums of strips over disparity, lowest entry
 //! codes   codes of texture
 //! support costs of windows of codes, paths
@@ -36,7 +36,7 @@ mod support;
 
 pub use codes::code_columns;
 pub use curves::{lowest, sad_curve};
-pub use rows::{census_row, gradient_row};
+pub use rows::{census_row, gradient_row, limited_steps};
 pub use support::{code_costs, lowest_byte, path_step, place_of_byte, sum_paths};
 
 /// Bytes of a vector.

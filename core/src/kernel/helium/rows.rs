@@ -1,16 +1,17 @@
-//! Rows of gradients and census codes, sixteen pixels at a time.
+//! Rows of gradients, census codes and steps, sixteen pixels at a time.
 //!
-//! In: the rows around one row of an image. Out: a byte for each of its pixels.
+//! In: the rows around one row of an image, or two rows. Out: a byte for each of its pixels.
 //!
 //! ```text
 //! gradient  mean of three rows, halving twice; the difference two columns apart saturates at the
 //!           clip from either side
 //! census    half the difference to the centre is negative where the neighbour is darker: its
 //!           highest bit is shifted into its place
+//! steps     as gradients
 //! ```
 //!
 //! # Cost
-//! A row of 320 pixels: gradient 435 (1298), census 608 (2657).
+//! A row of 320 pixels: gradient 435 (1298), census 608 (2657), steps 246 (941).
 //!
 //! # Source
 //! See [`super`].
@@ -71,13 +72,12 @@ unsafe fn gradient_vectors(rows: [*const u8; 3], out: *mut u8, count: usize) {
             "vsub.i8 q2, q2, q3",
             "vadd.i8 q2, q2, {flat}",
             "vstrb.u8 q2, [{out}], #16",
-            "subs {count}, {count}, #1",
-            "bne 2b",
+            "le lr, 2b",
             above = inout(reg) above => _,
             row = inout(reg) row => _,
             below = inout(reg) below => _,
             out = inout(reg) out => _,
-            count = inout(reg) count => _,
+            inout("lr") count => _,
             clip = in(reg) 255_u32 - 31, // saturates when more than 31 is added
             flat = in(reg) u32::from(FLAT),
             out("d0") _, out("d1") _, out("d2") _, out("d3") _,
@@ -147,15 +147,65 @@ unsafe fn census_vectors(rows: [*const u8; 3], out: *mut u8, count: usize) {
             "vhsub.u8 q2, q2, q0",
             "vsri.8 q1, q2, #7",
             "vstrb.u8 q1, [{out}], #16",
-            "subs {count}, {count}, #1",
-            "bne 2b",
+            "le lr, 2b",
             top = inout(reg) top => _,
             row = inout(reg) row => _,
             bottom = inout(reg) bottom => _,
             out = inout(reg) out => _,
-            count = inout(reg) count => _,
+            inout("lr") count => _,
             out("d0") _, out("d1") _, out("d2") _, out("d3") _,
             out("d4") _, out("d5") _,
+            options(nostack),
+        );
+    }
+}
+
+/// See [`portable::limited_steps`](super::super::portable::limited_steps).
+pub fn limited_steps(before: &[u8], after: &[u8], most: u8, out: &mut [u8]) {
+    let length = out.len().min(before.len()).min(after.len());
+    let Some(last) = length.checked_sub(VECTOR) else {
+        return dsp::limited_steps(before, after, most, out);
+    };
+    let (before, after, out) = (before.as_ptr(), after.as_ptr(), out.as_mut_ptr());
+    let most = most.min(127);
+    // SAFETY: all three slices hold at least `length` bytes; the last sixteen begin at `last`.
+    unsafe {
+        step_vectors(before, after, most, out, length / VECTOR);
+        if !length.is_multiple_of(VECTOR) {
+            // The last pixels, some of them twice.
+            step_vectors(before.add(last), after.add(last), most, out.add(last), 1);
+        }
+    }
+}
+
+/// Sixteen steps at a time, `count` times, at least once.
+///
+/// # Safety
+/// `16 * count` bytes can be read from both rows, as many written.
+#[inline(always)]
+unsafe fn step_vectors(before: *const u8, after: *const u8, most: u8, out: *mut u8, count: usize) {
+    // SAFETY: the caller's.
+    unsafe {
+        asm!(
+            "2:",
+            "vldrb.u8 q0, [{before}], #16",
+            "vldrb.u8 q1, [{after}], #16",
+            "vqsub.u8 q2, q1, q0",
+            "vqsub.u8 q3, q0, q1",
+            "vqadd.u8 q2, q2, {clip}",
+            "vqadd.u8 q3, q3, {clip}",
+            "vsub.i8 q2, q2, q3",
+            "vadd.i8 q2, q2, {most}",
+            "vstrb.u8 q2, [{out}], #16",
+            "le lr, 2b",
+            before = inout(reg) before => _,
+            after = inout(reg) after => _,
+            out = inout(reg) out => _,
+            inout("lr") count => _,
+            clip = in(reg) u32::from(u8::MAX - most), // saturates when more than `most` is added
+            most = in(reg) u32::from(most),
+            out("d0") _, out("d1") _, out("d2") _, out("d3") _,
+            out("d4") _, out("d5") _, out("d6") _, out("d7") _,
             options(nostack),
         );
     }
