@@ -11,7 +11,7 @@
 //! ```
 //!
 //! # Cost
-//! A row of 320 pixels: gradient 435 (1298), census 608 (2657), steps 246 (941).
+//! A row of 320 pixels: gradient 413 (1298), census 576 (2657), steps 239 (941).
 //!
 //! # Source
 //! See [`super`].

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! # Cost
-//! A row of 320 columns: 64 000 to 90 000, by how many sums a byte limits (520 000).
+//! A row of 320 columns: 57 000 to 83 000, by how many sums a byte limits (520 000). The table of
+//! full scales has 2 KB.
 //!
 //! # Source
 //! See [`super`].

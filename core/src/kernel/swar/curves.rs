@@ -8,7 +8,7 @@
 //! with larger pixels go the portable way.
 //!
 //! # Cost
-//! 64 disparities: 12 strips 28 700 (54 000), 12 points 7700 (14 700).
+//! 64 disparities: 12 strips 25 300 (55 500), 12 points 7700 (14 700).
 //!
 //! # Source
 //! See [`super`].
