@@ -106,7 +106,7 @@ fn codes(sums: Sums, next: Sums, scale: &FullScale) -> CodeColumn {
     let [along, along1, down, down1] = sums;
     let [along_next, along1_next, down_next, down1_next] = next;
     let codes = |along: u32, down: u32| {
-        let at = |sum: u32| u32::from(*scale.get(sum as usize & SUMS - 1).unwrap_or(&0));
+        let at = |sum: u32| u32::from(*scale.get(sum as usize & (SUMS - 1)).unwrap_or(&0));
         [at(along) + at(down), at(along >> 16) + at(down >> 16)].map(|sum| (sum >> 1) as u8)
     };
     let [a, c] = codes(along + along_next, down + down_next);
@@ -125,17 +125,17 @@ static FULL_SCALE: [FullScale; 4] = [full_scale(1), full_scale(2), full_scale(3)
 
 const fn full_scale(doublings: u32) -> FullScale {
     let mut scaled = [0; SUMS];
-    let mut sum = 0;
-    while sum < SUMS {
-        let value = ((sum as i32 - 256) << doublings) + 128;
-        scaled[sum] = if value < 0 {
+    let (mut value, mut rest) = (-256, scaled.as_mut_slice());
+    while let Some((entry, after)) = rest.split_first_mut() {
+        let level = (value << doublings) + 128;
+        *entry = if level < 0 {
             0
-        } else if value > 255 {
+        } else if level > 255 {
             255
         } else {
-            value as u8
+            level as u8
         };
-        sum += 1;
+        (value, rest) = (value + 1, after);
     }
     scaled
 }
