@@ -8,7 +8,7 @@
 //! thumbv7em (Cortex-M4, M7)             dsp       every kernel; `cfg(dsp)` is set by build.rs
 //! thumbv8m.main (Cortex-M33 and above)  dsp       with the feature `dsp`, or compiled for such a processor
 //! the same (Cortex-M55, M85)            helium    with the feature `helium`, or compiled for such a processor:
-//!                                                 rows, codes and their windows, strips, paths; others as dsp
+//!                                                 rows, codes and their windows, strips, paths, minima; others as dsp
 //! x86_64                                sse2      sad_curve, code_columns, code_costs, path_step
 //! wasm32 with simd128                   simd128   sad_curve, code_columns, code_costs, path_step
 //! riscv32, thumbv7m (Cortex-M3),

@@ -121,7 +121,7 @@ const SUMS: usize = 512;
 type FullScale = [u8; SUMS];
 
 /// Of one to four times.
-static FULL_SCALE: [FullScale; 4] = [full_scale(1), full_scale(2), full_scale(3), full_scale(4)];
+const FULL_SCALE: [FullScale; 4] = [full_scale(1), full_scale(2), full_scale(3), full_scale(4)];
 
 const fn full_scale(doublings: u32) -> FullScale {
     let mut scaled = [0; SUMS];
