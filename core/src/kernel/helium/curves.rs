@@ -1,7 +1,7 @@
 //! Curves of costs over disparity.
 //!
-//! In: eight pixels, and the row in which they are searched; or a curve. Out: sums per disparity; or
-//! the lowest entry.
+//! In: eight pixels, and the row in which they are searched; or a curve. Out: sums per disparity;
+//! or the lowest entry.
 //!
 //! ```text
 //! sad     eight pixels are widened to a vector; four strips a pass, then two, then one
