@@ -80,7 +80,7 @@ pub const fn spread_bytes(columns: usize) -> usize {
 
 /// Spreads columns of codes, once for all windows that are searched in them.
 pub fn spread_codes(columns: &[CodeColumn], memory: &mut [u8]) {
-    // SAFETY: any bytes may be replaced by those of words.
+    // SAFETY: columns are words without padding, written whole.
     let (_, memory, _) = unsafe { memory.align_to_mut::<MaybeUninit<Column>>() };
     match whole_words(columns.as_flattened()) {
         ([], words, []) => spread(words.iter().copied(), memory),
