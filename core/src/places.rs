@@ -17,10 +17,6 @@ impl Places {
         *side |= 1_u128.checked_shl(offset.unsigned_abs()).unwrap_or(0);
     }
 
-    pub(crate) fn is_empty(self) -> bool {
-        self.before | self.after == 0
-    }
-
     /// True where there is a place this far away, to within `tolerance`.
     pub(crate) fn has(self, offset: i32, tolerance: i32) -> bool {
         let side = if offset < 0 { self.before } else { self.after };

@@ -157,3 +157,24 @@ fn a_fence_and_a_print_have_no_bars() {
         assert!(result.bars.is_empty(), "{poles:?}: {:?}", result.bars);
     }
 }
+
+/// The disparities of poles and wall differ by the distance from pole to pole, or the border hides
+/// where a pole stands: windows match poles and gaps at a wrong disparity.
+#[test]
+fn nothing_is_told_of_a_fence() {
+    for (first, apart, width, d) in [(60, 16, 5, WALL + 16), (60, 12, 3, WALL + 12), (4, 24, 6, 45)]
+    {
+        let fence: Vec<Pole> = (0..8).map(|k| (first + apart * k, width, d)).collect();
+        let (_, result) = run(&pair(&fence, 5));
+        let is_on_pole = |x: i32, y: i32| {
+            (30..210).contains(&y) && fence.iter().any(|&(at, ..)| (at..at + width).contains(&x))
+        };
+        let on_poles: Vec<_> = result
+            .points
+            .iter()
+            .filter(|point| is_on_pole(point.x.into(), point.y.into()))
+            .filter(|point| point.confidence > 0.9)
+            .collect();
+        assert!(on_poles.is_empty(), "{apart} px: {} {:?}", on_poles.len(), on_poles[0]);
+    }
+}

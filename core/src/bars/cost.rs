@@ -20,10 +20,9 @@
 
 use super::Bar;
 use super::edges::MOST_ROWS;
-use crate::curve::{CURVES, Curve, low_of};
+use crate::curve::{CURVES, Curve, MAX_DISPARITIES, low_of};
 use crate::kernel::{FLAT, STRIP, Strip, sad_curve};
 use crate::matching::band::{Band, SampledRows};
-use crate::matching::narrow::take_off;
 use crate::matching::{MIN_RANGE, MatchContext};
 use crate::row_memory::PAD;
 use crate::units::quotient;
@@ -204,6 +203,40 @@ pub(super) fn fill_strips<'b>(
     energy
 }
 
+/// Takes the differences between `beyond` flat pixels of each row and these rows off each cost.
+fn take_off(rows: &[&[u8]], beyond: usize, costs: &mut [u16]) {
+    let mut columns = [0_u8; MAX_DISPARITIES + STRIP];
+    let length = if beyond > 0 { costs.len() + beyond } else { 0 };
+    let fours = columns.as_chunks_mut().0;
+    for (four, x) in fours.iter_mut().zip((0..length).step_by(4)) {
+        *four = sizes(rows, x);
+    }
+    let entering = columns.get(beyond..).unwrap_or(&[]);
+    let mut sum: u16 = columns.iter().take(beyond).map(|&size| u16::from(size)).sum();
+    for ((cost, &gone), &next) in costs.iter_mut().zip(&columns).zip(entering) {
+        *cost = cost.saturating_sub(sum);
+        sum = sum.wrapping_add(next.into()).wrapping_sub(gone.into());
+    }
+}
+
+/// Sums of the sizes of the gradients of these rows, at most eight, at four columns from `x` on.
+fn sizes(rows: &[&[u8]], x: usize) -> [u8; 4] {
+    let mut sums = 0_u32;
+    for row in rows {
+        let there = row.get(x..).unwrap_or(&[]);
+        let four = there.first_chunk().copied().unwrap_or_else(|| {
+            let mut four = [FLAT; 4];
+            four.iter_mut().zip(there).for_each(|(four, &gradient)| *four = gradient);
+            four
+        });
+        // Bit 5 is set from FLAT on: without it, what lies below is 64 less its size.
+        let off = u32::from_le_bytes(four) ^ 0x2020_2020;
+        let below = (off >> 5) & 0x0101_0101;
+        sums += (off ^ (below * 63)) + below;
+    }
+    sums.to_le_bytes()
+}
+
 /// The cost at an index; a minimum as that of a V through its three costs, which lies between
 /// whole disparities.
 fn low_at(costs: &[u16], index: usize) -> Option<u32> {
@@ -232,6 +265,20 @@ fn lowest_but(costs: &[u16], left_out: core::ops::Range<usize>) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_beyond_the_bar_is_taken_off() {
+        let other: [u8; 48] = core::array::from_fn(|i| (i * 7 % 63) as u8 + 1);
+        let reference = [FLAT, FLAT, FLAT, 20, 40, 33, 12, 60];
+        let mut costs = [0; 32];
+        sad_curve(&[Strip { reference, other: &other }], &mut costs);
+        take_off(&[&other], 3, &mut costs);
+        for (d, &cost) in costs.iter().enumerate() {
+            let own =
+                (3..STRIP).map(|k| u16::from(other[d + k].abs_diff(reference[k]))).sum::<u16>();
+            assert_eq!(cost, own, "{d}");
+        }
+    }
 
     #[test]
     fn a_minimum_between_two_disparities_is_as_low_as_one_on_one() {

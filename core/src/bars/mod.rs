@@ -71,9 +71,9 @@ use keep::{Found as _, Kept};
 pub const LEAST_BAR: Confidence = Confidence::from_bits(0xe666);
 
 /// Most bars of a pair that are found.
-pub const MOST_BARS: usize = 64;
+pub const MOST_BARS: usize = 48;
 /// Most bars that are matched, the strongest ones.
-const MOST_MATCHED: usize = 32;
+const MOST_MATCHED: usize = 28;
 
 /// The pixels right of the left edge are the brighter ones.
 const LEFT_RISING: u8 = 1;
@@ -87,6 +87,8 @@ const DROPPED: u8 = 8;
 const GROWN: u8 = 16;
 /// It is in front of the support points around it.
 const FRONT: u8 = 32;
+/// It lies where bars repeat.
+const AMID: u8 = 64;
 
 /// Width, 1/32 px, up to which all pixels between the edges are the bar's.
 const NARROW_Q5: i32 = 80;
@@ -419,7 +421,7 @@ pub(crate) fn find_on(
 /// Leaves the strongest bars, sorted by the first row; returns where those found repeat.
 fn settle(bars: &mut List<'_, Bar>, dims: Dims) -> Repeating {
     keep::leave_out_doubles(bars);
-    let repeating = Repeating::of(bars, dims);
+    let repeating = Repeating::mark(bars, dims);
     bars.truncate(MOST_MATCHED);
     sort_by_key(bars, |bar| (bar.rows[0], bar.x_q5, bar.width_q5));
     repeating

@@ -6,7 +6,7 @@
 //! # Cost
 //! The points at most 22 px from the bar, some 40 of 25 instructions.
 
-use super::Bar;
+use super::{AMID, Bar};
 use crate::area::Area;
 use crate::support::Support;
 use crate::units::{narrow, quotient};
@@ -81,7 +81,8 @@ pub(super) fn around(bar: &Bar, support: Support<'_>) -> Around {
     }
     let share = |of: i32| quotient(of << 8, all + 128);
     let [left, right] = sides.map(Side::share_q8);
-    let is_in_front = left.min(right).max(share(agree)) < FRONT_Q8 && share(nearer) < NEARER_Q8;
+    let is_in_front =
+        left.min(right).max(share(agree)) < FRONT_Q8 && share(nearer) < NEARER_Q8 && !bar.is(AMID);
     let none = i32::from(all == 0) << 8;
     let is_behind = share(nearer) > 128;
     Around {

@@ -19,7 +19,6 @@ pub(crate) mod codes;
 pub(crate) mod consistency;
 mod curves;
 pub(crate) mod feature;
-pub(crate) mod narrow;
 pub(crate) mod near_horizontal;
 pub(crate) mod near_vertical;
 mod repetition;
@@ -285,12 +284,6 @@ impl<'a> MatchContext<'a> {
     /// First disparity and the one after the last, px.
     pub(crate) fn disparities(&self) -> (i32, i32) {
         (self.min_disparity, self.max_disparity)
-    }
-
-    /// The smallest and the largest disparity of the whole range, px, whatever part of it is
-    /// searched.
-    pub(crate) fn whole_range(&self) -> (i32, i32) {
-        (self.smallest, self.largest)
     }
 
     /// True at the largest disparity of the whole range: a minimum may lie beyond.

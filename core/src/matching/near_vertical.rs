@@ -161,7 +161,7 @@ pub(crate) fn match_near_vertical(
     if evidence.iter().all(Option::is_none) {
         return Err(Rejection::NoOwner);
     }
-    if repetition::repeats(&extent.line, extent.rows, band, context, at, joint) {
+    if repetition::repeats(&extent.line, extent.rows, band, joint) {
         return Err(Rejection::WindowNotUnique);
     }
     let mut sides = work.rate(&evidence, [line_q6; 2], context.models, false);
