@@ -26,22 +26,23 @@ impl Places {
         side & around != 0
     }
 
-    /// The distances, px, at which the place itself is one of so many in a row, each to within
+    /// The least distance, px, at which the place itself is one of so many in a row, each to within
     /// `tolerance` of a multiple.
-    pub(crate) fn distances(self, run: i32, tolerance: i32) -> impl Iterator<Item = i32> {
+    #[inline(never)] // two calls; 128-bit shifts are long
+    pub(crate) fn distance(self, run: i32, tolerance: i32) -> Option<i32> {
         // Most have hardly any.
         let count = (self.before.count_ones() + self.after.count_ones()) as i32;
         let mut left = if count < run - 1 { 0 } else { self.before | self.after };
-        core::iter::from_fn(move || {
-            let distance = (left != 0).then(|| left.trailing_zeros() as i32)?;
+        while left != 0 {
+            let distance = left.trailing_zeros() as i32;
             left &= left - 1;
-            Some(distance)
-        })
-        .filter(move |distance| {
             let has = |times: i32| self.has(times * distance, tolerance);
             let length = |sign: i32| (1..run).take_while(|k| has(sign * k)).count() as i32;
-            length(1) + length(-1) + 1 >= run
-        })
+            if length(1) + length(-1) + 1 >= run {
+                return Some(distance);
+            }
+        }
+        None
     }
 }
 
@@ -49,20 +50,20 @@ impl Places {
 mod tests {
     use super::*;
 
-    fn distances(at: &[i32], run: i32) -> impl Iterator<Item = i32> {
+    fn distance(at: &[i32], run: i32) -> Option<i32> {
         let mut places = Places::default();
         at.iter().for_each(|&offset| places.add(offset));
-        places.distances(run, 2)
+        places.distance(run, 2)
     }
 
     #[test]
     fn four_places_at_equal_distances_repeat() {
-        for at in [[8, 16, 24], [-9, 10, 19], [-24, -16, -8]] {
-            assert!(distances(&at, 4).next().is_some(), "{at:?}");
+        for (at, least) in [([8, 16, 24], 8), ([-9, 10, 19], 9), ([-24, -16, -8], 8)] {
+            assert_eq!(distance(&at, 4), Some(least), "{at:?}");
         }
         for at in [&[8, 16][..], &[-8, 8], &[-20, 8, 25], &[8, 16, 200]] {
-            assert_eq!(distances(at, 4).next(), None, "{at:?}");
+            assert_eq!(distance(at, 4), None, "{at:?}");
         }
-        assert!(distances(&[8, 16], 3).eq([8]));
+        assert_eq!(distance(&[8, 16], 3), Some(8));
     }
 }

@@ -126,7 +126,7 @@ pub enum Rejection {
     /// Too close to the left or right border to compare enough disparities.
     NearBorder,
     /// The window's cost curve has a second minimum that is nearly as low, or the left image shows
-    /// the edge at four places at equal distances.
+    /// the edge at four places, or equal bars around it at five, at equal distances.
     WindowNotUnique,
     /// The census curve has a second minimum that is nearly as low.
     CensusNotUnique,

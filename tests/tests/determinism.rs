@@ -13,7 +13,7 @@ type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
 /// Digests of the values of all matches and points of [`scenes`], names left out. A change that is
 /// meant to change the output changes them: run the test and take the numbers it prints. Debug and
 /// release builds are held to the same ones.
-const BLESSED: [u32; 3] = [0xdb5cc820, 0x21fe23df, 0x18aa1b33];
+const BLESSED: [u32; 3] = [0xdb5c_c820, 0x21fe_23df, 0x18aa_1b33];
 
 fn params() -> Params {
     let rig = Some(Rig::new(150.0, 0.12, 0.0).unwrap());

@@ -17,7 +17,7 @@ const WALL: f64 = 110.0;
 
 /// Digests of the points of a wall alone, of one with a floor, and of one behind a card, as in
 /// `determinism.rs`. With a ground plane points have another probability.
-const BLESSED: [u32; 3] = [0x4a044fc4, 0x9a27b558, 0x9fa3c588];
+const BLESSED: [u32; 3] = [0x4a04_4fc4, 0x9a27_b558, 0x9fa3_c588];
 
 fn params() -> Params {
     Params { max_disparity: 128, ..Params::default() }

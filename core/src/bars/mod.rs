@@ -20,13 +20,13 @@
 //! thin, and see the surface behind it.
 //!
 //! # Bounds
-//! At most [`MOST_BARS`] bars of a pair, 24 bytes each, half of which are matched. Positions Q5 below 2^16, slopes at most 2
-//! in Q12. Eight rows of at most 24 columns of gradients that differ by at most 62: a cost is below
-//! 2^14.
+//! At most [`MOST_BARS`] bars of a pair, 24 bytes each; [`MOST_MATCHED`] of them are matched.
+//! Positions Q5 below 2^16, slopes at most 2 in Q12. Eight rows of at most 24 columns of gradients
+//! that differ by at most 62: a cost is below 2^14.
 //!
 //! # Cost
-//! 1.7 M instructions of the 13.9 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU):
-//! 0.7 M to find them, 0.8 M to match them, 0.1 M to grow them, the rest to place and list them.
+//! 1.9 M instructions of the 14.2 M of a QVGA pair (median of 13 captured ones, Cortex-M7 in QEMU):
+//! 0.9 M to find them, 0.8 M to match them, 0.1 M to grow them, the rest to place and list them.
 //!
 //! # Source
 //! Opposite edges as one feature: antiparallel lines (Nevatia, Babu 1980). Its own.

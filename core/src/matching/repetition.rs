@@ -59,7 +59,7 @@ pub(super) fn repeats(line: &Line, rows: (i32, i32), band: &Band<'_>, curve: &mu
     curve.fill((first, last - first + 1), |costs| sad_curve(&strips, costs));
     let places = alike(curve, REPEATING.map(|(alike_q8, _)| (energy * alike_q8) >> 8));
     let mut kinds = places.into_iter().zip(REPEATING);
-    kinds.any(|(places, (_, run))| places.distances(run, TOLERANCE).next().is_some())
+    kinds.any(|(places, (_, run))| places.distance(run, TOLERANCE).is_some())
 }
 
 /// Eight gradients of the left image at `x..x + 8` of row `y`, and its row from there on, `first`
@@ -106,7 +106,7 @@ mod tests {
             }
         });
         let [alike, less] = alike(&curve, [100, 200]);
-        let repeat = |places: Places, run| places.distances(run, TOLERANCE).next().is_some();
+        let repeat = |places: Places, run| places.distance(run, TOLERANCE).is_some();
         assert!(!repeat(alike, 4) && repeat(less, 6) && !repeat(less, 14));
     }
 }
