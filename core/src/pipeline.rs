@@ -46,7 +46,8 @@ pub(crate) struct Run<'r, 'a> {
 
 impl<'a> Run<'_, 'a> {
     /// Runs every stage, in the buffers for these images. The candidates in areas are those of a
-    /// run over the whole frame, given its row offset. The confidence of matches and points also
+    /// run over the whole frame, given its row offset, but where bars repeat: whole frames alone
+    /// have bars, and here nothing is left out. The confidence of matches and points also
     /// depends on neighbours, which are missing outside of the areas: near their borders it may
     /// differ. The observer is a trait object, so that this is compiled once, with this crate's
     /// settings. On two cores the pair is measured for its health as well, beside the report.
@@ -84,7 +85,7 @@ impl<'a> Run<'_, 'a> {
         self.match_support(lend(&mut cores), &mut summary, &mut m, observer);
         repeating.clear(&mut m.support, Grid::new(params, *dims));
         if self.parts != Parts::Support {
-            self.match_segments(lend(&mut cores), &mut summary, &mut m, observer);
+            self.match_segments(lend(&mut cores), &repeating, &mut summary, &mut m, observer);
         }
         support::rate(
             lend(&mut cores),
@@ -131,8 +132,7 @@ impl<'a> Run<'_, 'a> {
     }
 
     /// Detects the segments of both images, finds the bars, and keeps the prominent segments of the
-    /// left image that do not repeat. Sets the row offset, if it is known. Returns where bars
-    /// repeat.
+    /// left image. Sets the row offset, if it is known. Returns where bars repeat.
     #[inline(never)] // its variables are on the stack only while it runs
     fn find_segments(
         &self,
@@ -227,14 +227,6 @@ impl<'a> Run<'_, 'a> {
         lines::sort_by_top(&mut m.left);
         counts.segments_left = u16::try_from(m.left.len()).unwrap_or(u16::MAX).saturating_add(lost);
         counts.reject_many(Rejection::LessProminent, lost);
-        m.left.retain(|segment| {
-            let (x0, y0, x1, y1) = segment.ends_q5();
-            let repeats = repeating.contain((x0 + x1) >> 6, (y0 + y1) >> 6);
-            if repeats {
-                counts.reject(Rejection::WindowNotUnique);
-            }
-            !repeats
-        });
         observer.on_event(StageEvent::Selection(offset_q5.unwrap_or(0).into(), &m.left));
         summary.row_offset_q5 = offset_q5;
         repeating
@@ -287,6 +279,7 @@ impl<'a> Run<'_, 'a> {
     fn match_segments(
         &self,
         mut cores: Option<&mut dyn Cores>,
+        repeating: &Repeating,
         summary: &mut Summary,
         m: &mut Buffers<'_>,
         observer: &mut dyn Observer,
@@ -295,7 +288,7 @@ impl<'a> Run<'_, 'a> {
         let (row_offset, plane) = (summary.row_offset(), summary.plane);
         let support = summary.support(self.plan, &m.support);
         let counts = &mut summary.counts;
-        let context = MatchContext::new(params, models, *dims, support);
+        let context = MatchContext::new(params, models, *dims, support).outside(repeating.areas());
         let extents = self.regions.extents(&m.left, self.plan.disparities());
         let mut full = FullSearches::new(self.regions.areas(), *dims, params.cell);
         let stage =

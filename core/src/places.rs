@@ -17,8 +17,8 @@ impl Places {
         *side |= 1_u128.checked_shl(offset.unsigned_abs()).unwrap_or(0);
     }
 
-    /// True where there is a place this far away, to within `tolerance`.
-    pub(crate) fn has(self, offset: i32, tolerance: i32) -> bool {
+    /// True where there is a place this far away, to within `tolerance`, which is not farther.
+    fn has(self, offset: i32, tolerance: i32) -> bool {
         let side = if offset < 0 { self.before } else { self.after };
         let around = ((1_u128 << (2 * tolerance + 1)) - 1)
             .checked_shl((offset.abs() - tolerance).unsigned_abs())
@@ -27,7 +27,7 @@ impl Places {
     }
 
     /// The least distance, px, at which the place itself is one of so many in a row, each to within
-    /// `tolerance` of a multiple.
+    /// `tolerance` of a multiple. No place is nearer than that.
     #[inline(never)] // two calls; 128-bit shifts are long
     pub(crate) fn distance(self, run: i32, tolerance: i32) -> Option<i32> {
         // Most have hardly any.

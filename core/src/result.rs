@@ -125,8 +125,8 @@ pub enum Rejection {
     LessProminent,
     /// Too close to the left or right border to compare enough disparities.
     NearBorder,
-    /// The window's cost curve has a second minimum that is nearly as low, or the left image shows
-    /// the edge at four places, or equal bars around it at five, at equal distances.
+    /// The window's cost curve has a second minimum that is nearly as low, the left image shows the
+    /// edge again at equal distances, or it lies where five equal bars stand at equal distances.
     WindowNotUnique,
     /// The census curve has a second minimum that is nearly as low.
     CensusNotUnique,

@@ -184,7 +184,7 @@ impl SegmentStage<'_, '_> {
         let cost = |search: &Search| match search {
             Search::Directed(..) => DIRECTED_COST,
             Search::Full => FULL_COST,
-            Search::Cut => 0,
+            Search::Cut | Search::Repeats => 0,
         };
         let all = bars.len() as i32 * BAR_COST
             + searches.iter().map(cost).sum::<i32>()

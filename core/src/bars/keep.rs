@@ -1,4 +1,4 @@
-//! The bars that are matched: the strongest ones, each once, at most two that cover each other.
+//! The bars that are found: the strongest ones, each once, at most two that cover each other.
 //!
 //! # Bounds
 //! [`MOST_BARS`](super::MOST_BARS) bars.

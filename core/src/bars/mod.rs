@@ -70,9 +70,10 @@ use keep::{Found as _, Kept};
 /// Least probability of a bar that is told, whatever that of points is: it goes before these. 0.9.
 pub const LEAST_BAR: Confidence = Confidence::from_bits(0xe666);
 
-/// Most bars of a pair that are found.
+/// Most bars of a pair: of those found, and later of those matched with the parts by which they are
+/// grown.
 pub const MOST_BARS: usize = 48;
-/// Most bars that are matched, the strongest ones.
+/// Most bars that are matched, the strongest ones: about as many as of 32 are no doubles.
 const MOST_MATCHED: usize = 28;
 
 /// The pixels right of the left edge are the brighter ones.

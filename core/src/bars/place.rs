@@ -81,6 +81,7 @@ pub(super) fn around(bar: &Bar, support: Support<'_>) -> Around {
     }
     let share = |of: i32| quotient(of << 8, all + 128);
     let [left, right] = sides.map(Side::share_q8);
+    // Where bars repeat points are left out: that none agrees says nothing.
     let is_in_front =
         left.min(right).max(share(agree)) < FRONT_Q8 && share(nearer) < NEARER_Q8 && !bar.is(AMID);
     let none = i32::from(all == 0) << 8;

@@ -14,22 +14,15 @@ use crate::units::narrow;
 /// Points on the pixels of bars that lie behind these, or have no disparity, take that of the
 /// first of these bars.
 pub(crate) fn take_points(points: &mut [SupportPoint], grid: Grid, bars: &[Bar]) {
-    // Points stand less than that from the middle of their square.
-    let beside = i32::from(SUPPORT_PITCH);
     for (index, bar) in bars.iter().enumerate() {
         let earlier = bars.get(..index).unwrap_or(&[]);
-        let Area { left, top, right, bottom } = bar.area();
-        let columns = grid.columns_within(i32::from(left) - beside, i32::from(right) + beside);
-        for row in grid.rows_within(i32::from(top) - beside, i32::from(bottom) + beside) {
-            for index in columns.clone().map(|column| row * grid.columns + column) {
-                let Some(point) = points.get_mut(index) else { continue };
-                let (x, y) = grid.pixel(index, point.place);
-                let is_on = |bar: &Bar| bar.columns(y).contains(&x);
-                let is_behind =
-                    !point.is_matched() || bar.hides(y.into(), point.disparity_q6.into());
-                if is_behind && is_on(bar) && !earlier.iter().any(is_on) {
-                    point.take_bar(narrow(bar.disparity_at_q6(y.into())), bar.confidence());
-                }
+        for index in grid.around(bar.area()) {
+            let Some(point) = points.get_mut(index) else { continue };
+            let (x, y) = grid.pixel(index, point.place);
+            let is_on = |bar: &Bar| bar.columns(y).contains(&x);
+            let is_behind = !point.is_matched() || bar.hides(y.into(), point.disparity_q6.into());
+            if is_behind && is_on(bar) && !earlier.iter().any(is_on) {
+                point.take_bar(narrow(bar.disparity_at_q6(y.into())), bar.confidence());
             }
         }
     }

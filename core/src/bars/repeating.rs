@@ -9,10 +9,10 @@
 //! repeats:  a bar that is one of five alike at equal distances
 //! area:     such bars, the distance on both sides, and twice their rows above and below
 //! ```
-//! The disparities of bars and of what lies behind them may differ by the distance from bar to bar:
-//! windows wider than a bar match both at that of what lies behind. Segments and support points are
-//! left out here. A bar is matched by its own pixels, as far as they are unique in the range;
-//! without points around it nothing tells that it is in front.
+//! Where the disparities of bars and of what lies behind them differ by the distance from bar to
+//! bar, a window wider than a bar matches bars and gaps at the disparity of what lies behind. So
+//! segments and support points are left out here. A bar is matched by its own pixels, if these are
+//! unique in the range; without points around it nothing tells that it is in front.
 //!
 //! # Cost
 //! 15 instructions for every two bars, at most [`MOST_BARS`](super::MOST_BARS).
@@ -21,15 +21,16 @@ use super::{AMID, Bar};
 use crate::area::Area;
 use crate::image::Dims;
 use crate::places::Places;
-use crate::support::{Grid, SUPPORT_PITCH, SupportPoint};
+use crate::support::{Grid, SupportPoint};
 use heapless::Vec;
 
-/// Bars in a row that repeat. Chosen, with the bars found and the rows of an area, on fences before
-/// `middlebury2006_third`, `middlebury2003` and `oakd_agreed_320` (seed 901): wrong pixels
-/// 5706 without the areas, 1564 with them; four bars: 1361, but of the first 80 % of the cells of
-/// `robot_world` 15.4 instead of 14.9 % are wrong. Fences that chose nothing, before `qvga` (seed
-/// 1301), rooms (1302) and the former sets (1303): 4391, 3527 and 5090 without, 2761, 1394 and 2106
-/// with them. Cells of the captured sets are the same.
+/// Bars in a row that repeat. Chosen with the numbers of bars that are found and matched and with
+/// the rows of an area, on fences that `linestereo-lab thin` draws before `middlebury2006_third`,
+/// `middlebury2003` and `oakd_agreed_320` (seed 901): wrong pixels 5706 without the areas, 1564
+/// with them; four bars: 1361, but of the first 80 % of the cells of `robot_world` 15.4 instead of
+/// 14.9 % are wrong. Fences that chose nothing, before `qvga` (seed 1301), rooms (1302) and the
+/// three above (1303): 4391, 3527 and 5090 without, 2761, 1394 and 2106 with them. Cells of the
+/// captured sets are the same.
 const RUN: i32 = 5;
 /// Deviation from equal distances, px.
 const TOLERANCE: i32 = 1;
@@ -41,7 +42,7 @@ const AS_WIDE_Q5: u16 = 32;
 const AS_STEEP_Q12: u16 = 3 << 8;
 /// Columns on both sides of a bar, at least.
 const BESIDE: i32 = 8;
-/// Most areas; those of more bars join the last one.
+/// Most areas; further ones join the last.
 const MOST_AREAS: usize = 8;
 
 /// Areas in which bars repeat.
@@ -49,7 +50,7 @@ const MOST_AREAS: usize = 8;
 pub(crate) struct Repeating(Vec<Area, MOST_AREAS>);
 
 impl Repeating {
-    /// The areas of those of these bars that repeat; marks all bars in them.
+    /// Finds the areas in which these bars repeat; marks all bars in them.
     pub(super) fn mark(bars: &mut [Bar], dims: Dims) -> Self {
         let mut areas = Self::default();
         for bar in bars.iter() {
@@ -80,23 +81,22 @@ impl Repeating {
         }
     }
 
-    pub(crate) fn contain(&self, x: i32, y: i32) -> bool {
+    pub(crate) fn areas(&self) -> &[Area] {
+        &self.0
+    }
+
+    fn contain(&self, x: i32, y: i32) -> bool {
         self.0.iter().any(|area| area.contains(x, y))
     }
 
-    /// Takes the disparities of the points in these areas.
+    /// Removes the disparities of the points in these areas, whose windows repeat.
     pub(crate) fn clear(&self, points: &mut [SupportPoint], grid: Grid) {
-        // Points stand less than that from the middle of their square.
-        let beside = i32::from(SUPPORT_PITCH);
-        for Area { left, top, right, bottom } in self.0.iter().copied() {
-            let columns = grid.columns_within(i32::from(left) - beside, i32::from(right) + beside);
-            for row in grid.rows_within(i32::from(top) - beside, i32::from(bottom) + beside) {
-                for index in columns.clone().map(|column| row * grid.columns + column) {
-                    let Some(point) = points.get_mut(index) else { continue };
-                    let (x, y) = grid.pixel(index, point.place);
-                    if self.contain(x.into(), y.into()) {
-                        *point = SupportPoint::none();
-                    }
+        for &area in &self.0 {
+            for index in grid.around(area) {
+                let Some(point) = points.get_mut(index) else { continue };
+                let (x, y) = grid.pixel(index, point.place);
+                if area.contains(x.into(), y.into()) {
+                    *point = SupportPoint::repeated();
                 }
             }
         }
@@ -123,7 +123,7 @@ fn alike(bar: &Bar, bars: &[Bar]) -> Places {
     places
 }
 
-/// True where the weaker edges of two bars differ by less than a factor of two.
+/// True where the weaker edge of neither bar is more than about twice as strong as the other's.
 fn is_as_strong(a: &Bar, b: &Bar) -> bool {
     let [a, b] = [a, b].map(|bar| bar.strengths_q3[0].min(bar.strengths_q3[1]));
     a / 2 <= b && b / 2 <= a
@@ -223,7 +223,8 @@ mod tests {
         repeating.clear(&mut points, grid);
         for (index, point) in points.iter().enumerate() {
             let (x, y) = grid.pixel(index, point.place);
-            assert_eq!(point.is_matched(), !repeating.contain(x.into(), y.into()), "{x} {y}");
+            let is_in = repeating.contain(x.into(), y.into());
+            assert_eq!([point.is_matched(), point.repeats()], [!is_in, is_in], "{x} {y}");
         }
         assert!(points.iter().any(|point| !point.is_matched()));
     }

@@ -241,6 +241,8 @@ pub(crate) struct MatchContext<'a> {
     smallest: i32,
     largest: i32,
     support: Support<'a>,
+    /// Areas in which bars repeat.
+    repeating: &'a [Area],
     pub(crate) agreement: Agreement,
     pub(crate) models: &'a Models,
 }
@@ -259,14 +261,24 @@ impl<'a> MatchContext<'a> {
             smallest: params.min_disparity.into(),
             largest: i32::from(params.max_disparity) - 1,
             support,
+            repeating: &[],
             agreement: Agreement::new(params),
             models,
         }
     }
 
+    /// The same, without searches for segments in areas in which bars repeat.
+    pub(crate) fn outside(self, repeating: &'a [Area]) -> Self {
+        Self { repeating, ..self }
+    }
+
     /// Where a segment is searched: the disparities of the support points around it and [`AROUND`]
     /// on both sides, or everywhere where the points give no range.
     pub(crate) fn search(&self, segment: &Segment) -> Search {
+        let (x0, y0, x1, y1) = segment.ends_q5();
+        if self.repeating.iter().any(|area| area.contains((x0 + x1) >> 6, (y0 + y1) >> 6)) {
+            return Search::Repeats;
+        }
         let Some((low, high)) = self.support.range_around(segment.area()) else {
             return Search::Full;
         };
@@ -330,6 +342,8 @@ pub(crate) enum Search {
     Full,
     /// None: the searches of the whole range are used up.
     Cut,
+    /// None: it lies where bars repeat.
+    Repeats,
 }
 
 /// Searches of the whole range that a run may make, evenly down the rows, so that the bottom is not
@@ -396,6 +410,7 @@ pub(crate) fn match_segment(
         }
         Search::Full => context,
         Search::Cut => return Err(Rejection::LessProminent),
+        Search::Repeats => return Err(Rejection::WindowNotUnique),
     };
     let candidate = if segment.near_horizontal {
         near_horizontal::match_near_horizontal(segment, context, band, work)

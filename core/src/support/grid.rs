@@ -176,6 +176,16 @@ impl Grid {
         within(from, to, SUPPORT_PITCH.into(), self.rows)
     }
 
+    /// Indices of the points that may stand in an area: less than a pitch from the middle of their
+    /// square.
+    pub(crate) fn around(&self, area: Area) -> impl Iterator<Item = usize> + use<> {
+        let Area { left, top, right, bottom } = area;
+        let (beside, all) = (i32::from(SUPPORT_PITCH), self.columns);
+        let columns = self.columns_within(i32::from(left) - beside, i32::from(right) + beside);
+        self.rows_within(i32::from(top) - beside, i32::from(bottom) + beside)
+            .flat_map(move |row| columns.clone().map(move |column| row * all + column))
+    }
+
     /// Down the rows and along the columns.
     pub(crate) fn axes(&self) -> [Axis; 2] {
         let down = Axis { step: self.columns, pitch: SUPPORT_PITCH.into(), count: self.rows };

@@ -169,6 +169,11 @@ impl SupportPoint {
         self.is_matched() && self.place.is_on_plane()
     }
 
+    /// A point without a disparity, since its window matches elsewhere as well.
+    pub(crate) const fn repeated() -> Self {
+        Self { disparity_q6: REPEATS_Q6, ..Self::none() }
+    }
+
     /// True when it has none because its window matches elsewhere as well.
     #[must_use]
     pub fn repeats(&self) -> bool {

@@ -8,7 +8,7 @@ use super::nearer::{self, NearerSearch};
 use super::paths::{Paths, PointCosts, Points};
 use super::place::Place;
 use super::plane::PlaneLabels;
-use super::{Grid, Matching, OUTSIDE, REPEATS_Q6, Seen, SupportCurves, SupportPoint};
+use super::{Grid, Matching, OUTSIDE, Seen, SupportCurves, SupportPoint};
 use crate::cores::Cores;
 use crate::image::Span;
 use crate::kernel::code_steps;
@@ -167,9 +167,7 @@ impl<'a> Row<'_, 'a> {
                     .map_or(Place::MIDDLE, |around| Place::of(around, window - grid.x(column)));
                 matching.to_point(&found, place)
             }
-            Err(Unmatched::Repeats) => {
-                SupportPoint { disparity_q6: REPEATS_Q6, ..SupportPoint::none() }
-            }
+            Err(Unmatched::Repeats) => SupportPoint::repeated(),
             Err(Unmatched::Unclear) => SupportPoint::none(),
         })
     }

@@ -368,7 +368,7 @@ pub fn meaning(reason: Rejection) -> &'static str {
         }
         Rejection::WindowNotUnique => {
             "a second place in the right image looks nearly as much like its window, or the \
-             left image repeats it at equal distances"
+             left image repeats it, or bars around it, at equal distances"
         }
         Rejection::CensusNotUnique => {
             "a second place in the right image has nearly the same order of grey levels"
