@@ -7,8 +7,7 @@
 //! The points around each bar, some 30 of 30 instructions.
 
 use super::Bar;
-use crate::area::Area;
-use crate::support::{Grid, SUPPORT_PITCH, SupportPoint};
+use crate::support::{Grid, SupportPoint};
 use crate::units::narrow;
 
 /// Points on the pixels of bars that lie behind these, or have no disparity, take that of the
