@@ -53,7 +53,7 @@ pub const TARGETS: [(&str, Target); 9] = [
 
 const CRC_32: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const DIMS: Dims = Dims { width: 64, height: 48 };
-/// What sums and products of lengths overflow by, and limits of ours.
+/// Lengths whose sums and products overflow, and limits of ours.
 const EXTREMES: [u64; 8] =
     [0, 9, 0x7fff_ffff, 0xffff_ffff, 1 << 25, (1 << 25) + 1, 1 << 40, u64::MAX];
 

@@ -134,11 +134,11 @@ fn covers(a: &Bar, b: &Bar) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use core::mem::MaybeUninit;
 
-    fn bar(x: u16, width: u16, rows: [u16; 2], strength: u8) -> Bar {
+    pub(in crate::bars) fn bar(x: u16, width: u16, rows: [u16; 2], strength: u8) -> Bar {
         Bar {
             x_q5: x << 5,
             rows,

@@ -129,7 +129,7 @@ fn rows_are_reported_rounded_and_flagged_where_they_were_measured_alone() {
     assert_eq!(reported(SETTLED), (Some(101), Some(61)));
 }
 
-/// What is told of edges that fall, the right image moved down from a row on.
+/// The report on edges that fall, the right image moved down from a row on.
 fn falling(
     monitor: &mut HealthMonitor,
     limits: &HealthLimits,

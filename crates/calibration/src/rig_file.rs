@@ -61,7 +61,7 @@ pub enum RigFileError {
     Pair(PathBuf, CalibrationError),
 }
 
-/// What every version has.
+/// The part that every version has.
 #[derive(Deserialize)]
 struct AnyVersion {
     version: u32,

@@ -20,7 +20,7 @@ pub(crate) struct Flash<const READ: usize, const WRITE: usize, const ERASE: usiz
     random: Random,
     /// Reads of these addresses fail, as they do where error correction gives up.
     pub(crate) unreadable: core::ops::Range<usize>,
-    /// Bits that no longer become 0.
+    /// Bits stay 1 where 0 is written.
     pub(crate) is_worn: bool,
 }
 

@@ -115,7 +115,7 @@ fn folder(args: &Args, pairs: &[StoredPair], out: &Path, raw: &mut RawPairs<'_>)
     Ok(format!("{} pairs: {}\n", pairs.len(), out.display()))
 }
 
-/// What rectifies pairs of one rig.
+/// Raw pairs of one rig, and the meshes that rectify them.
 struct RawPairs<'a> {
     /// Size of the images before they are reduced.
     dims: Dims,

@@ -139,7 +139,7 @@ fn spread(
     unsafe { memory.get_unchecked(..count).assume_init_ref() }
 }
 
-/// What three codes of the window are above those at an offset.
+/// Excess of three codes of the window over those at an offset, at least 0.
 #[cfg(target_arch = "riscv32")]
 #[rustfmt::skip] // an instruction a line
 macro_rules! excess {
@@ -276,7 +276,7 @@ impl Window {
     }
 }
 
-/// What three codes with the bits [`ABOVE`] are above three others, at least 0.
+/// Excess of three codes with the bits [`ABOVE`] over three others, at least 0.
 #[cfg(not(target_arch = "riscv32"))]
 #[inline(always)]
 fn excess(window: u32, codes: u32) -> u32 {

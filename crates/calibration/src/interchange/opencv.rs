@@ -162,7 +162,7 @@ fn lens_model(names: &Names<'_>, options: &Options) -> Result<LensModel, Fault> 
     }
 }
 
-/// What the file says, and where.
+/// The lens model that the file states, and where.
 fn stated_lens(names: &Names<'_>) -> Result<Option<(LensModel, Place)>, Fault> {
     if let Some(found) = names.word(&["fisheyemodel", "fisheye", "isfisheye"]) {
         let word = found.node.text().unwrap_or("");
