@@ -34,13 +34,14 @@ use heapless::Vec;
 const RUN: i32 = 5;
 /// Deviation from equal distances, px.
 const TOLERANCE: i32 = 1;
-/// Least distance between them, px.
+/// Least distance between them, px: nearer ones are the same bar, found twice.
 const NEAREST: i32 = 5;
-/// Largest difference of two widths, 1/32 px.
+/// Largest difference of two widths, 1/32 px: 1 px, since each edge is off by up to half of that.
 const AS_WIDE_Q5: u16 = 32;
-/// Largest difference of two slopes, px per px, Q12.
+/// Largest difference of two slopes, px per px, Q12: 3/16, which is 1 px at the ends of a bar of
+/// ten rows.
 const AS_STEEP_Q12: u16 = 3 << 8;
-/// Columns on both sides of a bar, at least.
+/// Columns on both sides of a bar, at least: those of a support point's window.
 const BESIDE: i32 = 8;
 /// Most areas; further ones join the last.
 const MOST_AREAS: usize = 8;

@@ -59,14 +59,14 @@ pub(super) fn look_for(
     let (_, costs) = curve.listed()?;
     let most = found.best + found.best / 2 + found.energy * 3 / 10;
     let of_rows = |cost: u32| (cost * (energy + 1)).checked_div(found.energy).unwrap_or(0);
-    let places = Places::of(costs, first, of_rows(most));
+    let places = Alike::of(costs, first, of_rows(most));
     evidence.set(BarKind::Alike, part_q8(places.lowest, energy + 1, MOST_ALIKE_Q8));
     let is_elsewhere = places.count != [0; 2] && found.second <= most;
     (!places.repeat() && !is_elsewhere).then_some(())
 }
 
-/// Places that look like a bar.
-struct Places {
+/// Places that are alike: they look like the bar.
+struct Alike {
     /// Number on the left and on the right.
     count: [u32; 2],
     /// Distance of the last one found on each side, px.
@@ -75,7 +75,7 @@ struct Places {
     lowest: u32,
 }
 
-impl Places {
+impl Alike {
     fn of(costs: &[u16], first: i32, most: u32) -> Self {
         let mut places = Self { count: [0; 2], distance: [0; 2], lowest: u16::MAX.into() };
         let around = costs.windows(3).filter_map(|around| around.first_chunk());
@@ -111,7 +111,7 @@ mod tests {
     fn repeats(at: &[i32]) -> bool {
         let costs: [u16; 41] =
             core::array::from_fn(|i| if at.contains(&(i as i32 - 20)) { 50 } else { 400 });
-        Places::of(&costs, -20, 100).repeat()
+        Alike::of(&costs, -20, 100).repeat()
     }
 
     #[test]

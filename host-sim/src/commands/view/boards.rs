@@ -96,8 +96,8 @@ pub(super) fn show(args: &Args) -> Result<String> {
     if let (Ok(()), Some(path)) = (&outcome, args.path.as_ref().filter(|_| show.link.has_nothing()))
     {
         bail!(
-            "{} holds nothing that a board sent, in {} bytes; give a file of linestereo monitor --record, a folder, an .mcap \
-             file or a video",
+            "{} holds nothing that a board sent, in {} bytes; give a file of linestereo monitor \
+             --record, a folder, an .mcap file or a video",
             path.display(),
             show.link.bytes()
         );
@@ -298,8 +298,9 @@ impl Show<'_> {
         let (frames, packets) = self.link.counts();
         let damaged = packets.cobs + packets.checksum + packets.too_long + packets.malformed;
         let told = json!({
-            "complete": frames.complete, "incomplete": frames.incomplete, "lost": frames.lost, "missing_segments": frames.missing_segments,
-            "restarts": frames.restarts, "damaged": damaged, "bytes": self.link.bytes(),
+            "complete": frames.complete, "incomplete": frames.incomplete, "lost": frames.lost,
+            "missing_segments": frames.missing_segments, "restarts": frames.restarts,
+            "damaged": damaged, "bytes": self.link.bytes(),
         });
         self.server.send("link", &[("link", told.to_string())]);
     }
