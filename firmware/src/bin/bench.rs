@@ -6,14 +6,13 @@ fn bench() -> linestereo_boards::Exit {
     use core::fmt::Write as _;
     use linestereo::{Matcher, Options};
     use linestereo_boards::Exit;
-    use linestereo_boards::built_in::{Case, Scene};
+    use linestereo_boards::built_in::Case;
     use linestereo_firmware::boards::{
         self,
         selected::{self, InstructionClock},
     };
     use linestereo_firmware::memory::Memory as _;
-    use linestereo_firmware::programs::kernel_costs::KernelCost;
-    use linestereo_firmware::programs::{bench, kernel_costs, selftest};
+    use linestereo_firmware::programs::{bench, selftest};
     use linestereo_firmware::semihosting::{Arguments, Mode};
     use linestereo_firmware::stack;
 
@@ -32,13 +31,6 @@ fn bench() -> linestereo_boards::Exit {
             let [see, send, bytes] = bench::measure_autopilot(&matched, &clock, &view);
             let _ = writeln!(table, "autopilot\t{case}\t{see}\t{send}\t{bytes}");
         }
-    }
-    let [left, right] = memory.frames();
-    Scene::Bricks.paint(selected::BOARD.largest, left, right);
-    for KernelCost { kernel, chosen, portable } in
-        kernel_costs::measure(&clock, left).into_iter().flatten()
-    {
-        let _ = writeln!(table, "kernel\t{kernel}\t{chosen}\t{portable}");
     }
     let _ = writeln!(table, "stack\t{}", stack::depth());
     Exit::Success

@@ -3,7 +3,6 @@
 pub mod bench;
 pub mod case_server;
 pub mod cores;
-pub mod kernel_costs;
 pub mod kernels;
 pub mod live;
 pub mod pixels;

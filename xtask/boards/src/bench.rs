@@ -39,28 +39,17 @@ impl Autopilot {
     }
 }
 
-/// Cost of a kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct KernelCost {
-    /// The one that the core uses on this board.
-    pub(crate) chosen: u64,
-    /// The portable one, compiled for the same processor.
-    pub(crate) portable: u64,
-}
-
 /// Results of the program `bench`.
 pub(crate) struct Builtin {
     /// Name and instructions by stage of every pair.
     pub(crate) pairs: Vec<(String, Costs)>,
     /// Cost of an autopilot, by pair.
     pub(crate) autopilot: Vec<(String, Autopilot)>,
-    /// Instructions of every kernel on work of the usual size.
-    pub(crate) kernels: Vec<(String, KernelCost)>,
 }
 
 /// Runs the program `bench`, as it is without logs.
 pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
-    let (mut pairs, mut autopilot, mut kernels) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut pairs, mut autopilot) = (Vec::new(), Vec::new());
     for line in table_of(board, "bench", &[])?.lines() {
         match line.split('\t').collect::<Vec<_>>()[..] {
             ["pair", name, _, ref costs @ ..] => {
@@ -70,15 +59,11 @@ pub(crate) fn builtin(board: &Board) -> Result<Builtin> {
                 let [obstacles, mavlink, bytes] = numbers("bench", line, costs)?;
                 autopilot.push((name.to_owned(), Autopilot { obstacles, mavlink, bytes }));
             }
-            ["kernel", name, ref costs @ ..] => {
-                let [chosen, portable] = numbers("bench", line, costs)?;
-                kernels.push((name.to_owned(), KernelCost { chosen, portable }));
-            }
             ["stack", _] => {}
             _ => return Err(unknown("bench", line)),
         }
     }
-    Ok(Builtin { pairs, autopilot, kernels })
+    Ok(Builtin { pairs, autopilot })
 }
 
 /// The table that a program without logs writes; `input` is the file that it reads, if it does.
@@ -193,11 +178,7 @@ pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) 
                  {worst_row:>4} band {band_bytes:>6}"
             );
         }
-        let Builtin { pairs, autopilot, kernels } = builtin(board)?;
-        println!("{}, kernels, instructions, and of the portable ones", board.name);
-        for (name, KernelCost { chosen, portable }) in kernels {
-            println!("{name:30} {chosen:>6} {portable:>6}");
-        }
+        let Builtin { pairs, autopilot } = builtin(board)?;
         println!("{}, an autopilot, instructions and bytes", board.name);
         for (name, Autopilot { obstacles, mavlink, bytes }) in autopilot {
             println!("{name:30} obstacles {obstacles:>6} MAVLink {mavlink:>6} bytes {bytes:>4}");

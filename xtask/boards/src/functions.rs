@@ -20,8 +20,8 @@ use std::process::Stdio;
 /// Captured pairs are cut to this size.
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
-/// Prints the functions that took most: of `bench`, which matches the built-in pairs and runs every
-/// kernel, or of `replay`, which is fed with captured pairs.
+/// Prints the functions that took most: of `bench`, which matches the built-in pairs, or of
+/// `replay`, which is fed with captured pairs.
 pub(crate) fn run(boards: &[Board], frames: Option<&Path>, count: usize) -> Result<()> {
     for board in boards {
         let program = if frames.is_some() { "replay" } else { "bench" };

@@ -1,9 +1,9 @@
 //! `cargo xtask measure`: the numbers of `xtask/board-numbers.toml`, measured again and compared.
 //!
-//! Compared are medians, maxima and bytes; what stands under `by_stage`, `by_pair` and `kernels` is
-//! for reading.
+//! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for
+//! reading.
 
-use crate::bench::{self, Autopilot, Builtin, Cores, KernelCost, Objects, Rectified};
+use crate::bench::{self, Autopilot, Builtin, Cores, Objects, Rectified};
 use crate::sizes;
 use anyhow::{Context, Result, bail};
 use linestereo::{Dims, Params, unstable::Stage};
@@ -30,8 +30,6 @@ const HEAD: &str = "\
 # real boards are in xtask/silicon, a file a board as its owner sent it.
 # All pairs: default parameters, 64 disparities; \"worst_case\" ones: parameters that find and report as much as any can.
 # built_in: frames painted on the board (crates/boards/src/built_in), the same everywhere; all but blocks and rows_off are worst cases.
-# kernels: work of the usual size (firmware/src/programs/kernel_costs.rs) by the kernels that the core uses on this processor, and by the
-# portable ones compiled for it.
 # The boards that stand for other families of processors have what one program, bench, gives.
 # captured: the folder qvga of the captured frames, which are not part of this repository; cut to the size from the middle, and measured
 # again only where LINESTEREO_FRAMES names them.
@@ -59,8 +57,6 @@ struct BoardNumbers {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     bytes: BTreeMap<String, u64>,
     built_in: BTreeMap<String, Instructions>,
-    #[serde(default)]
-    kernels: BTreeMap<String, KernelCost>,
     #[serde(default)]
     autopilot: Option<Autopilot>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -258,14 +254,13 @@ fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
 
 /// Results of the program `bench`.
 fn built_in(board: &Board) -> Result<BoardNumbers> {
-    let Builtin { pairs, autopilot, kernels } = bench::builtin(board)?;
+    let Builtin { pairs, autopilot } = bench::builtin(board)?;
     let groups = bench::by_size(board, pairs)?;
     Ok(BoardNumbers {
         built_in: groups
             .iter()
             .map(|(size, pairs)| (size.clone(), Instructions::new(pairs)))
             .collect(),
-        kernels: kernels.into_iter().collect(),
         autopilot: Some(Autopilot::largest(&autopilot)),
         ..BoardNumbers::default()
     })
@@ -297,8 +292,7 @@ fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>)
 }
 
 /// For reading, or what follows from other numbers.
-const NOT_COMPARED: [&str; 6] =
-    ["by_stage", "by_pair", "kernels", "worst_row", "permille", "joins"];
+const NOT_COMPARED: [&str; 5] = ["by_stage", "by_pair", "worst_row", "permille", "joins"];
 /// Of captured frames.
 const CAPTURED: [&str; 3] = ["captured", "objects", "cores"];
 
