@@ -35,8 +35,6 @@ fn assert_trace(name: &str, said: &[Said]) {
     );
 }
 
-const FIXED: Exposure = Exposure { rows: 200, gain_code: 0x20 };
-
 fn config(width: u16, height: u16, binning: Binning) -> Config {
     Config::new(Dims { width, height }, binning, FrameStart::Free)
 }
@@ -48,27 +46,21 @@ struct Case {
     config: Config,
     fixed: Exposure,
     other: Exposure,
-    has_trigger: bool,
 }
 
 fn mt9v034() -> Case {
     let config = config(320, 240, Binning::Two);
-    let (fixed, other) = (FIXED, Exposure { rows: 480, gain_code: 64 });
+    let (fixed, other) =
+        (Exposure { rows: 200, gain_code: 0x20 }, Exposure { rows: 480, gain_code: 64 });
     let (name, address) = ("mt9v034", Mt9v034::ADDRESSES[0]);
-    Case { name, address, config, fixed, other, has_trigger: true }
+    Case { name, address, config, fixed, other }
 }
 
 fn hm01b0() -> Case {
     let config = config(324, 244, Binning::One);
     let (fixed, other) =
         (Exposure { rows: 200, gain_code: 0x500 }, Exposure { rows: 258, gain_code: 0xd40 });
-    Case { name: "hm01b0", address: Hm01b0::ADDRESS, config, fixed, other, has_trigger: true }
-}
-
-fn ov7670() -> Case {
-    let config = config(320, 240, Binning::Two);
-    let (fixed, other) = (FIXED, Exposure { rows: 510, gain_code: 0x37f });
-    Case { name: "ov7670", address: Ov7670::ADDRESS, config, fixed, other, has_trigger: false }
+    Case { name: "hm01b0", address: Hm01b0::ADDRESS, config, fixed, other }
 }
 
 /// Calls a function for each model, with its case.
@@ -76,7 +68,6 @@ macro_rules! of_each_model {
     ($check:ident) => {
         $check::<Mt9v034>(&mt9v034());
         $check::<Hm01b0>(&hm01b0());
-        $check::<Ov7670>(&ov7670());
     };
 }
 
@@ -108,19 +99,15 @@ impl Asked {
 /// Everything that can be asked of a sensor, with a name for its trace.
 fn everything(case: &Case) -> Vec<(&'static str, Asked)> {
     let fixed = Config { exposure: ExposureControl::Fixed(case.fixed), ..case.config };
-    let mut list = vec![
+    vec![
         ("auto", Asked::Start(case.config)),
         ("fixed", Asked::Start(fixed)),
         ("pattern", Asked::Start(Config { test_pattern: true, ..fixed })),
         ("expose", Asked::Expose(case.other)),
         ("read_exposure", Asked::ReadExposure),
         ("stop", Asked::Stop),
-    ];
-    if case.has_trigger {
-        let triggered = Config { start: FrameStart::Triggered, ..fixed };
-        list.push(("triggered", Asked::Start(triggered)));
-    }
-    list
+        ("triggered", Asked::Start(Config { start: FrameStart::Triggered, ..fixed })),
+    ]
 }
 
 /// Writes to a sensor that runs, or is started.
@@ -178,9 +165,7 @@ fn fail_everywhere<M: Model>(case: &Case) -> usize {
     let mut count = 0;
     for (name, asked) in everything(case) {
         let trace = transactions::<M>(case, asked);
-        // The two halves of an SCCB read begin with a write as well.
         let identity = if let Asked::Start(_) = asked { M::IDENTITY.len() } else { 0 };
-        let identity = if M::WIRE == Wire::Sccb { 2 * identity } else { identity };
         for place in 0..trace.len() {
             count += 1;
             let so_far = failing(&trace, place, ErrorKind::Bus);
@@ -243,7 +228,6 @@ fn a_failure_at_any_transaction_is_told_with_the_state_that_it_leaves() {
     // Fewer would mean that operations are left out.
     assert!(fail_everywhere::<Mt9v034>(&mt9v034()) > 150);
     assert!(fail_everywhere::<Hm01b0>(&hm01b0()) > 450);
-    assert!(fail_everywhere::<Ov7670>(&ov7670()) > 250);
 }
 
 #[test]
@@ -254,8 +238,8 @@ fn a_register_that_keeps_something_else_is_named() {
         for Said { written, .. } in trace::<M>(case, Asked::Start(config)) {
             let register = match (M::WIRE, &written[..]) {
                 (Wire::Long8, [high, low, _]) => u16::from_be_bytes([*high, *low]),
-                (Wire::Short16 | Wire::Sccb, [register, _, ..]) => (*register).into(),
-                _ => continue, // a read, or its first half
+                (Wire::Short16, [register, _, ..]) => (*register).into(),
+                _ => continue, // a read
             };
             let fake = Fake::of::<M>();
             // Every bit that can be wrong is; of a register that is written several times, the
@@ -391,16 +375,10 @@ fn what_a_model_cannot_do_is_refused_before_anything_is_said() {
     refuses_size::<Mt9v034>(320, 241, Binning::One);
     refuses_size::<Mt9v034>(378, 240, Binning::Two);
     refuses_size::<Hm01b0>(320, 240, Binning::One);
-    refuses_size::<Ov7670>(320, 240, Binning::One);
     assert_eq!(exposed::<Mt9v034>(&mt9v034(), 0, 16), Unsupported::Rows(0));
     assert_eq!(exposed::<Mt9v034>(&mt9v034(), 1, 15), Unsupported::Gain(15));
     assert_eq!(exposed::<Hm01b0>(&hm01b0(), 259, 0x100), Unsupported::Rows(259));
     assert_eq!(exposed::<Hm01b0>(&hm01b0(), 258, 0x3f), Unsupported::Gain(0x3f));
-    assert_eq!(exposed::<Ov7670>(&ov7670(), 511, 0), Unsupported::Rows(511));
-    assert_eq!(exposed::<Ov7670>(&ov7670(), 510, 1 << 10), Unsupported::Gain(1 << 10));
-    let triggered = Config { start: FrameStart::Triggered, ..ov7670().config };
-    let what = refused::<Ov7670>(triggered);
-    assert_eq!(what.to_string(), "the sensor has no trigger pin: let it run free");
     assert_eq!(Unsupported::Gain(15).to_string(), "the sensor has no gain 0xf");
     assert_eq!(Unsupported::Rows(9).to_string(), "the sensor cannot be exposed for 9 rows");
     let size = Unsupported::Size(Dims { width: 320, height: 240 }, Binning::Four).to_string();
@@ -424,8 +402,6 @@ fn other_sizes_have_their_registers() {
     check::<Mt9v034>("small", &mt9v034(), config(160, 120, Binning::Four));
     check::<Hm01b0>("small", &hm01b0(), config(162, 122, Binning::Two));
     check::<Hm01b0Nibbles>("nibbles", &hm01b0(), hm01b0().config);
-    check::<Ov7670>("full", &ov7670(), config(640, 480, Binning::One));
-    check::<Ov7670>("small", &ov7670(), config(160, 120, Binning::Four));
 }
 
 #[test]
@@ -447,7 +423,6 @@ fn gains_are_the_nearest_from_below() {
     }
     check::<Mt9v034>(64..=259, 1.0 / 16.0); // sixteenths of 1 ..= 4
     check::<Hm01b0>(64..=4079, 1.0 / 64.0); // 1 ..= 16, times 1 ..= 3.98
-    check::<Ov7670>(64..=8191, 1.0 / 16.0); // 1 ..= 64, times sixteenths of 1 ..= 1.94
 }
 
 #[test]
@@ -455,8 +430,7 @@ fn the_middle_of_an_exposure() {
     assert_eq!(Shutter::Global.middle_us(4000, 16_000), -2000);
     assert_eq!(Shutter::Rolling.middle_us(4000, 30_000), 13_000);
     assert_eq!(Shutter::Global.middle_us(u32::MAX, 0), -i32::MAX);
-    let shutters = [Mt9v034::SHUTTER, Hm01b0::SHUTTER, Ov7670::SHUTTER];
-    assert_eq!(shutters, [Shutter::Global, Shutter::Rolling, Shutter::Rolling]);
+    assert_eq!([Mt9v034::SHUTTER, Hm01b0::SHUTTER], [Shutter::Global, Shutter::Rolling]);
 }
 
 /// Two sensors, each on a fake of its own.
@@ -745,7 +719,7 @@ fn what_went_wrong_is_said_in_words() {
             .starts_with("the bus failed at register 0x0007: Overrun")
     );
     assert!(say(Cause::NotRunning).starts_with("the camera does not run: start it first"));
-    assert!(say(Cause::Unsupported(Unsupported::Trigger)).starts_with("the sensor has no trigger"));
+    assert!(say(Cause::Unsupported(Unsupported::Rows(9))).starts_with("the sensor cannot be"));
     assert_eq!(Condition::Running.to_string(), "running");
 }
 

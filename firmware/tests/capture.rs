@@ -733,15 +733,6 @@ fn rows_that_do_not_fit_are_told() {
 }
 
 #[test]
-fn grey_levels_of_two_bytes_a_pixel() {
-    let mut grey = [0; 4];
-    luma(&[10, 128, 20, 127, 30, 128, 40, 127], 2, &mut grey);
-    assert_eq!(grey, [10, 20, 30, 40]);
-    luma(&[1, 2, 3, 4], 1, &mut grey);
-    assert_eq!(grey, [1, 2, 3, 4]);
-}
-
-#[test]
 fn faults_say_what_to_look_at() {
     let words = Fault::ALL.map(|fault| fault.to_string());
     assert!(words.iter().all(|text| text.contains(": ")), "{words:?}");

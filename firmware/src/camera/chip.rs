@@ -2,15 +2,14 @@
 
 use super::{
     CameraError, Cause, Condition, Config, Exposure, ExposureControl, Model, PinFault, ResetLine,
-    Step, TriggerInput, Unsupported,
+    Step, Unsupported,
 };
-use crate::ports::FrameStart;
 use core::marker::PhantomData;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::{Error as _, ErrorKind, I2c};
 
-/// How long a reset pin is held, and what a sensor needs afterwards until it answers; the longest
-/// of the models (OV7670: 1 ms and 1 ms).
+/// How long a reset pin is held, and what a sensor needs afterwards until it answers: more than any
+/// of the models needs.
 const RESET_US: u32 = 2000;
 
 /// The steps to standby have no pauses.
@@ -102,9 +101,6 @@ impl<M: Model, B: I2c, R: ResetLine> Chip<M, B, R> {
     }
 
     fn check(&self, config: &Config) -> Result<(), Unsupported> {
-        if config.start == FrameStart::Triggered && M::TRIGGER == TriggerInput::None {
-            return Err(Unsupported::Trigger);
-        }
         if !M::has_size(config.dims, config.binning) {
             return Err(Unsupported::Size(config.dims, config.binning));
         }

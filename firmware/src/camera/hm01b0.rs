@@ -9,9 +9,8 @@
 //! run      MODE_SELECT: streaming (1), or frames while TRIG is high (5)
 //! ```
 //! The two pixels at each side and the two rows above and below 320x240 are real pixels. Rows
-//! follow each other: at 30 frames a second the last row is exposed 30 ms after the first one. What
-//! that costs stands at [`Ov7670`](super::Ov7670); with one trigger both sensors are skewed alike,
-//! row by row.
+//! follow each other: at 30 frames a second the last row is exposed 30 ms after the first one. With
+//! one trigger both sensors are skewed alike, row by row (`docs/cameras.md` has what that costs).
 //!
 //! Address 0x24; two of them need two buses, or a board that gives one another address.
 //!
@@ -180,7 +179,6 @@ impl<const WIRES: u8> Model for Hm01b0Over<WIRES> {
     const WIRE: Wire = Wire::Long8;
     const SHUTTER: Shutter = Shutter::Rolling;
     const TRIGGER: TriggerInput = TriggerInput::Level;
-    const PIXEL_BYTES: u16 = 1;
     /// More rows than a frame of the smaller mode has would slow it down.
     const ROWS: RangeInclusive<u16> = 2..=ROWS - 2;
     const IDENTITY: &'static [Identity] = &[

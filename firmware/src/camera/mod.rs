@@ -18,15 +18,14 @@
 //! StereoCamera    all of it at work: started again after a failure, a pulse per pair, exposed
 //!                 alike
 //! ```
-//! A model ([`Mt9v034`], [`Hm01b0`], [`Ov7670`]) is tables of registers; what is done with them,
-//! and what happens when it fails, is written once, in [`Chip`].
+//! A model ([`Mt9v034`], [`Hm01b0`]) is tables of registers; what is done with them, and what
+//! happens when it fails, is written once, in [`Chip`].
 //!
 //! None of this has run on hardware yet: tests replay register traces (`firmware/tests/camera.rs`).
 
 mod chip;
 mod hm01b0;
 mod mt9v034;
-mod ov7670;
 mod pair;
 mod registers;
 mod stereo;
@@ -35,7 +34,6 @@ mod trigger;
 pub use chip::Chip;
 pub use hm01b0::{Hm01b0, Hm01b0Nibbles, Hm01b0Over};
 pub use mt9v034::Mt9v034;
-pub use ov7670::Ov7670;
 pub use pair::{CameraPair, PairError, PairExposure};
 pub use registers::{Identity, Step, Wire};
 pub use stereo::{StereoCamera, StereoConfig};
@@ -152,8 +150,6 @@ pub trait Model {
     const SHUTTER: Shutter;
     /// Effect of its trigger pin.
     const TRIGGER: TriggerInput;
-    /// Bytes that it sends for a pixel; the first is the grey level.
-    const PIXEL_BYTES: u16;
     /// Rows that it can be exposed for.
     const ROWS: RangeInclusive<u16>;
     /// Its identity register and value.
@@ -281,8 +277,6 @@ pub enum Cause<E> {
 pub enum Unsupported {
     /// Images of this size with this binning.
     Size(Dims, Binning),
-    /// A trigger pin.
-    Trigger,
     /// An exposure of so many rows.
     Rows(u16),
     /// A gain of this register value.
@@ -299,7 +293,6 @@ impl fmt::Display for Unsupported {
                     "the sensor has no images of {dims} with {pixels}x{pixels} pixels made one"
                 )
             }
-            Self::Trigger => write!(f, "the sensor has no trigger pin: let it run free"),
             Self::Rows(rows) => write!(f, "the sensor cannot be exposed for {rows} rows"),
             Self::Gain(code) => write!(f, "the sensor has no gain {code:#x}"),
         }

@@ -77,7 +77,6 @@ impl Model for Mt9v034 {
     const WIRE: Wire = Wire::Short16;
     const SHUTTER: Shutter = Shutter::Global;
     const TRIGGER: TriggerInput = TriggerInput::Pulse { us: 10 };
-    const PIXEL_BYTES: u16 = 1;
     const ROWS: RangeInclusive<u16> = 1..=32765;
     const IDENTITY: &'static [Identity] = &[Identity { register: CHIP_VERSION, value: 0x1324 }];
     const RESET: &'static [Step] =

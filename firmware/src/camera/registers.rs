@@ -9,9 +9,6 @@ pub enum Wire {
     Short16,
     /// Addresses of 16 bits, values of 8.
     Long8,
-    /// Addresses and values of 8 bits. A read is two transactions: OmniVision's SCCB knows no
-    /// repeated start.
-    Sccb,
 }
 
 impl Wire {
@@ -26,7 +23,6 @@ impl Wire {
         match self {
             Self::Short16 => bus.write(device, &[low, value_high, value_low]),
             Self::Long8 => bus.write(device, &[high, low, value_low]),
-            Self::Sccb => bus.write(device, &[low, value_low]),
         }
     }
 
@@ -43,10 +39,6 @@ impl Wire {
                 bus.write_read(device, &[low], &mut word).map(|()| u16::from_be_bytes(word))
             }
             Self::Long8 => bus.write_read(device, &[high, low], &mut byte).map(|()| byte[0].into()),
-            Self::Sccb => {
-                bus.write(device, &[low])?;
-                bus.read(device, &mut byte).map(|()| byte[0].into())
-            }
         }
     }
 }

@@ -57,7 +57,7 @@ where
     P: OutputPin,
     D: DelayNs,
 {
-    /// Two sensors, the trigger of both if they have one, and how they work. Nothing is sent yet.
+    /// Two sensors, the trigger of both if it is wired, and how they work. Nothing is sent yet.
     pub fn new(
         chips: (Chip<M, BL, RL>, Chip<M, BR, RR>),
         trigger: Option<Trigger<P>>,
@@ -115,7 +115,6 @@ where
             return true;
         };
         let done = match M::TRIGGER {
-            TriggerInput::None => Ok(()),
             TriggerInput::Pulse { us } => trigger.fire(us, &mut self.delay),
             TriggerInput::Level => trigger.raise(),
         };

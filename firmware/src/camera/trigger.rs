@@ -6,8 +6,6 @@ use embedded_hal::digital::OutputPin;
 /// Effect of a sensor's trigger pin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TriggerInput {
-    /// It has none.
-    None,
     /// The rising edge of a pulse: one frame.
     Pulse {
         /// How long it is, microseconds.

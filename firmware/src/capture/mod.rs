@@ -40,7 +40,7 @@ pub use ahead::AheadSource;
 pub use bands::{Bands, Dma, Events, RingLayout};
 pub use pairing::{Capture, Report};
 pub use shared::{CamerasInTurn, Half, InTurn, SideBySide, Stream, Switch, Turn};
-pub use sinks::{FrameRows, MemoryRows, luma};
+pub use sinks::{FrameRows, MemoryRows};
 pub use source::{CameraSource, FreeCameras};
 
 use crate::memory::of;

@@ -88,12 +88,3 @@ impl<M: Memory> RowSink for MemoryRows<'_, M> {
         self.memory.is_rectified().then_some(self.dims)
     }
 }
-
-/// The grey levels of a row of a sensor that sends several bytes a pixel, of which the first is the
-/// grey level ([`Model::PIXEL_BYTES`](crate::camera::Model::PIXEL_BYTES)).
-pub fn luma(bytes: &[u8], pixel_bytes: u16, grey: &mut [u8]) {
-    for (grey, &byte) in grey.iter_mut().zip(bytes.iter().step_by(usize::from(pixel_bytes).max(1)))
-    {
-        *grey = byte;
-    }
-}
