@@ -145,13 +145,6 @@ pub trait Cameras {
     }
 }
 
-/// Cameras that can be triggered while the program does something else. Not by a level: it would be
-/// held for as long as that takes.
-pub trait TimedCameras: Cameras {
-    /// [`Cameras::shoot`] at this time of the cameras' clock, microseconds; at once if it is past.
-    fn shoot_at(&mut self, time_us: u64) -> bool;
-}
-
 /// Resets the board when the program no longer does its work.
 pub trait Watchdog {
     /// The program has done some.

@@ -1,7 +1,6 @@
 //! The firmware's parts on a PC, with fakes in place of boards, a module a topic: `cargo test -p
 //! linestereo-firmware TOPIC`.
 
-mod ahead;
 mod camera;
 mod capacities;
 mod capture;

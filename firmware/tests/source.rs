@@ -1,9 +1,9 @@
 //! Cameras as the source of pairs, from the trigger to frames that are rectified while their rows
 //! come; and what happens when they fail.
 
+use crate::support::rectification;
 use crate::support::rows::faults;
 use crate::support::sensor::Fake;
-use crate::support::{rectification, rectification_to};
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
 use embedded_hal::delay::DelayNs;
@@ -16,8 +16,8 @@ use linestereo_firmware::camera::{
 };
 use linestereo_firmware::capture::*;
 use linestereo_firmware::memory::Memory;
-use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource, TimedCameras};
-use linestereo_rig::{CameraSide, Remap, View};
+use linestereo_firmware::ports::{Cameras, CapturedPair, FrameStart, PairSource};
+use linestereo_rig::{CameraSide, Remap};
 use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -178,12 +178,6 @@ impl Cameras for Sensors {
     }
 }
 
-impl TimedCameras for Sensors {
-    fn shoot_at(&mut self, _: u64) -> bool {
-        self.shoot()
-    }
-}
-
 fn source(start_us: u64) -> (Rc<Bench>, CameraSource<Ring, Sensors>) {
     let bench = Bench::new(AT_ONCE);
     bench.now_us.set(start_us);
@@ -232,63 +226,9 @@ fn rows_are_rectified_as_they_come_and_times_are_those_of_the_exposure() {
     assert_eq!((source.raw_dims(), source.losses()), (Some(DIMS), Some(CaptureReport::default())));
 }
 
-#[test]
-fn ahead_a_call_has_its_own_rig_and_takes_what_was_triggered_before_it() {
-    let (bench, source) = source(1_000_000);
-    let mut source = AheadSource::new(source);
-    let mut memory = Box::new(BoardMemory::CLEARED);
-    let [first, second] =
-        [View::default(), View::Focal(60.0)].map(|view| rectification_to(view).remap());
-    for (frame, remap) in (0..).zip([None, Some(&first), None, Some(&second), Some(&first), None]) {
-        if let Some(remap) = remap {
-            memory.set_rig(remap).unwrap();
-        }
-        let triggered_us =
-            if frame == 0 { bench.now_us.get() } else { bench.now_us.get() - 25_000 };
-        let pair = source.next_pair(&mut *memory, remap.map(|_| DIMS)).unwrap();
-        let middle_us = if frame == 0 { 0 } else { 300 };
-        assert_eq!(pair.times_us, Some([triggered_us - middle_us; 2]), "{frame}");
-        let as_it_is =
-            |eye| (0..48).flat_map(|y| (0..64).map(move |x| grey(eye, frame, x, y))).collect();
-        let expected =
-            remap.map_or_else(|| CameraSide::BOTH.map(as_it_is), |remap| rectified(remap, frame));
-        let found = if remap.is_some() {
-            pixels(&memory)
-        } else {
-            memory.frames().map(|frame| frame[..64 * 48].into())
-        };
-        assert!(found == expected, "{frame}");
-        bench.now_us.set(bench.now_us.get() + 25_000);
-    }
-    assert_ne!(rectified(&first, 0), rectified(&second, 0));
-    assert_eq!((bench.begun(), source.losses()), ([7; 2], Some(CaptureReport::default())));
-}
-
 /// The next pair, of which nobody looks at the pixels.
 fn next(source: &mut impl PairSource) -> Option<CapturedPair> {
     source.next_pair(&mut *Box::new(BoardMemory::CLEARED), None)
-}
-
-#[test]
-fn ahead_cameras_that_fail_cost_what_comes_after_them() {
-    let (bench, source) = source(0);
-    let mut source = AheadSource::new(source);
-    assert!(next(&mut source).is_some());
-    // Triggered already: it is whole, and the next one is not.
-    bench.is_dead.set(true);
-    assert!(next(&mut source).is_some());
-    assert_eq!(next(&mut source), None);
-    bench.is_dead.set(false);
-    assert!(next(&mut source).is_some());
-    bench.is_silent.set(true);
-    assert!(next(&mut source).is_some());
-    let (stops, last_us) = (bench.stops.get(), bench.now_us.get());
-    assert_eq!(next(&mut source), None);
-    assert!(bench.now_us.get() - last_us <= u64::from(PATIENCE_US) + 1000, "waited for two pairs");
-    assert_eq!(bench.stops.get(), stops + 2, "both are told of, once each");
-    bench.is_silent.set(false);
-    let pair = next(&mut source).unwrap();
-    assert_eq!(pair.times_us.unwrap()[0], bench.now_us.get() - 300);
 }
 
 #[test]

@@ -15,16 +15,16 @@ use linestereo_wire::CaptureReport;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-pub(crate) const ROWS: u32 = 24;
-pub(crate) const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
+const ROWS: u32 = 24;
+const DIMS: Dims = Dims { width: WIDTH, height: ROWS as u16 };
 const BAND: u32 = 4;
-pub(crate) const ROW_US: u64 = 10;
+const ROW_US: u64 = 10;
 /// Of a row's time, from its first bytes to its last ones.
 const BUSY_US: u64 = 7;
 const PAUSE_US: u64 = 200;
-pub(crate) const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
+const PERIOD_US: u64 = ROWS as u64 * ROW_US + PAUSE_US;
 
-pub(crate) const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
+const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
     let silence_us = 4 * PERIOD_US as u32;
     Limits {
         rows: ROWS as u16,
@@ -38,7 +38,7 @@ pub(crate) const fn limits(row_bytes: u16, pair_us: u32) -> Limits {
 
 /// Event in a stream.
 #[derive(Clone, Debug)]
-pub(crate) enum Step {
+enum Step {
     Start,
     /// The first bytes of a row.
     Begin(Vec<u8>),
@@ -49,9 +49,9 @@ pub(crate) enum Step {
 }
 
 /// A camera interface, its DMA, and what its interrupts make of it.
-pub(crate) struct Fake {
-    pub(crate) now_us: u64,
-    pub(crate) steps: VecDeque<(u64, Step)>,
+struct Fake {
+    now_us: u64,
+    steps: VecDeque<(u64, Step)>,
     ring: Vec<u8>,
     /// Where the DMA writes next.
     place: u32,
@@ -70,7 +70,7 @@ pub(crate) struct Fake {
 }
 
 impl Fake {
-    pub(crate) fn new(layout: RingLayout) -> Self {
+    fn new(layout: RingLayout) -> Self {
         Self {
             now_us: 0,
             steps: VecDeque::new(),
@@ -88,7 +88,7 @@ impl Fake {
     }
 
     /// Lets time pass: steps at their times, interrupts when they are due.
-    pub(crate) fn pass_to(&mut self, until_us: u64) {
+    fn pass_to(&mut self, until_us: u64) {
         loop {
             let step_us = self.steps.front().map(|step| step.0).filter(|&time| time <= until_us);
             let due_us =
@@ -151,7 +151,7 @@ impl Fake {
     }
 
     /// A frame from this time on, of rows that end one after the other.
-    pub(crate) fn play(&mut self, start_us: u64, rows: impl IntoIterator<Item = Vec<u8>>) {
+    fn play(&mut self, start_us: u64, rows: impl IntoIterator<Item = Vec<u8>>) {
         self.steps.push_back((start_us, Step::Start));
         let mut time_us = start_us;
         for mut row in rows {
@@ -166,7 +166,7 @@ impl Fake {
 
 /// The fake as a board has it.
 #[derive(Clone)]
-pub(crate) struct FakeStream(pub(crate) Rc<RefCell<Fake>>);
+struct FakeStream(pub(crate) Rc<RefCell<Fake>>);
 
 impl Stream for FakeStream {
     fn rows(&self) -> u32 {
@@ -205,7 +205,7 @@ impl Stream for FakeStream {
     }
 }
 
-pub(crate) fn both(frame: u32) -> Vec<Vec<u8>> {
+fn both(frame: u32) -> Vec<Vec<u8>> {
     (0..ROWS)
         .map(|row| {
             [paint(CameraSide::Left, frame, row), paint(CameraSide::Right, frame, row)].concat()
@@ -213,16 +213,10 @@ pub(crate) fn both(frame: u32) -> Vec<Vec<u8>> {
         .collect()
 }
 
-pub(crate) const TWO_ROWS: RingLayout =
-    RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
+const TWO_ROWS: RingLayout = RingLayout { rows: 16, row_bytes: 2 * WIDTH as u32, band: BAND };
 
 /// A fault of a stream, what is said of it (once for each eye), and a frame with it.
-pub(crate) fn injected(
-    random: &mut Random,
-    fake: &mut Fake,
-    frame: u32,
-    start_us: u64,
-) -> Option<Fault> {
+fn injected(random: &mut Random, fake: &mut Fake, frame: u32, start_us: u64) -> Option<Fault> {
     let row = 1 + random.below(ROWS - 2) as usize;
     let mut rows = both(frame);
     let fault = match random.below(24) {

@@ -48,13 +48,7 @@ pub fn measured() -> impl Iterator<Item = Board> {
 /// The ELF file of a program that boards are tested with, or none where boards cannot be built.
 #[must_use]
 pub fn image(board: &Board, program: &str) -> Option<PathBuf> {
-    image_with(board, program, firmware::features(board))
-}
-
-/// The same with these features of the firmware.
-#[must_use]
-pub fn image_with(board: &Board, program: &str, features: &[&str]) -> Option<PathBuf> {
-    or_skip(firmware::image(board, program, features))
+    or_skip(firmware::image(board, program, firmware::features(board)))
 }
 
 /// A board's program `replay`, or none where boards cannot be built.

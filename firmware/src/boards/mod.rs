@@ -50,12 +50,6 @@ pub mod rp235x;
 #[cfg(all(target_os = "none", feature = "hardware"))]
 pub mod usb_port;
 
-#[cfg(all(target_os = "none", feature = "ahead", not(feature = "portenta-h7")))]
-compile_error!(
-    "`ahead` is for portenta-h7 alone: one trigger for both cameras, rows that come as one, and RAM for a whole frame of them. On stm32h743 the program itself \
-     switches to the second camera, on pico2 a level triggers, and emulated boards have no cameras."
-);
-
 use linestereo::Dims;
 use linestereo_rig::mesh_nodes;
 

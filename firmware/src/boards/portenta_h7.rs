@@ -26,12 +26,8 @@ mod on_board {
     use crate::boards::stm32h7::ports::{self, HostPort};
     use crate::boards::stm32h7::reset::{self, IndependentDog};
     use crate::boards::stm32h7::silicon;
-    #[cfg(feature = "ahead")]
-    use crate::boards::stm32h7::timed;
     use crate::boards::{stm32h7, usb_port};
-    #[cfg(not(feature = "ahead"))]
-    use crate::camera::Trigger;
-    use crate::camera::{NoReset, ResetPin};
+    use crate::camera::{NoReset, ResetPin, Trigger};
     use crate::capture::{CameraSource, Capture, SideBySide};
     use crate::ports::{FrameStart, PairSource};
     use core::mem::MaybeUninit;
@@ -188,23 +184,12 @@ mod on_board {
         let data = (p.PH9, p.PH10, p.PH11, p.PH12, p.PH14, p.PI4, p.PI6, p.PI7);
         let stream = DcmiStream::start((p.DCMI, p.DMA1_CH0), data, (p.PI5, p.PA4, p.PA6))?;
         let eyes = &*EYES.init(SideBySide::new(stream));
-        let trigger = output(p.PG7.into());
-        #[cfg(feature = "ahead")]
-        let trigger = {
-            spawner.spawn(timed::fire(trigger).ok()?);
-            None
-        };
-        #[cfg(not(feature = "ahead"))]
-        let trigger = Trigger::new(trigger).ok();
+        let trigger = Trigger::new(output(p.PG7.into())).ok();
         // One pin resets both.
         let resets = (ResetPin(output(p.PC13.into())), NoReset);
         let sensors = sensors(p.I2C3, pac::I2C3, (p.PH7, p.PH8), resets, trigger, SENSOR_HZ);
-        #[cfg(feature = "ahead")]
-        let sensors = timed::Timed(sensors);
         let capture = Capture::new(ROW.limits(), FrameStart::Triggered);
         let pairs = CameraSource::new(eyes.eyes(DIMS.width), sensors, capture, DIMS, PATIENCE_US);
-        #[cfg(feature = "ahead")]
-        let pairs = crate::capture::AheadSource::new(pairs);
         let light = Light([Output::new(p.PK6, Level::High, Speed::Low)]);
         Some(crate::ports::Peripherals {
             clock: MicrosecondClock,

@@ -28,7 +28,6 @@
 //! # Cost
 //! One copy of every raw row; less than 300 bytes.
 
-mod ahead;
 mod bands;
 mod pairing;
 mod shared;
@@ -36,7 +35,6 @@ mod sinks;
 mod source;
 mod tracker;
 
-pub use ahead::AheadSource;
 pub use bands::{Bands, Dma, Events, RingLayout};
 pub use pairing::{Capture, Report};
 pub use shared::{CamerasInTurn, Half, InTurn, SideBySide, Stream, Switch, Turn};

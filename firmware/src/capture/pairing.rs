@@ -91,12 +91,6 @@ impl Capture {
         self.middle_us = middle_us;
     }
 
-    /// When the left frame of a pair started, of the last exposure that was set.
-    pub(super) fn start_us(&self, pair: &CapturedPair) -> Option<u64> {
-        let [middle_us, _] = self.middle_us;
-        pair.times_us.map(|[left_us, _]| left_us.saturating_add_signed(-i64::from(middle_us)))
-    }
-
     /// Faults and losses so far.
     #[must_use]
     pub const fn losses(&self) -> &CaptureReport {

@@ -39,11 +39,11 @@ impl Cameras for FreeCameras {
 #[derive(Debug)]
 pub struct CameraSource<R, C = FreeCameras> {
     rings: [R; 2],
-    pub(super) cameras: C,
+    cameras: C,
     /// Its losses name why there was no pair.
     pub capture: Capture,
-    pub(super) dims: Dims,
-    pub(super) patience_us: u32,
+    dims: Dims,
+    patience_us: u32,
     still_us: Option<u32>,
 }
 
@@ -68,25 +68,19 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
 
     /// The next pair, into this sink.
     fn fetch(&mut self, rows: &mut impl RowSink) -> Option<CapturedPair> {
-        let is_shot = self.shoot();
-        let pair = self.receive(is_shot, 0, rows);
-        self.follow(is_shot);
+        self.capture.request(self.now_us());
+        let is_shot = self.cameras.shoot();
+        let pair = self.receive(is_shot, rows);
+        self.cameras.let_go();
+        if is_shot && let Some(middle_us) = self.cameras.follow() {
+            self.capture.set_middle_us(middle_us);
+        }
         pair
     }
 
-    pub(super) fn shoot(&mut self) -> bool {
-        self.capture.request(self.now_us());
-        self.cameras.shoot()
-    }
-
-    /// The pair that was triggered at this time, or will be; or that will not come.
-    pub(super) fn receive(
-        &mut self,
-        is_shot: bool,
-        shot_us: u64,
-        rows: &mut impl RowSink,
-    ) -> Option<CapturedPair> {
-        let from_us = self.now_us().max(shot_us);
+    /// The pair that was triggered, or that will not come.
+    fn receive(&mut self, is_shot: bool, rows: &mut impl RowSink) -> Option<CapturedPair> {
+        let from_us = self.now_us();
         self.capture.shot(from_us);
         let mut until_us = from_us.saturating_add(self.patience_us.into());
         loop {
@@ -117,15 +111,7 @@ impl<R: RowRing, C: Cameras> CameraSource<R, C> {
         }
     }
 
-    /// Between two frames.
-    pub(super) fn follow(&mut self, is_shot: bool) {
-        self.cameras.let_go();
-        if is_shot && let Some(middle_us) = self.cameras.follow() {
-            self.capture.set_middle_us(middle_us);
-        }
-    }
-
-    pub(super) fn now_us(&self) -> u64 {
+    fn now_us(&self) -> u64 {
         let [left, _] = &self.rings;
         left.now_us()
     }

@@ -12,15 +12,10 @@ use linestereo_rig::{Calibration, Camera, Lens, Rectification, View};
 
 /// A rig of two cameras with a little barrel distortion that are turned against each other, 64x48.
 pub(crate) fn rectification() -> Rectification {
-    rectification_to(View::default())
-}
-
-/// The same cameras, rectified to another view.
-pub(crate) fn rectification_to(view: View) -> Rectification {
     let dims = Dims { width: 64, height: 48 };
     let lens = Lens::BrownConrady { k: [-0.1, 0.0, 0.0], p: [0.0; 2] };
     let camera = || Camera::new(dims, [50.0; 2], [31.0, 24.0], 0.0, lens).unwrap();
     let rig = Calibration::new(camera(), camera(), [1.0, 0.001, -0.002, 0.003], [-0.06, 0.0, 0.0])
         .unwrap();
-    rig.rectify(dims, view).unwrap()
+    rig.rectify(dims, View::default()).unwrap()
 }

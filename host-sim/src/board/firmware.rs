@@ -162,9 +162,6 @@ pub fn images(board: &Board) -> Vec<Images<'static>> {
     if *board == Board::STM32H743 {
         return vec![of(&["live", "selftest"], Logs::None, features(board))];
     }
-    if *board == Board::PORTENTA_H7 {
-        return vec![live, of(&["live"], Logs::None, &["ahead"])];
-    }
     if !board.is_emulated() {
         return vec![live];
     }

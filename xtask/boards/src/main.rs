@@ -92,7 +92,7 @@ enum Command {
         /// Without log code.
         #[arg(long)]
         no_logs: bool,
-        /// More features of the firmware: still-scene, ahead.
+        /// More features of the firmware: still-scene.
         #[arg(long, value_name = "FEATURE,...", value_delimiter = ',')]
         features: Vec<String>,
     },
@@ -316,9 +316,6 @@ fn lint(boards: &[Board]) -> Result<()> {
         // board without them stands for all.
         if number == 0 && board::is_long() {
             all.push(Images { logs: Logs::None, ..logged });
-        }
-        if *board == Board::PORTENTA_H7 {
-            all.push(Images { features: &["ahead"], ..logged });
         }
         if *board == Board::MPS2_AN500 && board::is_long() {
             all.push(LABORATORY);

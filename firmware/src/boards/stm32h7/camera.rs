@@ -48,11 +48,10 @@ impl Row {
 
     /// 128 rows: as many as the program may be behind, 3.5 ms. Rectifying takes longer than reading
     /// out when both sensors send at once; with one, up to the strongest lenses it does not fall
-    /// behind by half of a frame. Ahead a whole frame waits.
+    /// behind by half of a frame.
     #[must_use]
     pub const fn layout(self) -> RingLayout {
-        let rows = if cfg!(feature = "ahead") { 256 } else { 128 };
-        RingLayout { rows, row_bytes: self.bytes() as u32, band: 8 }
+        RingLayout { rows: 128, row_bytes: self.bytes() as u32, band: 8 }
     }
 
     /// Limits that every frame has to meet.

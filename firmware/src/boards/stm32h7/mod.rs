@@ -6,7 +6,6 @@
 //! dcmi      the camera interface and its DMA: rows in a ring, interrupts -> signals of the capture
 //!           path
 //! camera    two MT9V034 on one bus, their mode, what frames have to be like
-//! timed     a trigger that a task fires
 //! ports     the host's lines (USB, UART) and the autopilot's UART
 //! kept      sectors of the flash that keep the rig and settings
 //! reset     why the chip was reset; the independent watchdog
@@ -46,5 +45,3 @@ pub mod memory;
 pub mod ports;
 pub mod reset;
 pub mod silicon;
-#[cfg(feature = "ahead")]
-pub mod timed;
