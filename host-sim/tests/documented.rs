@@ -17,7 +17,7 @@ use std::sync::Mutex;
 use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
-const NOT_RUN: [(&str, &str); 21] = [
+const NOT_RUN: [(&str, &str); 20] = [
     ("linestereo-lab", "the laboratory, which has tests of its own"),
     ("--serial", "a board at a port"),
     ("--tcp", "a board that listens"),
@@ -37,7 +37,6 @@ const NOT_RUN: [(&str, &str); 21] = [
     ),
     ("pip download", "network"),
     ("frames/oakd_lite", "frames of `frames get`"),
-    ("frames/calibration_boards", "frames of `frames get`"),
     ("pymavlink", "a package of Python"),
     ("ffmpeg", "cameras"),
     ("both.mp4", "a program that decodes it: `video` tests it where that is installed"),

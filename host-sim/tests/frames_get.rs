@@ -24,17 +24,12 @@ fn without_a_network_it_says_what_to_do() {
     let folder = TempDir::new().unwrap();
     let output = get(
         folder.path(),
-        &[
-            ("python3", "echo 'WARNING: retrying' >&2; echo 'ERROR: no route to host' >&2; exit 1"),
-            ("apt-get", "echo 'E: Temporary failure resolving' >&2; exit 100"),
-        ],
+        &[("python3", "echo 'WARNING: retrying' >&2; echo 'ERROR: no route to host' >&2; exit 1")],
     );
     let words = [
-        "3 of 3 packages could not be fetched: scikit-image (ERROR: no route to host), stereodemo (",
-        "opencv-doc (E: Temporary failure resolving)",
+        "2 of 2 packages could not be fetched: scikit-image (ERROR: no route to host), stereodemo (",
         "connect this machine",
         "pip download --no-deps \"scikit-image>=0.14,<0.27\"",
-        "apt-get download opencv-doc",
         "--from",
     ];
     says(&failed(&output), &words);
@@ -45,7 +40,7 @@ fn without_a_network_it_says_what_to_do() {
 fn without_clients_it_says_so() {
     let folder = TempDir::new().unwrap();
     let line = failed(&get(folder.path(), &[]));
-    says(&line, &["no pip on this machine", "no apt-get on this machine", "--from"]);
+    says(&line, &["no pip on this machine", "--from"]);
 }
 
 #[test]
@@ -53,7 +48,7 @@ fn a_package_that_was_tampered_with_is_refused() {
     let folder = TempDir::new().unwrap();
     // A registry that serves something else under the right name.
     let serve = "for last; do :; done; while [ $# -gt 0 ]; do [ \"$1\" = --dest ] && to=$2; shift; done; echo evil > \"$to/x-1.whl\"";
-    let output = get(folder.path(), &[("python3", serve), ("apt-get", "exit 1")]);
+    let output = get(folder.path(), &[("python3", serve)]);
     let words = ["scikit-image (", "x-1.whl is no readable package", "stereodemo ("];
     says(&failed(&output), &words);
     assert_eq!(fs::read_dir(folder.path().join("got")).unwrap().count(), 0);
@@ -63,10 +58,7 @@ fn a_package_that_was_tampered_with_is_refused() {
 fn package_files_are_told_by_their_names() {
     let folder = TempDir::new().unwrap();
     let cases = [
-        (
-            "frames get --from numpy-2.whl",
-            "none of the packages scikit-image, stereodemo, opencv-doc",
-        ),
+        ("frames get --from numpy-2.whl", "none of the packages scikit-image, stereodemo"),
         (
             "frames get --from stereodemo-0.7-py3-none-any.whl",
             "cannot read stereodemo-0.7-py3-none-any.whl",

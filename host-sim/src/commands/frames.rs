@@ -8,7 +8,7 @@ use clap::Subcommand;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Download real pairs from package registries.
+/// Download real pairs.
 #[derive(Debug, clap::Args)]
 #[command(arg_required_else_help = true)]
 pub struct Args {
@@ -21,7 +21,7 @@ enum Action {
     Get(GetArgs),
 }
 
-/// Download real pairs with pip and apt-get, check them, and write them as scene folders.
+/// Download real pairs with pip, check them, and write them as scene folders.
 ///
 /// Nothing is installed. Unchanged files are not downloaded again.
 #[derive(Debug, clap::Args)]
@@ -56,7 +56,7 @@ fn download(out: &Path) -> Result<()> {
     let (mut failed, count) = (Vec::new(), packages.len());
     let progress = timed_bar(count);
     for package in &packages {
-        progress.set_message(format!("{} by {:?}", package.name, package.way).to_lowercase());
+        progress.set_message(package.name.clone());
         let outcome = if package.is_laid_out(out) {
             Ok("there already")
         } else {
