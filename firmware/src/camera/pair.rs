@@ -4,7 +4,7 @@
 //! start    both stopped; left, then right, with the left one's first choice, or with its own where
 //!          that is none that anybody may fix; if one fails the other is put to standby
 //! shared   left chooses; follow: what it has chosen is written to the right one, which shows it
-//!          one or two frames later freeze: its choice stays, in both
+//!          one or two frames later
 //! ```
 //! A pair with one camera does not run: there is no depth to be had.
 
@@ -140,21 +140,6 @@ where
             self.exposure = Some(chosen);
         }
         Ok(self.exposure)
-    }
-
-    /// The left one's choice of this moment, for both, from now on.
-    pub fn freeze(
-        &mut self,
-        delay: &mut impl DelayNs,
-    ) -> Result<Option<Exposure>, PairError<BL::Error>> {
-        let exposure = self.follow(delay)?;
-        if let (true, Some(exposure)) = (self.is_shared, exposure) {
-            self.left
-                .set_exposure(exposure, delay)
-                .map_err(|error| self.fail(CameraSide::Left, error, delay))?;
-            self.is_shared = false;
-        }
-        Ok(exposure)
     }
 
     /// The state of the left and the right one.
