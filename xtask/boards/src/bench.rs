@@ -156,17 +156,8 @@ pub(crate) fn by_size(
 }
 
 /// Prints the tables.
-pub(crate) fn run(boards: &[Board], frames: Option<&Path>, objects_alone: bool) -> Result<()> {
+pub(crate) fn run(boards: &[Board], frames: Option<&Path>) -> Result<()> {
     for board in boards {
-        if objects_alone {
-            print_objects(
-                board,
-                frames.context(
-                    "objects are measured on captured scenes: name a folder with --frames",
-                )?,
-            )?;
-            continue;
-        }
         println!(
             "{}, rectification of a pair, thousands of instructions (band: bytes of a camera)",
             board.name

@@ -134,9 +134,6 @@ enum Command {
         /// A folder of captured scenes.
         #[arg(long, value_name = "FOLDER")]
         frames: Option<PathBuf>,
-        /// Only what the depth of objects costs, and matching around them alone.
-        #[arg(long, requires = "frames")]
-        objects: bool,
     },
     /// Count instructions by function, of the built-in pairs or of captured ones.
     ///
@@ -211,9 +208,7 @@ fn execute(command: Command) -> Result<()> {
             agree(&boards, "selftest", ["not as on the PC", advice])
         }
         Command::Kernels(boards) => agree(&boards, "kernels", ["not as the portable kernels", ""]),
-        Command::Bench { boards, frames, objects } => {
-            bench::run(&boards.emulated()?, frames.as_deref(), objects)
-        }
+        Command::Bench { boards, frames } => bench::run(&boards.emulated()?, frames.as_deref()),
         Command::Functions { boards, frames, count } => {
             functions::run(&boards.emulated()?, frames.as_deref(), count)
         }

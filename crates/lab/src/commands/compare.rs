@@ -3,8 +3,8 @@
 use super::batch::collect;
 use crate::opencv::OpenCv;
 use crate::rivals::{
-    MethodScore, MethodSummary, cell_comparison, compare_scene, comparison_table,
-    object_comparison, summarise, time_scene,
+    MethodSummary, cell_comparison, compare_scene, comparison_table, object_comparison, summarise,
+    time_scene,
 };
 use anyhow::{Context, Result, bail};
 use core::num::NonZeroUsize;
@@ -72,19 +72,6 @@ pub(crate) struct Args {
 struct JsonReport {
     frames: usize,
     methods: Vec<MethodSummary>,
-    scenes: Vec<JsonScene>,
-}
-
-#[derive(Serialize)]
-struct JsonScene {
-    scene: String,
-    methods: Vec<MethodSummary>,
-}
-
-/// Results of every method for one pair.
-struct Compared {
-    name: String,
-    methods: Vec<MethodScore>,
 }
 
 /// Runs the command.
@@ -105,7 +92,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 Err(error) => return Ok(Err(error.context(pair.name.clone()))),
             };
             let methods = compare_scene(&scene, opencv.as_ref(), |scene| args.engine(scene))?;
-            Ok(Ok((*place, Compared { name: scene.name, methods })))
+            Ok(Ok((*place, methods)))
         })?;
     let (mut compared, mut left_out) = (Vec::new(), Vec::new());
     for outcome in outcomes {
@@ -119,19 +106,20 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     if !args.no_times {
         let progress = timed_bar(compared.len());
-        for (place, compared) in &mut compared {
+        for (place, methods) in &mut compared {
             let Some((_, pair)) = pairs.get(*place) else { continue };
             progress.set_message(format!("timing {}", pair.name));
             let scene = args.load(pair)?;
             let times = time_scene(&scene, opencv.as_ref(), |scene| args.engine(scene))?;
-            for (score, milliseconds) in compared.methods.iter_mut().zip(times) {
+            for (score, milliseconds) in methods.iter_mut().zip(times) {
                 score.score.milliseconds = Some(milliseconds);
             }
             progress.inc(1);
         }
         progress.finish_and_clear();
     }
-    args.write(compared.into_iter().map(|(_, compared)| compared).collect(), &notes)
+    let methods = summarise(compared.iter().map(|(_, methods)| methods.as_slice()));
+    args.write(compared.len(), methods, &notes)
 }
 
 impl Args {
@@ -174,12 +162,10 @@ impl Args {
         Ok(scene)
     }
 
-    fn write(&self, compared: Vec<Compared>, notes: &[String]) -> Result<()> {
-        let methods = summarise(compared.iter().map(|compared| compared.methods.as_slice()));
-        let count = compared.len();
+    fn write(&self, frames: usize, methods: Vec<MethodSummary>, notes: &[String]) -> Result<()> {
         let mut text = format!(
-            "{count} {}\n\n{}",
-            if count == 1 { "pair" } else { "pairs" },
+            "{frames} {}\n\n{}",
+            if frames == 1 { "pair" } else { "pairs" },
             comparison_table(&methods)
         );
         text.push('\n');
@@ -191,14 +177,8 @@ impl Args {
         for note in notes {
             text.push_str(&format!("\n{note}\n"));
         }
-        let scene = |Compared { name, methods }: &Compared| JsonScene {
-            scene: name.clone(),
-            methods: summarise([methods.as_slice()]),
-        };
-        let report =
-            JsonReport { frames: count, methods, scenes: compared.iter().map(scene).collect() };
         let mut output = OutputFiles::new();
-        output.add_json(self.json.as_ref(), &report)?;
+        output.add_json(self.json.as_ref(), &JsonReport { frames, methods })?;
         output.commit_and_say(&text)
     }
 }
