@@ -16,7 +16,7 @@ use crate::list::List;
 use crate::matching::MatchContext;
 use crate::memory::{Buffers, Scratch};
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Reason, Region};
-use crate::obstacles::{ObstaclePlan, Obstacles};
+use crate::obstacles::{DOUBTFUL_GROUND, LEAST_CONFIDENCE, ObstaclePlan, Obstacles};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::query::{self, PixelDepth, PixelRejection, Query};
@@ -169,7 +169,9 @@ impl<'a> Matched<'a> {
     /// Points for [`Obstacles`](crate::obstacles::Obstacles) beside the matches: three of each bar
     /// and of each credible side of a segment that is not among the matches, then the support
     /// points, whatever [`Params::min_confidence`](crate::Params::min_confidence) is: many of
-    /// little confidence that agree are an obstacle too.
+    /// little confidence that agree are an obstacle too. A point that its neighbours alone put beside
+    /// the ground plane has at most [`DOUBTFUL_GROUND`](crate::obstacles::DOUBTFUL_GROUND): it may
+    /// be the blank side of a box, and proves nothing free.
     pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.is_fit();
         let least_q16 = self.plan.params.min_confidence.to_bits();
@@ -182,7 +184,7 @@ impl<'a> Matched<'a> {
                 credible.filter(move |side| !side.rejected && side.probability_q16 >= least_q16);
             credible.flat_map(|side| side.three_points(&candidate.segment))
         });
-        let support = self.support().credible(crate::obstacles::LEAST_CONFIDENCE);
+        let support = self.support().credible_by(LEAST_CONFIDENCE, DOUBTFUL_GROUND);
         bars.chain(sides).chain(support).filter(move |_| is_fit)
     }
 

@@ -2,6 +2,7 @@
 //! TOPIC`.
 
 mod bars;
+mod blank_boxes;
 mod board;
 mod board_faults;
 mod board_objects;

@@ -152,7 +152,10 @@ fn list_points(
             ];
             let corners =
                 corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
-            point.probability_q16 > LEAST_PROBABILITY && cover.contains(*x, *y) && corners >= 4
+            point.probability_q16 > LEAST_PROBABILITY
+                && !point.is_ground_by_paths()
+                && cover.contains(*x, *y)
+                && corners >= 4
         })
     };
     let step = inside().count().div_ceil(MOST_POINTS.min(neighbours.len() / 2).max(1)).max(1);

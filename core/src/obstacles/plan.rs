@@ -270,7 +270,7 @@ pub(super) struct Ground {
     /// Q16.
     pub(super) per_row_q16: i32,
     /// Parts of the rows in which the ground within the range lies, a bit each.
-    pub(super) parts: u8,
+    pub(super) parts: u32,
 }
 
 impl ObstaclePlan {

@@ -169,6 +169,13 @@ impl SupportPoint {
         self.is_matched() && self.place.is_on_plane()
     }
 
+    /// True when it lies beside the ground plane by its neighbours alone: its own window matches
+    /// elsewhere nearly as well. Blank floor is like this, and so is the blank side of a box on it,
+    /// which paths cross from the floor on its left to that on its right.
+    pub(crate) fn is_ground_by_paths(&self) -> bool {
+        self.is_beside_ground() && !self.is_unique()
+    }
+
     /// A point without a disparity, since its window matches elsewhere as well.
     pub(crate) const fn repeated() -> Self {
         Self { disparity_q6: REPEATS_Q6, ..Self::none() }

@@ -93,10 +93,22 @@ impl<'a> Support<'a> {
     /// The matched points with at least this probability. The list of points has each pixel once:
     /// there some are replaced by a more probable point of a segment.
     pub fn credible(&self, least: Confidence) -> impl Iterator<Item = Point> + use<'a> {
+        self.credible_by(least, Confidence::MAX)
+    }
+
+    /// The same; those that [are ground by their neighbours alone] with at most this probability.
+    ///
+    /// [are ground by their neighbours alone]: SupportPoint::is_ground_by_paths
+    pub(crate) fn credible_by(
+        &self,
+        least: Confidence,
+        most_by_paths: Confidence,
+    ) -> impl Iterator<Item = Point> + use<'a> {
         let probable =
             self.iter().filter(move |(_, point)| point.confidence() >= least && point.is_matched());
-        probable.map(|((x, y), point)| {
-            let (disparity, confidence) = (point.disparity(), point.confidence());
+        probable.map(move |((x, y), point)| {
+            let most = if point.is_ground_by_paths() { most_by_paths } else { Confidence::MAX };
+            let (disparity, confidence) = (point.disparity(), point.confidence().min(most));
             Point { x, y, disparity, confidence, source: Source::Support }
         })
     }
