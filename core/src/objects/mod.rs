@@ -6,7 +6,8 @@
 //! ```text
 //! cover:   the region's pixels, its centre
 //! region_support: hypotheses whose windows lie in it, or whose edges where it is thinner than
-//!                 windows, each with a weight
+//!                 windows, each with a weight; without support points that their neighbours alone
+//!                 put on the ground
 //! surface: the plane of disparity with the largest support (in a box: the nearest one with
 //!     enough support)
 //! refusal: where its weight is small, where it lies on the outline only, where a second surface or
