@@ -169,9 +169,9 @@ impl<'a> Matched<'a> {
     /// Points for [`Obstacles`](crate::obstacles::Obstacles) beside the matches: three of each bar
     /// and of each credible side of a segment that is not among the matches, then the support
     /// points, whatever [`Params::min_confidence`](crate::Params::min_confidence) is: many of
-    /// little confidence that agree are an obstacle too. A point that its neighbours alone put beside
-    /// the ground plane has at most [`DOUBTFUL_GROUND`](crate::obstacles::DOUBTFUL_GROUND): it may
-    /// be the blank side of a box, and proves nothing free.
+    /// little confidence that agree are an obstacle too. A point that its neighbours alone put
+    /// beside the ground plane has at most [`DOUBTFUL_GROUND`](crate::obstacles::DOUBTFUL_GROUND):
+    /// it may be the blank side of a box, and proves nothing free.
     pub fn obstacle_points(&self) -> impl Iterator<Item = Point> + use<'_> {
         let is_fit = self.is_fit();
         let least_q16 = self.plan.params.min_confidence.to_bits();

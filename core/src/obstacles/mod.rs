@@ -44,10 +44,10 @@
 //!   would stand, without two neighbouring rows of support points between them that have none, and
 //!   without one that has only doubtful ones. Points that their neighbours alone put on the ground
 //!   are doubtful: the side of a blank box is like this. Without a plane, one in each half above
-//!   and one below the camera's own height: of what is lower nothing is known. Obstacles are possible all the same: a wall without texture, a wire
-//!   along the rows and anything nearer than the near limit
-//!   ([`Params::largest_disparity`](crate::Params::largest_disparity)) give no credible hypothesis.
-//!   A sector without hypotheses is unknown, not free.
+//!   and one below the camera's own height: of what is lower nothing is known. Obstacles are
+//!   possible all the same: a wall without texture, a wire along the rows and anything nearer than
+//!   the near limit ([`Params::largest_disparity`](crate::Params::largest_disparity)) give no
+//!   credible hypothesis. A sector without hypotheses is unknown, not free.
 //! - **Unknown**: too few hypotheses, or too old ones.
 //! - **Outside**: never in view of this camera. Sectors partly in view can have obstacles, but are
 //!   never free; nor are those near the left border,
@@ -115,12 +115,12 @@ const BELOW_Q6: i32 = 128;
 /// paths, are correlated.
 const LEAST_POINT_ERROR_Q16: u16 = 13107;
 
-/// Number of parts that the rows are divided into: with 240 rows one for each row of support points.
-/// Chosen, with the rules of what is free, on blank boxes of 8 to 22 cm and kerbs of 6 to 9 cm drawn
-/// on textured floors within 3 m (80 pairs): of 149 sectors that one fills 66 were called free by
-/// eight parts with two hypotheses in each, 7 are now, and of 600 without one 262 and 187. As many
-/// pairs that chose nothing: 60 and 8 of 157, and 217 and 149 of 600. Of the clear sectors of
-/// `robot_world` 5 and 3 %, of a doorway 14 and 4 %.
+/// Number of parts that the rows are divided into: with 240 rows one for each row of support
+/// points. Chosen, with the rules of what is free, on blank boxes of 8 to 22 cm and kerbs of 6 to 9
+/// cm drawn on textured floors within 3 m (80 pairs): of 149 sectors that one fills 66 were called
+/// free by eight parts with two hypotheses in each, 7 are now, and of 600 without one 262 and 187.
+/// As many pairs that chose nothing: 60 and 8 of 157, and 217 and 149 of 600. Of the clear sectors
+/// of /// `robot_world` 5 and 3 %, of a doorway 14 and 4 %.
 const PARTS_OF_ROWS: i32 = 30;
 
 /// State of one direction.
@@ -429,8 +429,8 @@ impl ObstaclePlan {
         }
     }
 
-    /// The sector of a support point, and its ray there. It reaches half way to the next points above
-    /// and below, but makes its own row alone free: something low may stand between.
+    /// The sector of a support point, and its ray there. It reaches half way to the next points
+    /// above and below, but makes its own row alone free: something low may stand between.
     fn ray_of(&self, point: &Point) -> Option<(usize, Ray)> {
         let half = i32::from(SUPPORT_PITCH / 2);
         let (x_q5, y) = (i32::from(point.x) << 5, i32::from(point.y));
