@@ -38,13 +38,13 @@ fn boxes(count: usize) -> Vec<Blank> {
     (0..count).map(|_| one()).collect()
 }
 
-/// A floor with grain as fine as `grain` m up to a wall, and the box on it, if there is one.
-fn drawn(grain: f64, blank: Option<Blank>, seed: u64) -> (Engine, FrameResult, Rendering) {
+/// A floor with fine grain up to a wall, and the box on it, if there is one.
+fn drawn(blank: Option<Blank>, seed: u64) -> (Engine, FrameResult, Rendering) {
     let pair = Pair::centred(DIMS, 220.0, 0.08);
     let rough = |seed, size| Texture::grained(Pattern::Blank(120.0), 60.0, size, seed);
     let (right, down, ahead) = ([8.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 0.0, 6.0]);
     let mut surfaces = vec![
-        Surface::rectangle([-4.0, HEIGHT, 0.3], right, ahead, rough(seed, grain), 2),
+        Surface::rectangle([-4.0, HEIGHT, 0.3], right, ahead, rough(seed, 0.02), 2),
         Surface::rectangle([-4.0, HEIGHT - 3.0, 6.0], right, down, rough(seed + 1, 0.1), 3),
     ];
     if let Some(Blank { distance, width, height, grey }) = blank {
@@ -79,7 +79,7 @@ fn ahead(engine: &Engine, result: &FrameResult) -> Sector {
 #[test]
 fn the_way_is_not_free_through_a_blank_box() {
     let is_free = |blank, seed| {
-        let (engine, result, _) = drawn(0.02, blank, seed);
+        let (engine, result, _) = drawn(blank, seed);
         assert!(result.ground.is_some());
         matches!(ahead(&engine, &result), Sector::Free { .. })
     };
@@ -96,7 +96,7 @@ fn the_way_is_not_free_through_a_blank_box() {
 fn a_blank_box_has_no_depth_of_the_floor() {
     let (mut answered, mut wrong) = (0, Vec::new());
     for (blank, seed) in boxes(20).into_iter().zip(0..) {
-        let (mut engine, _, drawn) = drawn(0.02, Some(blank), seed);
+        let (mut engine, _, drawn) = drawn(Some(blank), seed);
         let mask = Mask::new(DIMS, drawn.labels.iter().map(|&label| label == BOX).collect());
         let runs = mask.runs(1);
         let Ok(found) = engine.object(&Region::masked(1, &runs, DIMS).unwrap()) else { continue };

@@ -243,6 +243,12 @@ fn free_is_what_both_cameras_see_whole_with_something_behind() {
         Sector::Unknown,
         "something may stand in the other half"
     );
+    let above = [156.0, 164.0].map(|x| segment([[x, 90.0], [x, 118.0]], [1.5; 2], 0.995));
+    let below = [156.0, 164.0].map(|x| segment([[x, 121.0], [x, 149.0]], [1.5; 2], 0.995));
+    for (half, beside) in [(above, "below"), (below, "above")] {
+        let sector = seen(&plan, &half).sector(&plan, 0, 0);
+        assert_eq!(sector, Sector::Unknown, "something may stand {beside} the camera's height");
+    }
     // A segment without support within the range is no obstacle, but the sector is not free either.
     let mut doubtful = far.clone();
     doubtful.push(edge(160.0, 30.0, 0.9));

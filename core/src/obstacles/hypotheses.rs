@@ -183,6 +183,7 @@ impl Hypotheses {
             // points show.
             Some(Ground { parts, .. }) => {
                 let [left, right] = self.seen.map(|seen| parts & !seen);
+                let has_gap = |unseen: u32| unseen == parts || has_gap(unseen);
                 !has_gap(left) && !has_gap(right) && left & right & self.doubted == 0
             }
             // The rows above and below the camera's own height. Of the sectors of `robot_world`
@@ -199,8 +200,8 @@ impl Hypotheses {
     }
 }
 
-/// True where two neighbouring parts of the rows are unseen. Support points are one to a part, and
-/// stand up to half a part higher or lower.
+/// True where two neighbouring parts of the rows are unseen. One may be: support points stand up to
+/// half of their distance higher or lower.
 fn has_gap(unseen: u32) -> bool {
     unseen & (unseen << 1) != 0
 }

@@ -173,7 +173,7 @@ impl SupportPoint {
     /// elsewhere nearly as well. Blank floor is like this, and so is the blank side of a box on it,
     /// which paths cross from the floor on its left to that on its right.
     pub(crate) fn is_ground_by_paths(&self) -> bool {
-        self.is_beside_ground() && !self.is_unique()
+        self.is_beside_ground() && !self.is_unique() && !self.is_of_bar()
     }
 
     /// A point without a disparity, since its window matches elsewhere as well.
