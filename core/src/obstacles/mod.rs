@@ -116,11 +116,11 @@ const BELOW_Q6: i32 = 128;
 const LEAST_POINT_ERROR_Q16: u16 = 13107;
 
 /// Most parts that the rows are divided into, 8 px high or more: with 240 rows one for each row of
-/// support points. Chosen, with the rules of what is free, on blank boxes of 8 to 22 cm and kerbs of
-/// 6 to 9 cm drawn on textured floors within 3 m (80 pairs): of 149 sectors that one fills 66 were
-/// called free by eight parts with two hypotheses in each, 7 are now, and of 600 without one 262
-/// and 187. As many pairs that chose nothing: 60 and 8 of 157, and 217 and 149 of 600. Of the clear
-/// sectors of `robot_world` 5 and 3 %, of a doorway 14 and 4 %.
+/// support points. Chosen, with the rules of what is free, on blank boxes of 8 to 22 cm and kerbs
+/// of 6 to 9 cm drawn on textured floors within 3 m (80 pairs): of 149 sectors that one fills 66
+/// were called free by eight parts with two hypotheses in each, 7 are now, and of 600 without one
+/// 262 and 187. As many pairs that chose nothing: 60 and 8 of 157, and 217 and 149 of 600. Of the
+/// clear sectors of `robot_world` 5 and 3 %, of a doorway 14 and 4 %.
 const PARTS_OF_ROWS: i32 = 30;
 
 /// State of one direction.
