@@ -166,7 +166,7 @@ impl Fake {
 
 /// The fake as a board has it.
 #[derive(Clone)]
-struct FakeStream(pub(crate) Rc<RefCell<Fake>>);
+struct FakeStream(Rc<RefCell<Fake>>);
 
 impl Stream for FakeStream {
     fn rows(&self) -> u32 {

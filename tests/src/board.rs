@@ -48,7 +48,7 @@ pub fn measured() -> impl Iterator<Item = Board> {
 /// The ELF file of a program that boards are tested with, or none where boards cannot be built.
 #[must_use]
 pub fn image(board: &Board, program: &str) -> Option<PathBuf> {
-    or_skip(firmware::image(board, program, firmware::features(board)))
+    or_skip(firmware::image(board, program))
 }
 
 /// A board's program `replay`, or none where boards cannot be built.

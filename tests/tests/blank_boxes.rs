@@ -1,7 +1,8 @@
 //! Blank boxes on a textured floor: paths carry the ground plane across their sides, which must
 //! make no direction free and give no object its depth.
 
-use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
+use crate::drop_offs::seen;
+use linestereo::obstacles::{ObstacleParams, Sector};
 use linestereo::{Dims, Params, Region};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::mask::Mask;
@@ -70,10 +71,7 @@ fn ahead(engine: &Engine, result: &FrameResult) -> Sector {
         ..ObstacleParams::DEFAULT
     };
     let plan = wanted.plan(engine.matcher.params(), DIMS).unwrap().on_ground(result.ground);
-    let points = result.obstacle_points.iter().copied();
-    let mut obstacles = Obstacles::new();
-    obstacles.update(&plan, &result.matches, points, result.health.of_pair(), 0);
-    obstacles.sector(&plan, 0, 0)
+    seen(&plan, result).sector(&plan, 0, 0)
 }
 
 #[test]
@@ -84,9 +82,9 @@ fn the_way_is_not_free_through_a_blank_box() {
         matches!(ahead(&engine, &result), Sector::Free { .. })
     };
     let boxes = boxes(20);
-    let through = boxes.iter().zip(0..).filter(|&(&blank, seed)| is_free(Some(blank), seed));
+    let through: Vec<_> =
+        boxes.iter().zip(0..).filter(|&(&blank, seed)| is_free(Some(blank), seed)).collect();
     let without = (0..20).filter(|&seed| is_free(None, seed)).count();
-    let through: Vec<_> = through.collect();
     eprintln!("free: {} of 20 with a box, {without} of 20 without", through.len());
     assert!(through.is_empty(), "{through:?}");
     assert!(without >= 10, "{without} of 20");
@@ -102,8 +100,8 @@ fn a_blank_box_has_no_depth_of_the_floor() {
         let Ok(found) = engine.object(&Region::masked(1, &runs, DIMS).unwrap()) else { continue };
         answered += 1;
         let pixels = drawn.labels.iter().zip(&drawn.disparity).filter(|(label, _)| **label == BOX);
-        let own: Vec<f32> = pixels.map(|(_, d)| *d).collect();
-        let (least, most) = own.iter().fold((f32::MAX, 0.0_f32), |(a, b), &d| (a.min(d), b.max(d)));
+        let [least, most] =
+            pixels.fold([f32::MAX, 0.0], |[least, most], (_, &d)| [least.min(d), most.max(d)]);
         let d = found.disparity.to_num::<f32>();
         if d < least - 1.0 || d > most + 1.0 {
             wrong.push((blank, d, least, most));

@@ -124,7 +124,7 @@ pub(crate) fn pair(edge_m: Option<f64>, seed: u64) -> [GrayImage; 2] {
 }
 
 /// Directions of a result.
-fn seen(plan: &ObstaclePlan, result: &FrameResult) -> Obstacles {
+pub(crate) fn seen(plan: &ObstaclePlan, result: &FrameResult) -> Obstacles {
     let mut obstacles = Obstacles::new();
     let points = result.obstacle_points.iter().copied();
     obstacles.update(plan, &result.matches, points, result.health.of_pair(), 0);

@@ -555,7 +555,7 @@ impl ObstaclePlan {
 
     /// Parts of the eighth of the rows above the camera's own height, and of the eighth below it,
     /// without the part that it lies in.
-    pub(super) fn level_parts(&self) -> [u32; 2] {
+    fn level_parts(&self) -> [u32; 2] {
         let (row_q5, eighth_q5) = (self.row_q5, i32::from(self.height) * 4);
         let own = self.parts([row_q5; 2]);
         let around = self.parts([row_q5 - eighth_q5, row_q5 + eighth_q5]);
@@ -564,9 +564,7 @@ impl ObstaclePlan {
 
     /// Parts of the rows from one row to another, 1/32 px, a bit each.
     pub(super) fn parts(&self, rows_q5: [i32; 2]) -> u32 {
-        let height = i32::from(self.height);
-        let rows = quotient(height + PARTS_OF_ROWS - 1, PARTS_OF_ROWS).max(SUPPORT_PITCH.into());
-        let [a, b] = rows_q5.map(|y_q5| quotient(y_q5, rows << 5).clamp(0, PARTS_OF_ROWS));
+        let [a, b] = rows_q5.map(|y_q5| quotient(y_q5, self.part_q5).clamp(0, PARTS_OF_ROWS));
         (2_u32 << a.max(b)) - (1 << a.min(b))
     }
 

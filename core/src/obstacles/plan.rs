@@ -11,12 +11,14 @@
 //! # Cost
 //! At set-up alone: a tangent for each boundary of a sector.
 
+use super::PARTS_OF_ROWS;
 use super::tilt::Tilt;
 use crate::ground::GroundPlane;
 use crate::health::HealthFlags;
 use crate::image::Dims;
 use crate::params::Params;
 use crate::rig::{Rig, nearest};
+use crate::support::SUPPORT_PITCH;
 use core::f32::consts::PI;
 use micromath::F32;
 
@@ -120,6 +122,8 @@ impl ObstacleParams {
             max_disparity: params.max_disparity,
             width: dims.width,
             height: dims.height,
+            part_q5: i32::from(dims.height.div_ceil(PARTS_OF_ROWS as u16).max(SUPPORT_PITCH)) << 5,
+            level: [0; 2],
             row_q5: nearest(32.0 * view.row) as i32,
             // Nearness at the range; at least one step, so that a disparity of 0 is beyond it.
             far_q6: nearest(focal_baseline / 1024.0 / self.range_m).clamp(1, i32::MAX.into())
@@ -143,6 +147,7 @@ impl ObstacleParams {
             *edge_q4 = nearest(16.0 * column) as i16;
         }
         plan.complete = plan.seen_whole([plan.row_q5; 2]);
+        plan.level = plan.level_parts();
         Ok(plan)
     }
 }
@@ -236,6 +241,10 @@ pub struct ObstaclePlan {
     /// Width of the image, px.
     pub(super) width: u16,
     pub(super) height: u16,
+    /// Height of a part of the rows, 1/32 px.
+    pub(super) part_q5: i32,
+    /// Parts of the rows above and below the camera's own height.
+    pub(super) level: [u32; 2],
     /// Principal row, 1/32 px.
     pub(super) row_q5: i32,
     /// Nearness at the range, 1/64 px.

@@ -146,8 +146,7 @@ pub fn build(toolchain: &Toolchain, board: &Board, program: &str, logs: Logs) ->
 }
 
 /// Features with which a board is flashed, as its page says.
-#[must_use]
-pub fn features(board: &Board) -> &'static [&'static str] {
+fn features(board: &Board) -> &'static [&'static str] {
     if *board == Board::STM32H743 { &["still-scene"] } else { &[] }
 }
 
@@ -157,10 +156,13 @@ pub fn features(board: &Board) -> &'static [&'static str] {
 /// logs.
 #[must_use]
 pub fn images(board: &Board) -> Vec<Images<'static>> {
-    let of = |programs, logs, features| Images { features, ..Images::of_firmware(programs, logs) };
-    let live = of(&["live"], Logs::None, &[]);
+    let of = |programs, logs| Images {
+        features: features(board),
+        ..Images::of_firmware(programs, logs)
+    };
+    let live = of(&["live"], Logs::None);
     if *board == Board::STM32H743 {
-        return vec![of(&["live", "selftest"], Logs::None, features(board))];
+        return vec![of(&["live", "selftest"], Logs::None)];
     }
     if !board.is_emulated() {
         return vec![live];
@@ -172,13 +174,13 @@ pub fn images(board: &Board) -> Vec<Images<'static>> {
     } else {
         &["bench", "faults", "live"]
     };
-    vec![of(&["kernels", "selftest"], Logs::Semihosting, &[]), of(without_logs, Logs::None, &[])]
+    vec![of(&["kernels", "selftest"], Logs::Semihosting), of(without_logs, Logs::None)]
 }
 
 /// One of [`images`], built in one call of cargo with all that stand beside it there.
-pub fn image(board: &Board, program: &str, features: &[&str]) -> Result<PathBuf> {
+pub fn image(board: &Board, program: &str) -> Result<PathBuf> {
     let toolchain = Toolchain::for_board(board)?;
-    for images in images(board).into_iter().filter(|images| images.features == features) {
+    for images in images(board) {
         if let Some(place) = images.programs.iter().position(|&one| one == program) {
             return Ok(images.build(&toolchain, board)?.swap_remove(place));
         }
