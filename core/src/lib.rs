@@ -132,6 +132,7 @@ mod matched;
 mod matcher;
 mod matching;
 mod memory;
+mod named;
 pub mod objects;
 mod observe;
 pub mod obstacles;

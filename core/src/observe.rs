@@ -11,6 +11,7 @@ use crate::fnv::Fnv;
 use crate::health::PairHealth;
 use crate::lines::Segment;
 use crate::matching::{Candidate, SegmentCurves};
+use crate::named::named_enum;
 use crate::result::{Match, Point, Rejection};
 use crate::support::evidence::SupportEvidence;
 use crate::support::{SupportCurves, SupportPoint};
@@ -43,59 +44,36 @@ pub enum StageEvent<'a> {
     Health(&'a PairHealth),
 }
 
-/// The stages in the order of their first steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(usize)]
-pub enum Stage {
-    /// Segments of the left image.
-    LinesLeft,
-    /// Segments of the right image.
-    LinesRight,
-    /// Row offset and the most prominent left segments.
-    Selection,
-    /// Support points.
-    Support,
-    /// Gradients and census of both images.
-    Rows,
-    /// Three matchings of each segment, ownership.
-    Matching,
-    /// Evidence between hypotheses and support points.
-    Consistency,
-    /// Probability, uniqueness, lists.
-    Report,
-    /// Checks of the images before the run, and of its matches after it.
-    Health,
-}
+named_enum! {
+    /// The stages in the order of their first steps.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(usize)]
+    pub enum Stage {
+        /// Segments of the left image.
+        LinesLeft = "lines_left",
+        /// Segments of the right image.
+        LinesRight = "lines_right",
+        /// Row offset and the most prominent left segments.
+        Selection = "selection",
+        /// Support points.
+        Support = "support",
+        /// Gradients and census of both images.
+        Rows = "rows",
+        /// Three matchings of each segment, ownership.
+        Matching = "matching",
+        /// Evidence between hypotheses and support points.
+        Consistency = "consistency",
+        /// Probability, uniqueness, lists.
+        Report = "report",
+        /// Checks of the images before the run, and of its matches after it.
+        Health = "health",
+    }
 
-impl Stage {
     /// Every stage.
-    pub const ALL: [Self; 9] = [
-        Self::LinesLeft,
-        Self::LinesRight,
-        Self::Selection,
-        Self::Support,
-        Self::Rows,
-        Self::Matching,
-        Self::Consistency,
-        Self::Report,
-        Self::Health,
-    ];
+    const ALL;
 
     /// Name in snake case, as in tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::LinesLeft => "lines_left",
-            Self::LinesRight => "lines_right",
-            Self::Selection => "selection",
-            Self::Support => "support",
-            Self::Rows => "rows",
-            Self::Matching => "matching",
-            Self::Consistency => "consistency",
-            Self::Report => "report",
-            Self::Health => "health",
-        }
-    }
+    fn name;
 }
 
 impl StageEvent<'_> {

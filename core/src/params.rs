@@ -6,6 +6,7 @@
 
 use crate::curve::MAX_DISPARITIES;
 use crate::image::Dims;
+use crate::named::named_enum;
 pub use crate::rig::{Rig, RigError};
 use crate::units::{Confidence, Depth, Disparity};
 
@@ -164,53 +165,38 @@ fn in_range(
     }
 }
 
-/// A field of [`Params`], in the unit of its limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Param {
-    /// [`Params::min_disparity`], px.
-    MinDisparity,
-    /// [`Params::max_disparity`], px.
-    MaxDisparity,
-    /// [`Params::anchor_gradient`].
-    AnchorGradient,
-    /// [`Params::edge_gradient`].
-    EdgeGradient,
-    /// [`Params::min_extent`], px.
-    MinExtent,
-    /// [`Params::cell`], px.
-    Cell,
-    /// [`Params::reach`], px.
-    Reach,
-    /// [`Params::min_confidence`], percent.
-    MinConfidence,
-    /// [`Margin::Pixels`], 1/64 px.
-    Margin,
-    /// [`Margin::Metres`] towards the cameras, mm.
-    MarginNearer,
-    /// [`Margin::Metres`] away from the cameras, mm.
-    MarginFarther,
-}
-
-impl Param {
-    /// The name of the field, with the unit of its limits where it is not the field's.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::MinDisparity => "min_disparity",
-            Self::MaxDisparity => "max_disparity",
-            Self::AnchorGradient => "anchor_gradient",
-            Self::EdgeGradient => "edge_gradient",
-            Self::MinExtent => "min_extent",
-            Self::Cell => "cell",
-            Self::Reach => "reach",
-            Self::MinConfidence => "min_confidence (percent)",
-            Self::Margin => "margin (1/64 px)",
-            Self::MarginNearer => "margin nearer (mm)",
-            Self::MarginFarther => "margin farther (mm)",
-        }
+named_enum! {
+    /// A field of [`Params`], in the unit of its limits.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    #[non_exhaustive]
+    pub enum Param {
+        /// [`Params::min_disparity`], px.
+        MinDisparity = "min_disparity",
+        /// [`Params::max_disparity`], px.
+        MaxDisparity = "max_disparity",
+        /// [`Params::anchor_gradient`].
+        AnchorGradient = "anchor_gradient",
+        /// [`Params::edge_gradient`].
+        EdgeGradient = "edge_gradient",
+        /// [`Params::min_extent`], px.
+        MinExtent = "min_extent",
+        /// [`Params::cell`], px.
+        Cell = "cell",
+        /// [`Params::reach`], px.
+        Reach = "reach",
+        /// [`Params::min_confidence`], percent.
+        MinConfidence = "min_confidence (percent)",
+        /// [`Margin::Pixels`], 1/64 px.
+        Margin = "margin (1/64 px)",
+        /// [`Margin::Metres`] towards the cameras, mm.
+        MarginNearer = "margin nearer (mm)",
+        /// [`Margin::Metres`] away from the cameras, mm.
+        MarginFarther = "margin farther (mm)",
     }
+
+    /// The name of the field, with the unit of its limits where it is not the field's.
+    fn name;
 }
 
 /// A parameter that cannot be used.

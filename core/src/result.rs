@@ -1,5 +1,6 @@
 //! Results of a pair: matched segments, points, and counts of rejections.
 
+use crate::named::named_enum;
 use crate::units::{Confidence, Depth, Disparity, Position};
 
 /// A sub-pixel image point.
@@ -115,67 +116,43 @@ enum SerializedSource {
     Support,
 }
 
-/// Reason why a left segment (or one piece of it) has no match.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Rejection {
-    /// Another segment in the same cell has more extent and contrast, or there were too many to be
-    /// searched over the whole range.
-    LessProminent,
-    /// Too close to the left or right border to compare enough disparities.
-    NearBorder,
-    /// The window's cost curve has a second minimum that is nearly as low, the left image shows the
-    /// edge again at equal distances, or it lies where five equal bars stand at equal distances.
-    WindowNotUnique,
-    /// The census curve has a second minimum that is nearly as low.
-    CensusNotUnique,
-    /// The techniques lie further apart than the margin (Eq. 13).
-    TechniquesDisagree,
-    /// The two halves' disparities are too far apart to be one straight edge.
-    Slant,
-    /// Neither side's own window is unique at the disparity.
-    NoOwner,
-    /// A more probable hypothesis matches the same position in the right image.
-    NotUnique,
-    /// The probability is below [`Params::min_confidence`](crate::Params::min_confidence).
-    LowConfidence,
-    /// A side's disparity is credible and its points are listed, but the edge itself may belong to
-    /// the surface on the other side.
-    EdgeUnclear,
-}
+named_enum! {
+    /// Reason why a left segment (or one piece of it) has no match.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    #[non_exhaustive]
+    pub enum Rejection {
+        /// Another segment in the same cell has more extent and contrast, or there were too many to
+        /// be searched over the whole range.
+        LessProminent = "less_prominent",
+        /// Too close to the left or right border to compare enough disparities.
+        NearBorder = "near_border",
+        /// The window's cost curve has a second minimum that is nearly as low, the left image shows
+        /// the edge again at equal distances, or it lies where five equal bars stand at equal
+        /// distances.
+        WindowNotUnique = "window_not_unique",
+        /// The census curve has a second minimum that is nearly as low.
+        CensusNotUnique = "census_not_unique",
+        /// The techniques lie further apart than the margin (Eq. 13).
+        TechniquesDisagree = "techniques_disagree",
+        /// The two halves' disparities are too far apart to be one straight edge.
+        Slant = "slant",
+        /// Neither side's own window is unique at the disparity.
+        NoOwner = "no_owner",
+        /// A more probable hypothesis matches the same position in the right image.
+        NotUnique = "not_unique",
+        /// The probability is below [`Params::min_confidence`](crate::Params::min_confidence).
+        LowConfidence = "low_confidence",
+        /// A side's disparity is credible and its points are listed, but the edge itself may belong
+        /// to the surface on the other side.
+        EdgeUnclear = "edge_unclear",
+    }
 
-impl Rejection {
     /// Every reason, in the order of the tests.
-    pub const ALL: [Self; 10] = [
-        Self::LessProminent,
-        Self::NearBorder,
-        Self::WindowNotUnique,
-        Self::CensusNotUnique,
-        Self::TechniquesDisagree,
-        Self::Slant,
-        Self::NoOwner,
-        Self::NotUnique,
-        Self::LowConfidence,
-        Self::EdgeUnclear,
-    ];
+    const ALL;
 
     /// The reason in snake case, as in JSON and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::LessProminent => "less_prominent",
-            Self::NearBorder => "near_border",
-            Self::WindowNotUnique => "window_not_unique",
-            Self::CensusNotUnique => "census_not_unique",
-            Self::TechniquesDisagree => "techniques_disagree",
-            Self::Slant => "slant",
-            Self::NoOwner => "no_owner",
-            Self::NotUnique => "not_unique",
-            Self::LowConfidence => "low_confidence",
-            Self::EdgeUnclear => "edge_unclear",
-        }
-    }
+    fn name;
 }
 
 /// Numbers of segments found, matched, rejected and dropped in one frame:

@@ -42,6 +42,7 @@ use crate::image::Dims;
 use crate::list::List;
 use crate::matching::Candidate;
 use crate::matching::consistency::Neighbour;
+use crate::named::named_enum;
 use crate::report::Ranked;
 use crate::rig::Rig;
 use crate::support::Support;
@@ -63,50 +64,35 @@ pub struct NoDepth {
     pub support: u16,
 }
 
-/// Reason why an object has no depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum Reason {
-    /// Too few credible hypotheses in the region.
-    #[error("too few credible hypotheses in the region")]
-    LittleSupport,
-    /// Two groups of hypotheses explain the region equally well.
-    #[error("two surfaces explain the region equally well")]
-    TwoSurfaces,
-    /// Hypotheses lie on the outline only: they may belong to the surface behind.
-    #[error("hypotheses on the outline only: they may belong to what is beside the region")]
-    OnlyOutline,
-    /// The pair is not fit to be used.
-    #[error("the pair is not fit to be used")]
-    UnhealthyPair,
-    /// Its pixels are the same in both images: it is too far for a depth, or no part of the scene
-    /// (dirt, overlaid text).
-    #[error("the same pixels in both images: too far for a depth, or dirt, or overlaid text")]
-    NoParallax,
-}
+named_enum! {
+    /// Reason why an object has no depth.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    #[non_exhaustive]
+    pub enum Reason {
+        /// Too few credible hypotheses in the region.
+        #[error("too few credible hypotheses in the region")]
+        LittleSupport = "little_support",
+        /// Two groups of hypotheses explain the region equally well.
+        #[error("two surfaces explain the region equally well")]
+        TwoSurfaces = "two_surfaces",
+        /// Hypotheses lie on the outline only: they may belong to the surface behind.
+        #[error("hypotheses on the outline only: they may belong to what is beside the region")]
+        OnlyOutline = "only_outline",
+        /// The pair is not fit to be used.
+        #[error("the pair is not fit to be used")]
+        UnhealthyPair = "unhealthy_pair",
+        /// Its pixels are the same in both images: it is too far for a depth, or no part of the
+        /// scene (dirt, overlaid text).
+        #[error("the same pixels in both images: too far for a depth, or dirt, or overlaid text")]
+        NoParallax = "no_parallax",
+    }
 
-impl Reason {
     /// Every reason.
-    pub const ALL: [Self; 5] = [
-        Self::LittleSupport,
-        Self::TwoSurfaces,
-        Self::OnlyOutline,
-        Self::UnhealthyPair,
-        Self::NoParallax,
-    ];
+    const ALL;
 
     /// The reason in snake case, as in JSON and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::LittleSupport => "little_support",
-            Self::TwoSurfaces => "two_surfaces",
-            Self::OnlyOutline => "only_outline",
-            Self::UnhealthyPair => "unhealthy_pair",
-            Self::NoParallax => "no_parallax",
-        }
-    }
+    fn name;
 }
 
 /// The depth of an object.

@@ -16,6 +16,7 @@ use super::tilt::Tilt;
 use crate::ground::GroundPlane;
 use crate::health::HealthFlags;
 use crate::image::Dims;
+use crate::named::named_enum;
 use crate::params::Params;
 use crate::rig::{Rig, nearest};
 use crate::support::SUPPORT_PITCH;
@@ -376,47 +377,34 @@ impl ObstaclePlan {
     }
 }
 
-/// A number that sectors depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ObstacleParam {
-    /// [`ObstacleParams::yaw_deg`].
-    Yaw,
-    /// [`ObstacleParams::sectors`].
-    Sectors,
-    /// [`ObstacleParams::range_m`].
-    Range,
-    /// The first of [`ObstacleParams::heights_m`].
-    LowestHeight,
-    /// The second of [`ObstacleParams::heights_m`].
-    HighestHeight,
-    /// [`ObstacleParams::drop_m`].
-    DropDepth,
-    /// [`ObstacleParams::error_probability`].
-    ErrorProbability,
-    /// The rig's principal point, column.
-    PrincipalColumn,
-    /// The rig's principal point, row.
-    PrincipalRow,
-}
-
-impl ObstacleParam {
-    /// Its name, with its unit.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Yaw => "yaw (degrees)",
-            Self::Sectors => "sectors",
-            Self::Range => "range (m)",
-            Self::LowestHeight => "lowest height (m)",
-            Self::HighestHeight => "highest height (m)",
-            Self::DropDepth => "depth of a drop-off (m)",
-            Self::ErrorProbability => "error probability",
-            Self::PrincipalColumn => "principal column (px)",
-            Self::PrincipalRow => "principal row (px)",
-        }
+named_enum! {
+    /// A number that sectors depend on.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    #[non_exhaustive]
+    pub enum ObstacleParam {
+        /// [`ObstacleParams::yaw_deg`].
+        Yaw = "yaw (degrees)",
+        /// [`ObstacleParams::sectors`].
+        Sectors = "sectors",
+        /// [`ObstacleParams::range_m`].
+        Range = "range (m)",
+        /// The first of [`ObstacleParams::heights_m`].
+        LowestHeight = "lowest height (m)",
+        /// The second of [`ObstacleParams::heights_m`].
+        HighestHeight = "highest height (m)",
+        /// [`ObstacleParams::drop_m`].
+        DropDepth = "depth of a drop-off (m)",
+        /// [`ObstacleParams::error_probability`].
+        ErrorProbability = "error probability",
+        /// The rig's principal point, column.
+        PrincipalColumn = "principal column (px)",
+        /// The rig's principal point, row.
+        PrincipalRow = "principal row (px)",
     }
+
+    /// Its name, with its unit.
+    fn name;
 }
 
 /// Reason why parameters of sectors are refused.

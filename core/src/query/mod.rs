@@ -44,6 +44,7 @@ use crate::confidence::SigmaModel;
 use crate::evidence::log2_mean_q8;
 use crate::image::{Dims, Gray};
 use crate::matching::{Candidate, MIN_RANGE, Workspace};
+use crate::named::named_enum;
 use crate::objects::Region;
 use crate::params::Params;
 use crate::row_memory::row_bytes;
@@ -85,69 +86,46 @@ pub struct PixelDepth {
     pub depth_sigma: Option<Depth>,
 }
 
-/// Reason why a pixel has no depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum PixelRejection {
-    /// The images or the memory do not have the planned size.
-    #[error("the pair or the memory is not of the planned size")]
-    OtherSize,
-    /// The pixel lies outside of the image, or of its valid part.
-    #[error("the pixel lies outside of the valid image")]
-    Outside,
-    /// The pixel does not belong to the region given.
-    #[error("the pixel does not belong to the region")]
-    OutsideRegion,
-    /// Too close to the border to compare enough disparities.
-    #[error("too close to the border to compare disparities")]
-    NearBorder,
-    /// There is nothing to match around the pixel.
-    #[error("nothing to match around the pixel")]
-    NoTexture,
-    /// The left-right check fails: most likely the surface is occluded in the right image.
-    #[error("hidden in the right image, most likely")]
-    LeftRight,
-    /// Another disparity matches nearly as well.
-    #[error("another disparity matches nearly as well")]
-    NotUnique,
-    /// The probability by all evidence is below [`Params::min_confidence`].
-    #[error("not credible enough")]
-    LowConfidence,
-    /// The pair was refused.
-    #[error("the pair is not fit to be used")]
-    UnhealthyPair,
-}
+named_enum! {
+    /// Reason why a pixel has no depth.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+    #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+    #[non_exhaustive]
+    pub enum PixelRejection {
+        /// The images or the memory do not have the planned size.
+        #[error("the pair or the memory is not of the planned size")]
+        OtherSize = "other_size",
+        /// The pixel lies outside of the image, or of its valid part.
+        #[error("the pixel lies outside of the valid image")]
+        Outside = "outside",
+        /// The pixel does not belong to the region given.
+        #[error("the pixel does not belong to the region")]
+        OutsideRegion = "outside_region",
+        /// Too close to the border to compare enough disparities.
+        #[error("too close to the border to compare disparities")]
+        NearBorder = "near_border",
+        /// There is nothing to match around the pixel.
+        #[error("nothing to match around the pixel")]
+        NoTexture = "no_texture",
+        /// The left-right check fails: most likely the surface is occluded in the right image.
+        #[error("hidden in the right image, most likely")]
+        LeftRight = "left_right",
+        /// Another disparity matches nearly as well.
+        #[error("another disparity matches nearly as well")]
+        NotUnique = "not_unique",
+        /// The probability by all evidence is below [`Params::min_confidence`].
+        #[error("not credible enough")]
+        LowConfidence = "low_confidence",
+        /// The pair was refused.
+        #[error("the pair is not fit to be used")]
+        UnhealthyPair = "unhealthy_pair",
+    }
 
-impl PixelRejection {
     /// Every reason.
-    pub const ALL: [Self; 9] = [
-        Self::OtherSize,
-        Self::Outside,
-        Self::OutsideRegion,
-        Self::NearBorder,
-        Self::NoTexture,
-        Self::LeftRight,
-        Self::NotUnique,
-        Self::LowConfidence,
-        Self::UnhealthyPair,
-    ];
+    const ALL;
 
     /// The reason in snake case, as in JSON and tables.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::OtherSize => "other_size",
-            Self::Outside => "outside",
-            Self::OutsideRegion => "outside_region",
-            Self::NearBorder => "near_border",
-            Self::NoTexture => "no_texture",
-            Self::LeftRight => "left_right",
-            Self::NotUnique => "not_unique",
-            Self::LowConfidence => "low_confidence",
-            Self::UnhealthyPair => "unhealthy_pair",
-        }
-    }
+    fn name;
 }
 
 /// Inputs and working memory for the depth of one pixel.
