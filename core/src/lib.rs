@@ -1,40 +1,4 @@
-//! Sparse stereo depth for microcontrollers: line segments and support points from a rectified pair
-//! of images, each with the probability that its disparity is within 1 px.
-//!
-//! `no_std`, no allocation, no panic path, integer arithmetic for each pair.
-//!
-//! # Example
-//!
-//! ```
-//! use linestereo::{Area, Capacity, Dims, Gray, Matcher, Params, Region, Rig};
-//!
-//! # fn main() -> Result<(), Box<dyn core::error::Error>> {
-//! const DIMS: Dims = Dims { width: 160, height: 120 };
-//! type Memory = linestereo::Memory<{ Capacity::new(DIMS).words() }>;
-//!
-//! // Once: a focal length of 200 px and a baseline of 0.06 m; parameters are checked here.
-//! let rig = Some(Rig::new(200.0, 0.06, 0.0)?);
-//! let params = Params { max_disparity: 32, rig, ..Params::default() };
-//! let mut matcher = Matcher::new(params, DIMS)?;
-//! let mut memory = Memory::new(); // in a static on a board
-//!
-//! # let grey = |x: usize, y: usize| ((x * 7919) ^ (y * 6271)).wrapping_mul(2_654_435_761) as u8;
-//! # let image = |d| -> Vec<u8> { (0..160 * 120).map(|i| grey(i % 160 + d, i / 160)).collect() };
-//! # let (left, right) = (image(0), image(12));
-//! // For each pair: grey pixels, row by row.
-//! let left = Gray::new(&left, DIMS, 160)?;
-//! let right = Gray::new(&right, DIMS, 160)?;
-//! let mut result = matcher.run(&mut memory, left, right)?;
-//!
-//! for segment in result.segments() {
-//!     let _ = (segment.depth, segment.confidence);
-//! }
-//! let found = Area { left: 60, top: 30, right: 120, bottom: 90 }; // by a detector
-//! let object = result.object(&Region::boxed(1, found, DIMS)?);
-//! let _ = object.map(|object| object.metres); // an error where it is not credible
-//! # Ok(())
-//! # }
-//! ```
+#![doc = include_str!("../README.md")]
 //!
 //! # Parameters
 //!
@@ -207,11 +171,6 @@ pub mod unstable {
         pub use crate::lines::*;
     }
 }
-
-/// The example of the package's page.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
 
 /// An example with a pair whose depth is known.
 #[cfg(doctest)]
