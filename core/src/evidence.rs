@@ -36,6 +36,17 @@ macro_rules! define_evidence {
             pub(crate) fn get(&self, kind: $SegmentKind) -> i32 {
                 self.0.get(kind as usize).copied().unwrap_or(0).into()
             }
+
+            /// The evidence with these values of a kind and of those after it, Q8.
+            pub(crate) fn with_from<const M: usize>(
+                mut self,
+                first: $SegmentKind,
+                values_q8: [i16; M],
+            ) -> Self {
+                let slots = self.0.iter_mut().skip(first as usize);
+                slots.zip(values_q8).for_each(|(slot, value_q8)| *slot = value_q8);
+                self
+            }
         }
     };
 }
@@ -105,19 +116,8 @@ impl NearbyEvidence {
 impl SegmentEvidence {
     /// The evidence completed with that by support points and segments nearby.
     #[must_use]
-    pub fn with_nearby(mut self, nearby: NearbyEvidence) -> Self {
-        for (value, nearby) in
-            self.0.iter_mut().skip(NearbyEvidence::FIRST as usize).zip(nearby.values())
-        {
-            *value = nearby;
-        }
-        self
-    }
-
-    /// The evidence with one entry changed.
-    pub(crate) fn with(mut self, kind: SegmentKind, value_q8: i32) -> Self {
-        self.set(kind, value_q8);
-        self
+    pub fn with_nearby(self, nearby: NearbyEvidence) -> Self {
+        self.with_from(NearbyEvidence::FIRST, nearby.values())
     }
 }
 

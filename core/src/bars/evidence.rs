@@ -145,16 +145,7 @@ pub(super) fn score_nearby_q8(model: &Model<BAR_EVIDENCE>, evidence_q8: [i16; 4]
 impl BarEvidence {
     /// The evidence completed with that by support points, Q8.
     #[must_use]
-    pub fn with_nearby(mut self, nearby_q8: [i16; 4]) -> Self {
-        let kinds = [
-            BarKind::SupportAgrees,
-            BarKind::SupportBehind,
-            BarKind::SupportNearer,
-            BarKind::NoSupport,
-        ];
-        for (kind, value) in kinds.into_iter().zip(nearby_q8) {
-            self.set(kind, value.into());
-        }
-        self
+    pub fn with_nearby(self, nearby_q8: [i16; 4]) -> Self {
+        self.with_from(BarKind::SupportAgrees, nearby_q8)
     }
 }

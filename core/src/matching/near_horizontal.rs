@@ -170,7 +170,8 @@ pub(crate) fn match_near_horizontal(
                      other: &SideWindows<'_>,
                      which_side: i32,
                      census: &mut Curve| {
-        let shared = shared.with(SegmentKind::WhichSide, which_side);
+        let mut shared = shared;
+        shared.set(SegmentKind::WhichSide, which_side);
         match_side(&line, own, other, shared, context, band, census)
     };
     let matched = [

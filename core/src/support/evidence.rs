@@ -9,8 +9,7 @@
 
 use super::SupportPoint;
 use super::grid::Grid;
-use super::paths::PLANE_LABELS as LABELS;
-use super::paths::PointCosts;
+use super::paths::{PLANE_LABELS as LABELS, PointCosts};
 use super::plane::PlaneLabel;
 use crate::confidence::Model;
 use crate::curve::subpixel_q6;
@@ -301,11 +300,7 @@ impl Found {
         // repetition along a row.
         if let Some(label) = beside_label {
             // The plane at the point's place in the grid: the label of the plane itself.
-            let off_q6 = disparity_q6 - (label.plane_q6);
-            let set = |is: bool| i32::from(is) << 8;
-            evidence.set(SupportKind::OnPlane, set(is_on_plane));
-            evidence.set(SupportKind::NearPlane, set(off_q6.abs() <= NEAR_PLANE_Q6));
-            evidence.set(SupportKind::BelowPlane, set(off_q6 < -NEAR_PLANE_Q6));
+            evidence.set_plane(is_on_plane, disparity_q6 - label.plane_q6);
         }
         Ok(Self {
             disparity_q6,
@@ -316,28 +311,23 @@ impl Found {
     }
 }
 
-/// Evidence by neighbours and segments, known when everything is matched; entries one after the
-/// other.
-const NEARBY: [SupportKind; 5] = [
-    SupportKind::Agreeing,
-    SupportKind::Conflicting,
-    SupportKind::SegmentsAgreeing,
-    SupportKind::SegmentsConflicting,
-    SupportKind::Detail,
-];
-
 impl SupportEvidence {
-    pub(super) fn with_nearby(mut self, nearby_q8: [i16; 5]) -> Self {
-        for (kind, value) in NEARBY.into_iter().zip(nearby_q8) {
-            self.set(kind, value.into());
-        }
-        self
+    /// Sets the evidence by the ground plane, of a disparity so far above the plane's.
+    #[inline]
+    pub(super) fn set_plane(&mut self, is_on_plane: bool, above_q6: i32) {
+        let mut set = |kind, is: bool| self.set(kind, i32::from(is) << 8);
+        set(SupportKind::OnPlane, is_on_plane);
+        set(SupportKind::NearPlane, above_q6.abs() <= NEAR_PLANE_Q6);
+        set(SupportKind::BelowPlane, above_q6 < -NEAR_PLANE_Q6);
     }
 }
 
+/// First kind of the evidence by neighbours and segments, known when everything is matched.
+pub(super) const NEARBY: SupportKind = SupportKind::Agreeing;
+
 /// Log-odds of the evidence by neighbours and segments by a model, Q8.
 pub(super) fn nearby_score_q8(nearby_q8: [i16; 5], model: &Model<SUPPORT_EVIDENCE>) -> i32 {
-    model.part_q8(NEARBY[0] as usize, &nearby_q8)
+    model.part_q8(NEARBY as usize, &nearby_q8)
 }
 
 /// Weights of these three rows of points that agree with a disparity, and of all; `change_q6` gives

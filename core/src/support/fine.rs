@@ -24,17 +24,16 @@
 //! Coarse to fine as in Anandan 1989, with the paths of Hirschmueller 2008 at both sizes.
 
 use super::codes::{BORDER, CodeRows, WINDOW_COLUMNS};
-use super::evidence::{NEAR_PLANE_Q6, SupportEvidence, SupportKind, log2_q8};
+use super::evidence::{Found, SupportEvidence, SupportKind, log2_q8};
 use super::paths::MAX_COLUMNS;
 use super::plane::PlaneLabels;
-use super::{Grid, Matching, Place, REPEATS_Q6, Seen, SupportCurves, SupportPoint};
+use super::{Grid, Matching, REPEATS_Q6, Seen, SupportCurves, SupportPoint};
 use crate::area::Area;
 use crate::curve::subpixel_q6;
 use crate::evidence::log2_mean_q8;
 use crate::image::Span;
 use crate::kernel::{CodeColumn, JUMP_PENALTY, STEP_PENALTY, code_costs, code_steps};
 use crate::list::List;
-use crate::units::narrow;
 
 /// Most px from what is known.
 const REACH: i32 = 3;
@@ -367,30 +366,11 @@ impl Fine<'_> {
         evidence.set(SupportKind::HalfSize, node.score_q8.into());
         evidence.set(SupportKind::Moved, ((disparity_q6 - known_q6).abs() << 2).min(MOST_MOVED_Q8));
         if let Some(plane) = plane {
-            let off_q6 = disparity_q6 - plane.at_q6(x, row.y);
-            let set = |is: bool| i32::from(is) << 8;
-            evidence.set(SupportKind::OnPlane, set(is_on_plane));
-            evidence.set(SupportKind::NearPlane, set(off_q6.abs() <= NEAR_PLANE_Q6));
-            evidence.set(SupportKind::BelowPlane, set(off_q6 < -NEAR_PLANE_Q6));
+            evidence.set_plane(is_on_plane, disparity_q6 - plane.at_q6(x, row.y));
         }
         watch(Seen::Evidence(&evidence));
-
-        let place = row
-            .codes
-            .around_window(window_x)
-            .map_or(Place::MIDDLE, |around| Place::of(around, window_x - x));
-        let (place, moved_q6) = match plane.filter(|_| is_on_plane) {
-            Some(plane) => (place.on_plane(), plane.change_q6(place.dx(), place.dy())),
-            None => (place, 0),
-        };
-        Some(SupportPoint {
-            disparity_q6: narrow(disparity_q6 + moved_q6),
-            score_q8: narrow(self.matching.models.fine.score_q8(&evidence.0))
-                .clamp(super::LEAST_Q8, super::MOST_Q8),
-            probability_q16: 0,
-            uniqueness_q8: node.uniqueness_q8,
-            place,
-            segments: [0; 2],
-        })
+        let uniqueness_q8 = node.uniqueness_q8;
+        let found = Found { disparity_q6, is_on_plane, uniqueness_q8, evidence };
+        Some(self.matching.to_point(&found, column, row.codes, &self.matching.models.fine))
     }
 }

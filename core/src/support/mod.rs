@@ -53,8 +53,7 @@ mod row;
 mod unique;
 
 pub use fitted::FITTED_SUPPORT;
-pub(crate) use grid::Grid;
-pub(crate) use grid::most_support_points;
+pub(crate) use grid::{Grid, most_support_points};
 pub(crate) use likeness::Likeness;
 pub use nearer::RangeCheck;
 pub(crate) use noise::Noise;
@@ -67,8 +66,7 @@ use crate::ground::GroundPlane;
 use crate::image::{Gray, Span};
 use crate::kernel::JUMP_PENALTY;
 use crate::list::List;
-use crate::units::narrow;
-use crate::units::{Confidence, Disparity};
+use crate::units::{Confidence, Disparity, narrow};
 use codes::{BORDER, CodeRows, WINDOW_COLUMNS};
 use context::CONTEXT_EVIDENCE;
 use core::ops::Range;
@@ -410,7 +408,18 @@ impl Matching<'_> {
         }
     }
 
-    fn to_point(&self, found: &Found, place: Place) -> SupportPoint {
+    /// The point in a column that was found in a row with these codes.
+    fn to_point(
+        &self,
+        found: &Found,
+        column: usize,
+        codes: &CodeRows<'_>,
+        model: &Model<SUPPORT_EVIDENCE>,
+    ) -> SupportPoint {
+        let start = self.grid.window(column);
+        let place = codes
+            .around_window(start)
+            .map_or(Place::MIDDLE, |around| Place::of(around, start - self.grid.x(column)));
         // Beside the plane the disparity changes from its place in the grid as the plane does.
         let (place, moved_q6) = match self.plane.filter(|_| found.is_on_plane) {
             Some(plane) => (place.on_plane(), plane.change_q6(place.dx(), place.dy())),
@@ -418,8 +427,7 @@ impl Matching<'_> {
         };
         SupportPoint {
             disparity_q6: narrow(found.disparity_q6 + moved_q6),
-            score_q8: narrow(self.models.of(self.plane.is_some()).score_q8(&found.evidence.0))
-                .clamp(LEAST_Q8, MOST_Q8),
+            score_q8: narrow(model.score_q8(&found.evidence.0)).clamp(LEAST_Q8, MOST_Q8),
             probability_q16: 0,
             uniqueness_q8: found.uniqueness_q8,
             place,

@@ -1,6 +1,6 @@
 //! The grid of support points of a run as later stages read it: by areas, around pixels, all.
 
-use super::evidence::{SupportEvidence, nearby};
+use super::evidence::{NEARBY, SupportEvidence, nearby};
 use super::{GUIDE_REACH, Grid, SupportPoint, UNIQUE_REACH, place};
 use crate::area::Area;
 use crate::ground::GroundPlane;
@@ -206,6 +206,7 @@ impl<'a> Support<'a> {
     /// The evidence of the point at `index`, completed with that by its neighbours.
     #[must_use]
     pub fn with_nearby(&self, index: usize, evidence: SupportEvidence) -> SupportEvidence {
-        evidence.with_nearby(nearby(self.points, self.grid, self.detail_q8, self.plane, index))
+        let nearby_q8 = nearby(self.points, self.grid, self.detail_q8, self.plane, index);
+        evidence.with_from(NEARBY, nearby_q8)
     }
 }

@@ -6,7 +6,6 @@ use super::codes::CodeRows;
 use super::evidence::{Detail, Found, Labels, Unmatched};
 use super::nearer::{self, NearerSearch};
 use super::paths::{Paths, PointCosts, Points};
-use super::place::Place;
 use super::plane::PlaneLabels;
 use super::{Grid, Matching, OUTSIDE, Seen, SupportCurves, SupportPoint};
 use crate::cores::Cores;
@@ -162,10 +161,8 @@ impl<'a> Row<'_, 'a> {
         Some(match Found::new(costs, &labels, steps, in_left) {
             Ok(found) => {
                 watch(index, Seen::Evidence(&found.evidence));
-                let place = codes
-                    .around_window(window)
-                    .map_or(Place::MIDDLE, |around| Place::of(around, window - grid.x(column)));
-                matching.to_point(&found, place)
+                let model = matching.models.of(matching.plane.is_some());
+                matching.to_point(&found, column, codes, model)
             }
             Err(Unmatched::Repeats) => SupportPoint::repeated(),
             Err(Unmatched::Unclear) => SupportPoint::none(),
