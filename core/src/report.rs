@@ -28,13 +28,8 @@ use crate::side_pixels::{SidePixels, ValidPixels};
 use crate::sort::sort_by_key;
 use crate::support::context::{CONTEXT_EVIDENCE, Listing};
 use crate::support::{Likeness, Support};
-use crate::units::narrow;
-use crate::units::{Confidence, Disparity};
+use crate::units::{Confidence, Disparity, narrow};
 use core::ops::Range;
-
-/// Difference between two sides' disparities, summed over both ends, above which they are two
-/// surfaces, 1/64 px.
-const TWO_SURFACES_Q6: i32 = 2 * 64;
 
 /// Least probability, Q16, of the less probable side of a segment that belongs to both: 0.98. Below
 /// it the other side's surface may end at the edge.
@@ -522,7 +517,7 @@ impl Candidate {
             (Some(l), Some(r)) => {
                 let better =
                     |right: u16, left: u16| if right > left { Owner::Right } else { Owner::Left };
-                Some(if (l.sum_q6() - r.sum_q6()).abs() > TWO_SURFACES_Q6 {
+                Some(if !self.is_one_surface() {
                     better(r.edge_rating(), l.edge_rating())
                 } else if l.probability_q16.min(r.probability_q16) < BOTH_SIDES_Q16 {
                     better(r.probability_q16, l.probability_q16)

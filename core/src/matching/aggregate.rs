@@ -10,8 +10,7 @@
 use super::Side;
 use crate::params::{Margin, Params};
 use crate::rig::Rig;
-use crate::units::narrow;
-use crate::units::{Disparity, quotient};
+use crate::units::{Disparity, narrow, quotient};
 
 /// Largest difference between two sides' disparities that is one slanted surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 112;

@@ -21,11 +21,10 @@
 //! with squares of 20 px at most 80 are within those rows of 320 px, 20 within reach; captured
 //! pairs have 54 and 9.
 
-use super::{Candidate, Side};
+use super::{Candidate, Side, WINDOW_MIDDLE};
 use crate::evidence::log2_mean_q8;
 use crate::lines::MAX_ROWS;
-use crate::units::about_length;
-use crate::units::narrow;
+use crate::units::{about_length, narrow};
 
 /// Distance from which a neighbour has no weight, px.
 const REACH: i32 = 40;
@@ -37,8 +36,6 @@ const TOPS_REACH: i32 = REACH + MAX_ROWS / 2;
 const MOST_NEIGHBOURS: u16 = 32;
 /// Agreement of a neighbour at distance 0 with full weight.
 const FULL: i32 = (256 * REACH) >> 5;
-/// Distance of the centre of a side's window from its edge, px.
-const OFF_EDGE: i32 = 4;
 /// Largest difference of rows at which two hypotheses match the same position, px.
 const SAME_ROWS: i32 = 6;
 /// Largest difference of right columns at which two hypotheses match the same position, 1/64 px.
@@ -126,9 +123,9 @@ impl Neighbour {
         let off = if self.near_horizontal {
             0
         } else if side == 0 {
-            -OFF_EDGE
+            -WINDOW_MIDDLE
         } else {
-            OFF_EDGE
+            WINDOW_MIDDLE
         };
         ((i32::from(self.x) + off) << 6) - d_q6
     }

@@ -57,6 +57,8 @@ pub const MAX_SIDE_RATIO_Q8: i32 = 230;
 /// Largest difference between the disparities of two sides, summed over both ends, for them to be
 /// one surface, 1/64 px.
 const ONE_SURFACE_Q6: i32 = 2 * 64;
+/// Distance from an edge to the middle of the window of a side, px.
+pub(crate) const WINDOW_MIDDLE: i32 = 4;
 /// Largest difference between the disparities of both ends, 1/64 px.
 pub const MAX_SLANT_Q6: i32 = 6 << 6;
 
@@ -97,9 +99,7 @@ impl Candidate {
             listed: None,
         }
     }
-}
 
-impl Candidate {
     /// Difference between the two sides' disparities, summed over both ends, 1/64 px; `None`
     /// without both.
     pub(crate) fn sides_apart_q6(&self) -> Option<i32> {
@@ -179,9 +179,7 @@ impl Side {
             is_behind: false,
         }
     }
-}
 
-impl Side {
     /// Sum of the disparities of both ends, 1/64 px.
     pub(crate) fn sum_q6(&self) -> i32 {
         let [d0, d1] = self.disparity_q6;

@@ -26,10 +26,9 @@
 
 use super::aggregate::join_sides;
 use super::band::{Band, SampledRows};
-use super::feature;
 use super::{
     Candidate, MAX_CENSUS_RATIO_Q8, MAX_SIDE_RATIO_Q8, MAX_SLANT_Q6, MAX_WINDOW_RATIO_Q8,
-    MatchContext, Workspace, repetition,
+    MatchContext, Workspace, feature, repetition,
 };
 use crate::curve::{Curve, Minimum, minimum_near, ratio_q8, subpixel_q6};
 use crate::evidence::{SegmentEvidence, SegmentKind, log2_mean_q8};

@@ -21,17 +21,14 @@
 //! # Cost
 //! Some 25 instructions a point, 15 points a side.
 
-use super::Candidate;
+use super::{Candidate, WINDOW_MIDDLE};
 use crate::evidence::log2_mean_q8;
 use crate::ground::GroundPlane;
 use crate::support::{Grid, SupportPoint};
-use crate::units::narrow;
-use crate::units::quotient;
+use crate::units::{narrow, quotient};
 
 /// Distance from the middle of the side's window from which a point has no weight, px.
 const REACH: i32 = 14;
-/// Distance of the middle of a side's window from the edge, px.
-const WINDOW_MIDDLE: i32 = 4;
 /// Weight of a unique point at a quarter of the largest nearness.
 const FULL: i32 = 255 * REACH * REACH / 4;
 /// Conflicting weight that halves a share: a fifth of [`FULL`].

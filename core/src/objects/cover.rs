@@ -11,6 +11,7 @@
 
 use super::region::{Region, Run, Shape};
 use crate::area::Area;
+use crate::matching::WINDOW_MIDDLE;
 
 /// The pixels of one region.
 pub(crate) struct Cover<'a> {
@@ -24,13 +25,10 @@ pub(crate) struct Cover<'a> {
     pub(crate) centre: [i32; 2],
     /// Half of the area's width and height, px, at least 1.
     pub(crate) half_size: [i32; 2],
-    /// True for a mask of at most [`THIN`] px a row on average: no window beside an edge lies in
-    /// it.
+    /// True for a mask of at most [`WINDOW_MIDDLE`] px a row on average: no window beside an edge
+    /// lies in it.
     pub(crate) is_thin: bool,
 }
-
-/// Largest mean width of a thin mask, px: the distance from an edge to the middle of a window.
-const THIN: i64 = 4;
 
 impl<'a> Cover<'a> {
     /// The cover of a region in an image of this width; overwrites `marks`.
@@ -71,7 +69,8 @@ impl<'a> Cover<'a> {
         }
         let mean = |sum: i64, of: i64| i32::try_from(sum.checked_div(of).unwrap_or(0)).unwrap_or(0);
         let centre = [mean(columns, 2 * pixels), mean(rows, pixels)];
-        let is_thin = pixels <= THIN * (i64::from(area.bottom) - i64::from(area.top));
+        let height = i64::from(area.bottom) - i64::from(area.top);
+        let is_thin = pixels <= i64::from(WINDOW_MIDDLE) * height;
         let pixels = u32::try_from(pixels).unwrap_or(0);
         Self { area, width, bits: Some(marks), pixels, centre, half_size, is_thin }
     }

@@ -32,9 +32,10 @@ use crate::confidence::{Model, Models};
 use crate::image::Dims;
 use crate::lines::Segment;
 use crate::matching::consistency::Neighbour;
-use crate::matching::{Candidate, Side};
+use crate::matching::{Candidate, Side, WINDOW_MIDDLE};
 use crate::memory::OBJECT_POINTS;
 use crate::support::Support;
+use crate::units::quotient;
 
 /// Largest distance from a region's area at which a segment has an influence, px.
 pub(crate) const OBJECT_REACH: u16 = 6;
@@ -44,9 +45,6 @@ pub(crate) const OBJECT_REACH: u16 = 6;
 const LEAST_WEIGHT: u16 = 13;
 /// Least number of the three pixels that have to lie in the region.
 const LEAST_INSIDE: u16 = 2;
-/// Distance from the edge to the middle of a side's window, px; one more beside near-horizontal
-/// edges.
-const WINDOW_MIDDLE: i32 = 4;
 /// Distance from the edge to the pixel next to it that shows one surface alone, px.
 const NEXT_TO_EDGE: i32 = 2;
 /// Share of support points that say farther, less that of those that say nearer, above which an
@@ -122,11 +120,10 @@ pub(crate) fn gather(
             && let Some(neighbour) = neighbours.get_mut(found.hypotheses)
         {
             *neighbour = Neighbour::new(candidate);
-            let nearness_q8 = if cover.is_box() { nearness_q8(neighbour, cover) } else { 256 };
             for (hypothesis, weight) in neighbour.hypotheses.iter_mut().zip(weights) {
                 hypothesis.weight_q8 = weight;
-                hypothesis.support = ((u32::from(weight) * nearness_q8) >> 8) as u16;
             }
+            prefer_near(neighbour, cover);
             found.hypotheses += 1;
         }
     }
@@ -144,18 +141,13 @@ fn list_points(
 ) {
     let inside = || {
         support.within(area).filter(|(x, y, point)| {
-            let corners = [
-                (-WINDOW_HALF, -WINDOW_HALF),
-                (WINDOW_HALF, -WINDOW_HALF),
-                (-WINDOW_HALF, WINDOW_HALF),
-                (WINDOW_HALF, WINDOW_HALF),
-            ];
-            let corners =
-                corners.into_iter().filter(|(dx, dy)| cover.contains(x + dx, y + dy)).count();
+            let [x0, x1] = [x - WINDOW_HALF, x + WINDOW_HALF];
+            let [y0, y1] = [y - WINDOW_HALF, y + WINDOW_HALF];
+            let mut corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].into_iter();
             point.probability_q16 > LEAST_PROBABILITY
                 && !point.is_ground_by_paths()
                 && cover.contains(*x, *y)
-                && corners >= 4
+                && corners.all(|(x, y)| cover.contains(x, y))
         })
     };
     let step = inside().count().div_ceil(MOST_POINTS.min(neighbours.len() / 2).max(1)).max(1);
@@ -163,12 +155,17 @@ fn list_points(
         let full = weigh(point.probability_q16, 3) >> 1;
         let Some(neighbour) = neighbours.get_mut(found.hypotheses) else { break };
         *neighbour = Neighbour::of_point(x, y, point.disparity_q6, full);
-        let nearness_q8 = if cover.is_box() { nearness_q8(neighbour, cover) } else { 256 };
-        for hypothesis in &mut neighbour.hypotheses {
-            hypothesis.support = ((u32::from(hypothesis.weight_q8) * nearness_q8) >> 8) as u16;
-        }
+        prefer_near(neighbour, cover);
         found.weight_q8 += u32::from(full);
         found.hypotheses += 1;
+    }
+}
+
+/// Sets the weight by which the surface is selected.
+fn prefer_near(neighbour: &mut Neighbour, cover: &Cover<'_>) {
+    let nearness_q8 = if cover.is_box() { nearness_q8(neighbour, cover) } else { 256 };
+    for hypothesis in &mut neighbour.hypotheses {
+        hypothesis.support = ((u32::from(hypothesis.weight_q8) * nearness_q8) >> 8) as u16;
     }
 }
 
@@ -261,7 +258,7 @@ fn weigh(probability_q16: u16, inside: u16) -> u16 {
 fn nearness_q8(neighbour: &Neighbour, cover: &Cover<'_>) -> u32 {
     let [half_width, half_height] = cover.half_size;
     let [x, y] = cover.centre;
-    let part = |d: i32, half: i32| crate::units::quotient(d.abs() << 8, half);
+    let part = |d: i32, half: i32| quotient(d.abs() << 8, half);
     let out_q8 = part(i32::from(neighbour.x) - x, half_width)
         .max(part(i32::from(neighbour.y) - y, half_height))
         .min(409);

@@ -29,8 +29,7 @@ use crate::list::List;
 use crate::matching::consistency::Neighbour;
 use crate::report::Ranked;
 use crate::sort::sort_by_key;
-use crate::units::about_length;
-use crate::units::quotient;
+use crate::units::{about_length, quotient};
 
 /// Largest difference of disparity between hypotheses at one position, and between a hypothesis and
 /// its plane, 1/64 px.

@@ -28,8 +28,7 @@ use crate::lines::{Line, MAX_ROWS};
 use crate::matching::{Candidate, Side};
 use crate::objects::Region;
 use crate::support::{Support, SupportPoint};
-use crate::units::about_length;
-use crate::units::quotient;
+use crate::units::{about_length, quotient};
 use heapless::Vec;
 
 /// Distance from which a side has no weight, px.
@@ -46,8 +45,6 @@ const CONTINUED: i32 = 12;
 const ACROSS_REACH: i32 = 12;
 /// Most such surfaces that are kept.
 const ENDS: usize = 8;
-/// Difference between two sides, summed over both ends, above which they are two surfaces, 1/64 px.
-const TWO_SURFACES_Q6: i32 = 2 * 64;
 /// Largest difference to the disparity of a surface that ends before the pixel for it to agree,
 /// 1/64 px.
 const SAME_SURFACE_Q6: i32 = 96;
@@ -161,7 +158,7 @@ impl DisparityPrior {
         }
         let flat = candidate.segment.near_horizontal;
         let off = if flat { dy } else { dx };
-        let two_surfaces = has_two_surfaces(candidate);
+        let two_surfaces = !candidate.is_one_surface();
         for (side, sign) in candidate.sides.iter().zip([-1, 1]) {
             let Some(side) = side else { continue };
             // A side rejected by the uniqueness constraint is wrong.
@@ -254,11 +251,6 @@ fn weigh(sides: &[NearbySide], d_q6: i32) -> (i32, i32) {
             (agreeing, against + side.weight_q8)
         }
     })
-}
-
-/// True unless both sides are known and have the same disparity.
-fn has_two_surfaces(candidate: &Candidate) -> bool {
-    candidate.sides_apart_q6().is_none_or(|apart| apart > TWO_SURFACES_Q6)
 }
 
 /// Weight of a side with this probability at this distance, Q8.
