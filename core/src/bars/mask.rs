@@ -33,7 +33,6 @@ use crate::lines::Segment;
 use crate::matching::band::Band;
 use crate::matching::{MatchContext, Workspace};
 use crate::result::ImagePosition;
-use crate::support::Support;
 use crate::units::{Confidence, Position, quotient};
 use heapless::Vec;
 
@@ -62,7 +61,6 @@ pub(crate) struct MaskMatcher<'a> {
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
     pub(crate) context: MatchContext<'a>,
-    pub(crate) support: Support<'a>,
     pub(crate) rows: &'a mut [u8],
     pub(crate) work: &'a mut Workspace,
 }
@@ -106,7 +104,7 @@ impl MaskMatcher<'_> {
                 let Some(mut bar) = bar_along(&run_of, middle, run, rows, left) else { continue };
                 all += 1;
                 let rated = match_bar(&mut bar, &self.context, &band, self.work, LEAST_FRONT)
-                    .and_then(|_| rate_bar(&mut bar, self.support));
+                    .and_then(|_| rate_bar(&mut bar, self.context.support));
                 let is_credible = rated.is_some_and(|[agrees, ..]| match bar.is_in_front() {
                     true => bar.confidence() >= LEAST_FRONT,
                     false => bar.confidence() >= LEAST_LEVEL && agrees < THEIRS_Q8,

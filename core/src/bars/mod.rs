@@ -62,7 +62,7 @@ use crate::matching::{MatchContext, Workspace};
 use crate::result::{ImagePosition, Point, Source};
 use crate::sort::sort_by_key;
 use crate::support::Support;
-use crate::units::{Confidence, Disparity, Position, narrow, quotient};
+use crate::units::{Confidence, Disparity, Position, disparity_from_q6, narrow, quotient};
 use evidence::BarEvidence;
 use keep::{Found as _, Kept};
 
@@ -157,7 +157,7 @@ impl Bar {
             Point {
                 x: u16::midpoint(columns.start, columns.end),
                 y,
-                disparity: Disparity::from_bits(narrow(self.disparity_at_q6(y.into()))),
+                disparity: disparity_from_q6(self.disparity_at_q6(y.into())),
                 confidence: self.confidence(),
                 source: Source::Side,
             }
@@ -194,7 +194,7 @@ impl Bar {
         let [front, level] = self.scores_q8;
         let (model, score) =
             if self.is_in_front() { (&FITTED_BAR, front) } else { (&FITTED_LEVEL_BAR, level) };
-        Disparity::from_bits(narrow(model.sigma_q6(score.into()).into()))
+        disparity_from_q6(model.sigma_q6(score.into()).into())
     }
 
     /// True when it is in front of the support points around it.

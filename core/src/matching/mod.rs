@@ -238,7 +238,7 @@ pub(crate) struct MatchContext<'a> {
     /// The smallest and the largest disparity of the whole range.
     smallest: i32,
     largest: i32,
-    support: Support<'a>,
+    pub(crate) support: Support<'a>,
     /// Areas in which bars repeat.
     repeating: &'a [Area],
     pub(crate) agreement: Agreement,

@@ -71,8 +71,8 @@ fn strip<'b>(x: i32, y: i32, first: i32, band: &'b Band<'_>) -> Option<Strip<'b>
 }
 
 /// The minima of at most each of these costs.
-fn alike<const KINDS: usize>(curve: &Curve, most: [u32; KINDS]) -> [Places; KINDS] {
-    let mut places = [Places::default(); KINDS];
+fn alike(curve: &Curve, most: [u32; 2]) -> [Places; 2] {
+    let mut places = [Places::default(); 2];
     let Some((first, costs)) = curve.listed() else { return places };
     // One test for most minima: the compiler makes a place's bit before it compares.
     let largest = most.into_iter().max().unwrap_or(0);

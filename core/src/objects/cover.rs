@@ -15,7 +15,7 @@ use crate::matching::WINDOW_MIDDLE;
 
 /// The pixels of one region.
 pub(crate) struct Cover<'a> {
-    area: Area,
+    pub(crate) area: Area,
     width: usize,
     /// `None` for a box: all pixels of the area.
     bits: Option<&'a [u32]>,

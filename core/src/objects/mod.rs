@@ -46,7 +46,7 @@ use crate::named::named_enum;
 use crate::report::Ranked;
 use crate::rig::Rig;
 use crate::support::Support;
-use crate::units::{Confidence, Depth, Disparity, about_length, quotient};
+use crate::units::{Confidence, Depth, Disparity, about_length, disparity_from_q6, quotient};
 use cover::Cover;
 pub use region::{Region, RegionError, Run, Shape};
 pub use rows::LabelRows;
@@ -179,7 +179,6 @@ impl ObjectQuery<'_> {
             self.support,
             self.models,
             &cover,
-            area,
             self.dims,
             self.neighbours,
         );
@@ -188,7 +187,7 @@ impl ObjectQuery<'_> {
         let surface =
             surface::find(neighbours, cover.centre, cover.is_box(), all_q8, &mut self.order)
                 .unwrap_or_default();
-        match refusal::refusal(&surface, &found, &cover, self.support, area, self.dims) {
+        match refusal::refusal(&surface, &found, &cover, self.support, self.dims) {
             Some(reason @ (Reason::LittleSupport | Reason::OnlyOutline))
                 if cover.pixels > bars::most_pixels(area) =>
             {
@@ -252,10 +251,6 @@ fn confidence(weight_q8: i32, all_q8: u32, is_box: bool) -> Confidence {
     let other =
         if is_box { (5243 * (256 - quotient(weight_q8 << 8, all)).clamp(0, 256)) >> 8 } else { 0 };
     Confidence::from_bits(u16::try_from(65_536 - 655 - few - other).unwrap_or(0))
-}
-
-fn disparity_from_q6(d_q6: i32) -> Disparity {
-    Disparity::from_bits(crate::units::narrow(d_q6))
 }
 
 #[cfg(test)]

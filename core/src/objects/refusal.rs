@@ -36,7 +36,6 @@ use super::Reason;
 use super::cover::Cover;
 use super::region_support::RegionSupport;
 use super::surface::Surface;
-use crate::area::Area;
 use crate::image::Dims;
 use crate::support::{SUPPORT_PITCH, SURROUNDINGS, Support};
 use crate::units::quotient;
@@ -62,7 +61,6 @@ pub(super) fn refusal(
     found: &RegionSupport,
     cover: &Cover<'_>,
     support: Support<'_>,
-    area: Area,
     dims: Dims,
 ) -> Option<Reason> {
     by_weight(surface, found)
@@ -70,8 +68,7 @@ pub(super) fn refusal(
         .or_else(|| (surface.centre_q6.abs() < STILL_Q6).then_some(Reason::NoParallax))
         .or_else(|| {
             // The windows of points in a thin region show what is behind it.
-            let agreement =
-                || Agreement::of(surface, cover, support, area, dims).refusal(cover.is_box());
+            let agreement = || Agreement::of(surface, cover, support, dims).refusal(cover.is_box());
             if cover.is_thin { None } else { agreement() }
         })
 }
@@ -144,21 +141,15 @@ struct Agreement {
 }
 
 impl Agreement {
-    fn of(
-        surface: &Surface,
-        cover: &Cover<'_>,
-        support: Support<'_>,
-        area: Area,
-        dims: Dims,
-    ) -> Self {
+    fn of(surface: &Surface, cover: &Cover<'_>, support: Support<'_>, dims: Dims) -> Self {
         let (mut inside, mut around) = (Sums::default(), Sums::default());
         let [x0, y0] = cover.centre;
-        for (x, y, point) in support.within(area.grown(SURROUNDINGS, dims)) {
+        for (x, y, point) in support.within(cover.area.grown(SURROUNDINGS, dims)) {
             let sums = if cover.contains(x, y) { &mut inside } else { &mut around };
             let nearer_q6 = i32::from(point.disparity_q6) - surface.at_q6(x - x0, y - y0);
             sums.add(nearer_q6, u32::from(point.probability_q16) >> 8);
         }
-        let repeating = support.repeating(area, |x, y| cover.contains(x, y));
+        let repeating = support.repeating(cover.area, |x, y| cover.contains(x, y));
         Self { pixels: cover.pixels, repeating, inside, around }
     }
 

@@ -77,13 +77,12 @@ pub(crate) fn gather(
     support: Support<'_>,
     models: &Models,
     cover: &Cover<'_>,
-    area: Area,
     dims: Dims,
     neighbours: &mut [Neighbour],
 ) -> RegionSupport {
-    let near = area.grown(OBJECT_REACH, dims);
+    let near = cover.area.grown(OBJECT_REACH, dims);
     let mut found = RegionSupport::default();
-    list_points(support, cover, area, neighbours, &mut found);
+    list_points(support, cover, neighbours, &mut found);
     let points = found.hypotheses;
     for candidate in candidates.iter().filter(|candidate| touches(&candidate.segment, near)) {
         let inside = pixels_inside(&candidate.segment, WINDOW_MIDDLE, &|x, y| cover.contains(x, y));
@@ -135,12 +134,11 @@ pub(crate) fn gather(
 fn list_points(
     support: Support<'_>,
     cover: &Cover<'_>,
-    area: Area,
     neighbours: &mut [Neighbour],
     found: &mut RegionSupport,
 ) {
     let inside = || {
-        support.within(area).filter(|(x, y, point)| {
+        support.within(cover.area).filter(|(x, y, point)| {
             let [x0, x1] = [x - WINDOW_HALF, x + WINDOW_HALF];
             let [y0, y1] = [y - WINDOW_HALF, y + WINDOW_HALF];
             let mut corners = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].into_iter();
