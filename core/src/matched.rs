@@ -252,7 +252,6 @@ impl<'a> Matched<'a> {
                 images: self.images,
                 row_offset: self.summary.row_offset(),
                 context: MatchContext::new(params, models, *dims, support),
-                support,
                 rows,
                 work,
             }),
@@ -291,25 +290,19 @@ impl<'a> Matched<'a> {
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<PixelDepth, PixelRejection> {
-        let is_fit = self.is_fit();
-        let answer = self.query(is_fit, |query| query.answer(pixel, region));
+        if !self.is_fit() {
+            return Err(PixelRejection::UnhealthyPair);
+        }
+        let answer = self.query().answer(pixel, region);
         query::on_bars(&self.buffers.bars, pixel, answer, self.plan.params.rig)
     }
 
-    fn query<T>(
-        &mut self,
-        is_answered: bool,
-        evaluate: impl FnOnce(Query<'_>) -> Result<T, PixelRejection>,
-    ) -> Result<T, PixelRejection> {
-        if !is_answered {
-            return Err(PixelRejection::UnhealthyPair);
-        }
+    fn query(&mut self) -> Query<'_> {
         let Buffers { candidates, support, scratch: Scratch { rows, work, .. }, .. } =
             &mut self.buffers;
-        let Plan { params, dims, pixel_model, .. } = &self.plan;
-        evaluate(Query {
+        let Plan { params, dims, .. } = &self.plan;
+        Query {
             params,
-            model: pixel_model,
             images: self.images,
             dims: *dims,
             candidates,
@@ -317,7 +310,7 @@ impl<'a> Matched<'a> {
             row_offset: self.summary.row_offset(),
             rows,
             work,
-        })
+        }
     }
 }
 
@@ -355,8 +348,10 @@ impl Matched<'_> {
         &mut self,
         pixel: (u16, u16),
     ) -> Result<(i32, PixelEvidence), PixelRejection> {
-        let is_matched = !self.summary.health.is_refused();
-        self.query(is_matched, |query| query.evidence_of(pixel, None))
+        if self.summary.health.is_refused() {
+            return Err(PixelRejection::UnhealthyPair);
+        }
+        self.query().evidence_of(pixel, None)
     }
 }
 

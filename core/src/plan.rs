@@ -1,9 +1,8 @@
 //! Parameters, checked once for one image size, and the models that rate evidence.
 
-use crate::confidence::{FITTED, Models, SigmaModel};
+use crate::confidence::{FITTED, Models};
 use crate::image::Dims;
 use crate::params::{ParamError, Params};
-use crate::query::{FITTED_PIXEL, PIXEL_EVIDENCE};
 use crate::support::{FITTED_SUPPORT, SupportModels};
 
 /// Checked parameters for one image size, constant over frames.
@@ -12,7 +11,6 @@ pub(crate) struct Plan {
     pub(crate) dims: Dims,
     pub(crate) params: Params,
     pub(crate) models: &'static Models,
-    pub(crate) pixel_model: &'static SigmaModel<PIXEL_EVIDENCE>,
     pub(crate) support_models: &'static SupportModels,
     pub(crate) has_bars: bool,
 }
@@ -21,14 +19,7 @@ impl Plan {
     /// Checks all parameters for images of this size.
     pub(crate) fn new(params: Params, dims: Dims) -> Result<Self, ParamError> {
         params.check(dims)?;
-        Ok(Self {
-            dims,
-            params,
-            models: &FITTED,
-            pixel_model: &FITTED_PIXEL,
-            support_models: &FITTED_SUPPORT,
-            has_bars: true,
-        })
+        Ok(Self { dims, params, models: &FITTED, support_models: &FITTED_SUPPORT, has_bars: true })
     }
 
     /// First disparity, and the one after the last, px.

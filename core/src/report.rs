@@ -28,7 +28,7 @@ use crate::side_pixels::{SidePixels, ValidPixels};
 use crate::sort::sort_by_key;
 use crate::support::context::{CONTEXT_EVIDENCE, Listing};
 use crate::support::{Likeness, Support};
-use crate::units::{Confidence, Disparity, narrow};
+use crate::units::{Confidence, Disparity, disparity_from_q6, narrow};
 use core::ops::Range;
 
 /// Least probability, Q16, of the less probable side of a segment that belongs to both: 0.98. Below
@@ -530,10 +530,6 @@ impl Candidate {
             (None, None) => None,
         }
     }
-}
-
-fn disparity_from_q6(d_q6: i32) -> Disparity {
-    Disparity::from_bits(i16::try_from(d_q6).unwrap_or(if d_q6 < 0 { i16::MIN } else { i16::MAX }))
 }
 
 #[cfg(test)]

@@ -31,5 +31,10 @@ pub(crate) fn narrow(value: i32) -> i16 {
     i16::try_from(value).unwrap_or(if value < 0 { i16::MIN } else { i16::MAX })
 }
 
+/// The nearest disparity that there is.
+pub(crate) fn disparity_from_q6(d_q6: i32) -> Disparity {
+    Disparity::from_bits(narrow(d_q6))
+}
+
 /// Depth of a disparity (plus offset) of zero or less: too far to measure, not an error.
 pub const INFINITE_DEPTH: Depth = Depth::MAX;

@@ -275,7 +275,6 @@ impl From<Reason> for Status {
 impl From<PixelRejection> for Status {
     fn from(reason: PixelRejection) -> Self {
         match reason {
-            PixelRejection::OtherSize => Self::ImageSize,
             PixelRejection::Outside => Self::PixelOutside,
             PixelRejection::OutsideRegion => Self::RegionOutside,
             PixelRejection::NearBorder => Self::NearBorder,

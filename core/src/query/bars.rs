@@ -7,7 +7,7 @@
 use super::{PixelDepth, PixelRejection};
 use crate::bars::Bar;
 use crate::rig::Rig;
-use crate::units::{Disparity, narrow};
+use crate::units::disparity_from_q6;
 
 /// The answer for a pixel, or that of the nearest bar that it lies on.
 pub(crate) fn on_bars(
@@ -21,20 +21,10 @@ pub(crate) fn on_bars(
     let d_q6 = bar.disparity_at_q6(y.into());
     let is_bars = match answer {
         Ok(depth) => bar.hides(y.into(), depth.disparity.to_bits().into()),
-        Err(PixelRejection::OtherSize | PixelRejection::Outside) => false,
-        Err(reason) => {
-            !matches!(reason, PixelRejection::OutsideRegion | PixelRejection::UnhealthyPair)
-        }
+        Err(reason) => !matches!(reason, PixelRejection::Outside | PixelRejection::OutsideRegion),
     };
     if !is_bars {
         return answer;
     }
-    let (disparity, sigma) = (Disparity::from_bits(narrow(d_q6)), bar.sigma());
-    Ok(PixelDepth {
-        disparity,
-        sigma,
-        confidence: bar.confidence(),
-        depth: rig.map(|rig| rig.depth(disparity)),
-        depth_sigma: rig.map(|rig| rig.depth_sigma(disparity, sigma)),
-    })
+    Ok(PixelDepth::new(disparity_from_q6(d_q6), bar.sigma(), bar.confidence(), rig))
 }

@@ -138,12 +138,7 @@ pub(super) fn match_pixel(
     let returned = back.minimum().at;
     evidence.set(PixelKind::LeftRightGap, gap_q8(returned << 6, d_q6));
 
-    let agreement = prior.agreement(d_q6);
-    evidence.set(PixelKind::Support, agreement.support_q8);
-    evidence.set(PixelKind::Across, agreement.across_q8);
-    evidence.set(PixelKind::Outside, agreement.outside_q8);
-    evidence.set(PixelKind::PointsAgreeing, agreement.points_agreeing_q8);
-    evidence.set(PixelKind::PointsConflicting, agreement.points_conflicting_q8);
+    prior.evaluate(d_q6, &mut evidence);
     (d_q6, evidence)
 }
 

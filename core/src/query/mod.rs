@@ -40,16 +40,16 @@ mod patch;
 mod prior;
 
 use crate::area::Area;
-use crate::confidence::SigmaModel;
 use crate::evidence::log2_mean_q8;
 use crate::image::{Dims, Gray};
 use crate::matching::{Candidate, MIN_RANGE, Workspace};
 use crate::named::named_enum;
 use crate::objects::Region;
 use crate::params::Params;
+use crate::rig::Rig;
 use crate::row_memory::row_bytes;
 use crate::support::Support;
-use crate::units::{Confidence, Depth, Disparity, narrow};
+use crate::units::{Confidence, Depth, Disparity, disparity_from_q6};
 pub(crate) use bars::on_bars;
 pub use evidence::{PIXEL_EVIDENCE, PixelEvidence, PixelKind};
 pub use fitted::FITTED_PIXEL;
@@ -85,15 +85,25 @@ pub struct PixelDepth {
     pub depth_sigma: Option<Depth>,
 }
 
+impl PixelDepth {
+    fn new(
+        disparity: Disparity,
+        sigma: Disparity,
+        confidence: Confidence,
+        rig: Option<Rig>,
+    ) -> Self {
+        let depth = rig.map(|rig| rig.depth(disparity));
+        let depth_sigma = rig.map(|rig| rig.depth_sigma(disparity, sigma));
+        Self { disparity, sigma, confidence, depth, depth_sigma }
+    }
+}
+
 named_enum! {
     /// Reason why a pixel has no depth.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
     #[cfg_attr(feature = "defmt", derive(defmt::Format))]
     #[non_exhaustive]
     pub enum PixelRejection {
-        /// The images or the memory do not have the planned size.
-        #[error("the pair or the memory is not of the planned size")]
-        OtherSize = "other_size",
         /// The pixel lies outside of the image, or of its valid part.
         #[error("the pixel lies outside of the valid image")]
         Outside = "outside",
@@ -130,7 +140,6 @@ named_enum! {
 /// Inputs and working memory for the depth of one pixel.
 pub(crate) struct Query<'a> {
     pub(crate) params: &'a Params,
-    pub(crate) model: &'a SigmaModel<PIXEL_EVIDENCE>,
     /// Left and right image.
     pub(crate) images: [Gray<'a>; 2],
     pub(crate) dims: Dims,
@@ -149,22 +158,15 @@ impl Query<'_> {
         pixel: (u16, u16),
         region: Option<&Region<'_>>,
     ) -> Result<PixelDepth, PixelRejection> {
-        let (params, fitted) = (self.params, self.model);
+        let params = self.params;
         let (d_q6, evidence) = self.evidence_of(pixel, region)?;
-        let score_q8 = fitted.model.score_q8(&evidence.0);
-        let confidence = Confidence::from_bits(fitted.model.probability_q16(score_q8));
+        let score_q8 = FITTED_PIXEL.model.score_q8(&evidence.0);
+        let confidence = Confidence::from_bits(FITTED_PIXEL.model.probability_q16(score_q8));
         if confidence < params.min_confidence {
             return Err(rejection_of(&evidence));
         }
-        let disparity = Disparity::from_bits(narrow(d_q6));
-        let sigma = Disparity::from_bits(narrow(fitted.sigma_q6(score_q8).into()));
-        Ok(PixelDepth {
-            disparity,
-            sigma,
-            confidence,
-            depth: params.rig.map(|rig| rig.depth(disparity)),
-            depth_sigma: params.rig.map(|rig| rig.depth_sigma(disparity, sigma)),
-        })
+        let sigma = disparity_from_q6(FITTED_PIXEL.sigma_q6(score_q8).into());
+        Ok(PixelDepth::new(disparity_from_q6(d_q6), sigma, confidence, params.rig))
     }
 
     /// Disparity, 1/64 px, and its evidence.
@@ -175,9 +177,6 @@ impl Query<'_> {
         region: Option<&Region<'_>>,
     ) -> Result<(i32, PixelEvidence), PixelRejection> {
         let [left, right] = self.images;
-        if self.images.iter().any(|image| image.dims() != self.dims) {
-            return Err(PixelRejection::OtherSize);
-        }
         let (x, y) = (i32::from(x), i32::from(y));
         let inside = x < i32::from(self.dims.width) && y < i32::from(self.dims.height);
         if !inside || !left.valid_columns(y).contains(x) {
@@ -205,8 +204,7 @@ impl Query<'_> {
             return Err(PixelRejection::NotUnique);
         }
         let stride = row_bytes(self.dims.width);
-        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, self.rows, stride)
-            .ok_or(PixelRejection::OtherSize)?;
+        let mut patch = Patch::new([left, right], (middle, y), self.row_offset, self.rows, stride);
         let (sum, count) = patch.gradient_sum();
         if sum * 2 < BLANK * count.unsigned_abs() {
             return Err(PixelRejection::NoTexture);

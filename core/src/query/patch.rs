@@ -19,6 +19,7 @@
 use crate::image::Gray;
 use crate::kernel::{FLAT, LANES, STRIP, Strip, census_code, reverse_row};
 use crate::matching::codes::{census, gradients};
+use crate::row_memory::{BAND_ROWS, PLANES};
 use core::ops::Range;
 
 /// Rows above and below the pixel's, px.
@@ -56,33 +57,29 @@ pub(super) struct Patch<'a> {
 }
 
 impl<'a> Patch<'a> {
-    /// A patch in `rows`, memory of four planes whose rows are `stride` bytes long; `None` when
-    /// that is too little.
+    /// A patch in `rows`, the memory of a band whose rows are `stride` bytes long.
     pub(super) fn new(
         [left, right]: [Gray<'a>; 2],
         (x, y): (i32, i32),
         row_offset: i32,
         rows: &'a mut [u8],
         stride: usize,
-    ) -> Option<Self> {
-        let plane = stride.checked_mul(ROWS)?;
-        let (near, rest) = rows.split_at_mut_checked(plane)?;
-        let (target, rest) = rest.split_at_mut_checked(plane)?;
-        let (census, rest) = rest.split_at_mut_checked(plane)?;
-        let back = rest.get_mut(..plane)?;
-        let none = Columns::default();
-        Some(Self {
+    ) -> Self {
+        const { assert!(4 * ROWS <= BAND_ROWS * PLANES) };
+        let mut planes = rows.chunks_exact_mut((stride * ROWS).max(1));
+        let mut plane = || (planes.next().unwrap_or_default(), Columns::default());
+        Self {
             left,
             right,
             x,
             y,
             row_offset,
             stride,
-            near: (near, none),
-            target: (target, none),
-            census,
-            back: (back, none),
-        })
+            near: plane(),
+            target: plane(),
+            census: plane().0,
+            back: plane(),
+        }
     }
 
     /// Sum of absolute gradients around the pixel, and their number.

@@ -23,6 +23,7 @@
 //! Candidates are sorted by their tops: some 15 instructions for each in the rows around, 150 for
 //! each within reach.
 
+use super::evidence::{PixelEvidence, PixelKind};
 use crate::evidence::log2_mean_q8;
 use crate::lines::{Line, MAX_ROWS};
 use crate::matching::{Candidate, Side};
@@ -81,15 +82,6 @@ pub(super) struct DisparityPrior {
     ends: Vec<NearbySide, ENDS>,
     /// Support points.
     points: Vec<NearbySide, POINTS>,
-}
-
-/// Evidence for a disparity by the prior, Q8.
-pub(super) struct PriorAgreement {
-    pub(super) support_q8: i32,
-    pub(super) across_q8: i32,
-    pub(super) outside_q8: i32,
-    pub(super) points_agreeing_q8: i32,
-    pub(super) points_conflicting_q8: i32,
 }
 
 /// Point of a segment next to a pixel, px.
@@ -217,7 +209,8 @@ impl DisparityPrior {
         (((low_q6 >> 6) - 1).max(first), ((high_q6 >> 6) + 2).min(last))
     }
 
-    pub(super) fn agreement(&self, d_q6: i32) -> PriorAgreement {
+    /// Sets the evidence by the prior for a disparity.
+    pub(super) fn evaluate(&self, d_q6: i32, evidence: &mut PixelEvidence) {
         let (agreeing, _) = weigh(&self.sides, d_q6);
         let (points_agreeing, points_conflicting) = weigh(&self.points, d_q6);
         let ends = self.ends.iter().filter(|side| (side.d_q6 - d_q6).abs() <= SAME_SURFACE_Q6);
@@ -228,16 +221,13 @@ impl DisparityPrior {
         } else {
             (low_q6 - d_q6).max(d_q6 - high_q6).clamp(0, FAR_OUTSIDE_Q6)
         };
-        PriorAgreement {
-            support_q8: log2_mean_q8(agreeing.unsigned_abs(), ENOUGH_Q8),
-            across_q8: log2_mean_q8(across.unsigned_abs(), ENOUGH_Q8),
-            outside_q8: outside_q6 << 2,
-            points_agreeing_q8: log2_mean_q8(points_agreeing.unsigned_abs(), ENOUGH_Q8),
-            points_conflicting_q8: quotient(
-                points_conflicting << 8,
-                points_agreeing + points_conflicting + LITTLE_Q8,
-            ),
-        }
+        let log = |weight: i32| log2_mean_q8(weight.unsigned_abs(), ENOUGH_Q8);
+        let points = points_agreeing + points_conflicting + LITTLE_Q8;
+        evidence.set(PixelKind::Support, log(agreeing));
+        evidence.set(PixelKind::Across, log(across));
+        evidence.set(PixelKind::Outside, outside_q6 << 2);
+        evidence.set(PixelKind::PointsAgreeing, log(points_agreeing));
+        evidence.set(PixelKind::PointsConflicting, quotient(points_conflicting << 8, points));
     }
 }
 
