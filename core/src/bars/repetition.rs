@@ -17,10 +17,10 @@ use super::cost::{Found, fill_strips, rows};
 use super::evidence::{BarEvidence, BarKind, MOST_ALIKE_Q8, part_q8};
 use super::{Bar, cost};
 use crate::curve::{CURVES, Curve, low_of};
-use crate::kernel::STRIP;
+use crate::kernel::Strip;
 use crate::matching::MatchContext;
 use crate::matching::band::Band;
-use crate::row_memory::PAD;
+use crate::matching::repetition::strip;
 
 /// Nearest place that is compared, px.
 const NEAREST: i32 = 4;
@@ -51,10 +51,8 @@ pub(super) fn look_for(
         is_even
     });
     let energy = fill_strips(bar, &rows, (first, last - first + 1), curve, |y, x| {
-        let (left, _) = band.gradient_rows(y)?;
-        let reference =
-            *left.get(usize::try_from(PAD as i32 + x).ok()?..)?.first_chunk::<STRIP>()?;
-        Some((reference, left.get(usize::try_from(PAD as i32 + x + first).ok()?..)?, false))
+        let Strip { reference, other } = strip(x, y, first, band)?;
+        Some((reference, other, false))
     });
     let (_, costs) = curve.listed()?;
     let most = found.best + found.best / 2 + found.energy * 3 / 10;

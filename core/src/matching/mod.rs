@@ -21,7 +21,7 @@ mod curves;
 pub(crate) mod feature;
 pub(crate) mod near_horizontal;
 pub(crate) mod near_vertical;
-mod repetition;
+pub(crate) mod repetition;
 pub(crate) mod row_offset;
 pub(crate) mod surroundings;
 

@@ -132,6 +132,8 @@ struct SideWindows<'w> {
     halves: [&'w mut Curve; 2],
     whole: &'w mut Curve,
     rows: SideRows,
+    /// First disparity and number of disparities compared.
+    range: (i32, i32),
     rest: Rest,
     pixels: i32,
     best: Minimum,
@@ -254,6 +256,7 @@ impl<'w> SideWindows<'w> {
             halves: [a, b],
             whole,
             rows,
+            range,
             rest,
             pixels,
             best,
@@ -372,10 +375,7 @@ fn match_side(
     band: &Band<'_>,
     census: &mut Curve,
 ) -> Result<MatchedSide, Rejection> {
-    let at = own.best.at;
-    let columns = line.extent();
-    let row = line.at((columns.0 + columns.1) / 2);
-    let range = context.range_before(columns.0, band.right_columns(row))?;
+    let (at, range, columns) = (own.best.at, own.range, line.extent());
     if own.pixels == 0 || own.ratio_q8 > MAX_SIDE_RATIO_Q8 || context.is_end(at, range) {
         return Err(Rejection::WindowNotUnique);
     }

@@ -110,13 +110,13 @@ pub(crate) fn match_near_vertical(
     let extent = Extent::new(segment);
     let mut windows =
         Windows { halves: [[a, b, c], [d, e, f]], whole: [g, h, i], rows: 0, centres_q1: [0; 2] };
-    windows.fill(&extent, context, band)?;
-    let window = windows.match_whole(joint)?;
     let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
+    windows.fill(&extent, range, band)?;
+    let window = windows.match_whole(joint)?;
     if context.is_end(window.best.at, range) {
         return Err(Rejection::WindowNotUnique);
     }
-    let census = match_census(&extent, context, band, [census_left, census_right], joint)?;
+    let census = match_census(&extent, range, band, [census_left, census_right], joint)?;
     if !context.agreement.holds(window.disparity_q6, census.disparity_q6) {
         return Err(Rejection::TechniquesDisagree);
     }
@@ -186,10 +186,9 @@ impl Windows<'_> {
     fn fill(
         &mut self,
         extent: &Extent,
-        context: &MatchContext<'_>,
+        range: (i32, i32),
         band: &Band<'_>,
     ) -> Result<(), Rejection> {
-        let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
         let (first, last) = extent.rows;
         if last - first < 2 {
             return Err(Rejection::NearBorder);
@@ -316,13 +315,12 @@ fn gather<'b>(
 /// disparity.
 fn match_census(
     extent: &Extent,
-    context: &MatchContext<'_>,
+    range: (i32, i32),
     band: &Band<'_>,
     sides: [&mut Curve; 2],
     lower: &mut Curve,
 ) -> Result<CensusMatch, Rejection> {
     const MOST: usize = CENSUS_ROWS as usize * 2;
-    let range = context.range_before(extent.columns.0, band.right_columns(extent.middle()))?;
     let rows = SampledRows::new(extent.rows, CENSUS_ROWS);
     let [left, right] = sides;
     let mut count = 0;

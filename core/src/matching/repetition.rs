@@ -64,7 +64,7 @@ pub(super) fn repeats(line: &Line, rows: (i32, i32), band: &Band<'_>, curve: &mu
 
 /// Eight gradients of the left image at `x..x + 8` of row `y`, and its row from there on, `first`
 /// columns away.
-fn strip<'b>(x: i32, y: i32, first: i32, band: &'b Band<'_>) -> Option<Strip<'b>> {
+pub(crate) fn strip<'b>(x: i32, y: i32, first: i32, band: &'b Band<'_>) -> Option<Strip<'b>> {
     let (left, _) = band.gradient_rows(y)?;
     let at = |x: i32| left.get(usize::try_from(PAD as i32 + x).ok()?..);
     Some(Strip { reference: *at(x)?.first_chunk()?, other: at(x + first)? })
