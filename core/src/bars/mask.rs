@@ -142,8 +142,7 @@ fn answer(pieces: &[Piece], all: i32, row: i32) -> Option<(Bar, i32)> {
     let contradicts = |other: &Piece| {
         other.bar.confidence() >= LEAST_BAR && off_q6(&other.bar, &nearest.bar) > most_q6
     };
-    let [first, last] = nearest.bar.first_and_last();
-    let d_q6 = nearest.bar.disparity_at_q6(row.max(first).min(last));
+    let d_q6 = nearest.bar.disparity_nearest_q6(row);
     (!pieces.iter().any(contradicts)).then_some((nearest.bar, d_q6))
 }
 
@@ -214,6 +213,7 @@ fn side(ends: [(i32, i32); 2]) -> Option<Segment> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bars::keep::tests::bar;
     use crate::bars::{FRONT, MATCHED};
 
     /// Pieces of twelve rows at these disparities, px, and whether each is credible.
@@ -222,16 +222,10 @@ mod tests {
             .zip(0..)
             .map(|(&(d, is_credible), index)| Piece {
                 bar: Bar {
-                    x_q5: 100 << 5,
-                    rows: [12 * index, 12 * index + 11],
-                    slope_q12: 0,
-                    width_q5: 6 << 5,
                     disparity_q6: [d << 6; 2],
-                    scores_q8: [0; 2],
                     probability_q16: if is_credible { u16::MAX } else { 0 },
-                    strengths_q3: [80; 2],
-                    coherence_q8: 255,
                     flags: flags | MATCHED,
+                    ..bar(100, 6, [12 * index, 12 * index + 11], 80)
                 },
                 is_credible,
             })

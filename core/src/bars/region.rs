@@ -40,10 +40,7 @@ pub(crate) fn depth_of(
         return None;
     }
     let inside = |bar: &Bar| count_inside(bar, area, &contains);
-    let at_q6 = |bar: &Bar| {
-        let [first, last] = bar.first_and_last();
-        bar.disparity_at_q6(row.max(first).min(last))
-    };
+    let at_q6 = |bar: &Bar| bar.disparity_nearest_q6(row);
     let most =
         bars.iter().map(|bar| (inside(bar), bar)).reduce(|a, b| if b.0 > a.0 { b } else { a });
     let (most, bar) = most?;
@@ -72,21 +69,15 @@ fn count_inside(bar: &Bar, area: Area, contains: &impl Fn(i32, i32) -> bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bars::{FRONT, MATCHED};
+    use crate::bars::{FRONT, MATCHED, keep};
 
     /// A bar at this column, 6 px wide, over rows 10 to 49, at a disparity.
     fn bar(x: u16, d: i16, flags: u8) -> Bar {
         Bar {
-            x_q5: x << 5,
-            rows: [10, 49],
-            slope_q12: 0,
-            width_q5: 6 << 5,
             disparity_q6: [d << 6; 2],
-            scores_q8: [0; 2],
             probability_q16: u16::MAX,
-            strengths_q3: [80; 2],
-            coherence_q8: 255,
             flags: flags | MATCHED,
+            ..keep::tests::bar(x, 6, [10, 49], 80)
         }
     }
 

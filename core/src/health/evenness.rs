@@ -257,12 +257,7 @@ mod tests {
                 *pixel = left[from as usize * 128 + x + 10];
             }
         }
-        let points: [_; GRID] = core::array::from_fn(|_| SupportPoint {
-            disparity_q6: 640,
-            score_q8: 0,
-            probability_q16: 0xc000,
-            ..SupportPoint::none()
-        });
+        let points = [SupportPoint::matched(640, 0xc000); GRID];
         let support = Support::new(&Params::default(), DIMS, &points, 0);
         let images = [&left, &right].map(|pixels| Gray::new(pixels, DIMS, 128).unwrap());
         measure(images, support, row_offset)
@@ -303,8 +298,7 @@ mod tests {
     #[test]
     fn without_detail_nothing_is_measured() {
         let flat = [90; 128 * 96];
-        let points =
-            [SupportPoint { probability_q16: u16::MAX, score_q8: 0, ..SupportPoint::none() }; GRID];
+        let points = [SupportPoint::matched(0, u16::MAX); GRID];
         let support = Support::new(&Params::default(), DIMS, &points, 0);
         assert_eq!(measure([Gray::new(&flat, DIMS, 128).unwrap(); 2], support, 0), None);
     }

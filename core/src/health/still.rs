@@ -178,12 +178,7 @@ pub(super) mod tests {
         still: usize,
         probability_q16: u16,
     ) -> Option<Still> {
-        let point = |disparity_q6| SupportPoint {
-            disparity_q6,
-            score_q8: 0,
-            probability_q16,
-            ..SupportPoint::none()
-        };
+        let point = |disparity_q6| SupportPoint::matched(disparity_q6, probability_q16);
         let points: [_; GRID] =
             core::array::from_fn(|i| point(if i < still { 47 } else { disparity_q6 }));
         let support = Support::new(&Params::default(), DIMS, &points, 0);

@@ -243,9 +243,7 @@ mod tests {
         disparity_q6: impl Fn(usize, usize) -> Option<i16>,
     ) -> Option<(u16, i16)> {
         let points: [_; 40 * 4] = core::array::from_fn(|i| match disparity_q6(i / 40, i % 40) {
-            Some(disparity_q6) => {
-                SupportPoint { disparity_q6, score_q8: 0, ..SupportPoint::none() }
-            }
+            Some(disparity_q6) => SupportPoint::matched(disparity_q6, 0),
             None => SupportPoint::none(),
         });
         let support = Support::new(&Params::default(), DIMS, &points, 0);

@@ -198,12 +198,8 @@ fn what_is_matched_has_limits_that_raise_flags_beyond_them() {
     let noise = still::tests::noise(1);
     let image = Gray::new(&noise, still::tests::DIMS, 128).unwrap();
     // An eighth without parallax, the others at 10 px; both images are one.
-    let points: [_; still::tests::GRID] = core::array::from_fn(|i| SupportPoint {
-        disparity_q6: if i % 8 == 0 { 0 } else { 640 },
-        score_q8: 0,
-        probability_q16: 0xffff,
-        ..SupportPoint::none()
-    });
+    let points: [_; still::tests::GRID] =
+        core::array::from_fn(|i| SupportPoint::matched(if i % 8 == 0 { 0 } else { 640 }, 0xffff));
     let matches = [rows::tests::matched([(0, 0); 2], [-64; 2]); 3];
     let mut counts = Counts::default();
     (counts.segments_left, counts.matched) = (100, 3);

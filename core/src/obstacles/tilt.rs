@@ -59,14 +59,9 @@ pub(super) struct Along {
 }
 
 impl Tilt {
-    /// Of a camera with this principal point and focal length, 1/32 px, to which the ground's
-    /// normal is `(across, down, along)`, of any length, in its axes. `None` where it looks
-    /// straight up or down.
-    pub(super) fn new(
-        [across, down, along]: [i64; 3],
-        origin_q5: [i32; 2],
-        focal_q5: i32,
-    ) -> Option<Self> {
+    /// Of a camera with the same lens to which the ground's normal is `(across, down, along)`, of
+    /// any length, in its axes. `None` where it looks straight up or down.
+    pub(super) fn above(&self, [across, down, along]: [i64; 3]) -> Option<Self> {
         let [across, down, along] = [across, down, along].map(|part| part.saturating_mul(1 << 8));
         let length = |squares: i64| i64::try_from(squares.unsigned_abs().isqrt()).ok();
         let level = across.checked_mul(across)?.checked_add(down.checked_mul(down)?)?;
@@ -75,7 +70,7 @@ impl Tilt {
         let share_q24 = |part: i64, whole: i64| part.checked_mul(1 << 24)?.checked_div(whole);
         let (cosine_q24, sine_q24) = (share_q24(level, all)?, share_q24(along, all)?);
         let (sin_roll_q24, cos_roll_q24) = (share_q24(across, level)?, share_q24(down, level)?);
-        let per_px = |q24: i64| (q24 << 15).checked_div(focal_q5.into());
+        let per_px = |q24: i64| (q24 << 15).checked_div(self.focal_q5.into());
         let [by_x_q24, by_y_q24] =
             [sin_roll_q24, cos_roll_q24].map(|of_roll_q24| (sine_q24 * of_roll_q24) >> 24);
         Some(Self {
@@ -83,8 +78,7 @@ impl Tilt {
             forward_q39: [per_px(-by_x_q24)?, per_px(-by_y_q24)?],
             right_q39: [per_px(cos_roll_q24)?, per_px(-sin_roll_q24)?],
             roll_q24: [cos_roll_q24 as i32, -sin_roll_q24 as i32], // at most 1 each
-            origin_q5,
-            focal_q5,
+            ..*self
         })
     }
 
@@ -104,11 +98,6 @@ impl Tilt {
     /// Of the same camera, but level.
     pub(super) fn levelled(&self) -> Self {
         Self::level(self.origin_q5, self.focal_q5)
-    }
-
-    /// Of a camera with the same lens above this ground.
-    pub(super) fn above(&self, normal: [i64; 3]) -> Option<Self> {
-        Self::new(normal, self.origin_q5, self.focal_q5)
     }
 
     /// The image's column in this row, 1/32 px, that shows what a level camera sees in a column;
@@ -182,7 +171,7 @@ mod tests {
                 let normal = [roll.sin() * pitch.cos(), roll.cos() * pitch.cos(), pitch.sin()]
                     .map(|part| (part * per_row * 65536.0) as i64);
                 let origin_q5 = [5104, 3824];
-                let tilt = Tilt::new(normal, origin_q5, (focal * 32.0) as i32).unwrap();
+                let tilt = Tilt::level(origin_q5, (focal * 32.0) as i32).above(normal).unwrap();
                 for (x, y) in [(0, 0), (40, 200), (160, 120), (250, 239), (319, 10)] {
                     let ray = [(f64::from(x) - 159.5) / focal, (f64::from(y) - 119.5) / focal];
                     let [direction, length] = exact(ray, pitch, roll);
@@ -207,9 +196,10 @@ mod tests {
     fn rays_straight_down_have_no_direction() {
         let [pitch, focal_q5] = [80.0_f64.to_radians(), 3200.0];
         let normal = [0.0, pitch.cos(), pitch.sin()].map(|part| (part * 65536.0) as i64);
-        let tilt = Tilt::new(normal, [0, 0], focal_q5 as i32).unwrap();
+        let level = Tilt::level([0, 0], focal_q5 as i32);
+        let tilt = level.above(normal).unwrap();
         assert_eq!(tilt.along(0, 18 * 32), None);
         assert!(tilt.along(0, 0).is_some());
-        assert_eq!(Tilt::new([0, 0, 65536], [0, 0], 3200), None);
+        assert_eq!(level.above([0, 0, 65536]), None);
     }
 }

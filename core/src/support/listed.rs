@@ -69,12 +69,7 @@ mod tests {
 
     /// A credible point of a surface at 10 px.
     fn point() -> SupportPoint {
-        SupportPoint {
-            disparity_q6: 640,
-            score_q8: 0,
-            probability_q16: u16::MAX,
-            ..SupportPoint::none()
-        }
+        SupportPoint::matched(640, u16::MAX)
     }
 
     /// Where the middle is listed, relative to its texture.

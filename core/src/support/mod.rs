@@ -123,6 +123,12 @@ pub struct SupportPoint {
 }
 
 impl SupportPoint {
+    /// A matched point.
+    #[cfg(test)]
+    pub(crate) const fn matched(disparity_q6: i16, probability_q16: u16) -> Self {
+        Self { disparity_q6, score_q8: 0, probability_q16, ..Self::none() }
+    }
+
     /// A point without a disparity.
     #[inline]
     pub(crate) const fn none() -> Self {

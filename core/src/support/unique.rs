@@ -109,12 +109,7 @@ mod tests {
     const OWN: usize = 12;
 
     fn point(disparity: i16, probability_q16: u16) -> SupportPoint {
-        SupportPoint {
-            disparity_q6: disparity << 6,
-            score_q8: 0,
-            probability_q16,
-            ..SupportPoint::none()
-        }
+        SupportPoint::matched(disparity << 6, probability_q16)
     }
 
     /// True when a point of 40 px and 0.9 is rejected beside this one at a column, in its row or in
