@@ -142,29 +142,25 @@ impl MemorySlice {
         let Layout { dims, segments, candidates: most, two_cores } = *layout;
         let (segments, most) = (segments.into(), most.into());
         let mut rest = Rest(words);
-        // SAFETY: `Layout::words` counts the same values and lists. The words are 0, or were cut
-        // into the same before.
+        // SAFETY: the words are 0, or were cut into the same before.
         unsafe {
             Some(Buffers {
                 scratch: rest.scratch(dims)?,
                 second: if two_cores {
                     let scratch = rest.scratch(dims)?;
-                    Some(Second {
-                        scratch,
-                        searches: rest.list(most),
-                        bars: rest.list(SECOND_BARS),
-                    })
+                    let (searches, bars) = (rest.list(most)?, rest.list(SECOND_BARS)?);
+                    Some(Second { scratch, searches, bars })
                 } else {
                     None
                 },
-                left: rest.list(segments),
-                right: rest.list(segments),
-                candidates: rest.list(most),
-                neighbours: rest.values(most + OBJECT_POINTS),
-                order: rest.list(most + OBJECT_POINTS),
-                support: rest.list(most_support_points(dims)),
-                matches: rest.list(most),
-                bars: rest.list(MOST_BARS),
+                left: rest.list(segments)?,
+                right: rest.list(segments)?,
+                candidates: rest.list(most)?,
+                neighbours: rest.values(most + OBJECT_POINTS)?,
+                order: rest.list(most + OBJECT_POINTS)?,
+                support: rest.list(most_support_points(dims))?,
+                matches: rest.list(most)?,
+                bars: rest.list(MOST_BARS)?,
             })
         }
     }
@@ -196,26 +192,21 @@ struct Rest<'a>(&'a mut [Word]);
 
 impl<'a> Rest<'a> {
     /// The next `count` places for a `T`.
-    ///
-    /// # Safety
-    /// There are as many words as [`words_of`] says.
-    unsafe fn slots<T>(&mut self, count: usize) -> &'a mut [MaybeUninit<T>] {
+    #[inline]
+    fn slots<T>(&mut self, count: usize) -> Option<&'a mut [MaybeUninit<T>]> {
         const { assert!(align_of::<T>() <= align_of::<Word>()) };
-        // SAFETY: as the caller says.
-        let (taken, rest) =
-            unsafe { core::mem::take(&mut self.0).split_at_mut_unchecked(words_of::<T>(count)) };
-        self.0 = rest;
+        let taken = self.0.split_off_mut(..words_of::<T>(count))?;
         // SAFETY: there is room for so many, aligned as the assertion says, which nobody else has.
-        unsafe { core::slice::from_raw_parts_mut(taken.as_mut_ptr().cast(), count) }
+        Some(unsafe { core::slice::from_raw_parts_mut(taken.as_mut_ptr().cast(), count) })
     }
 
     /// The next values.
     ///
     /// # Safety
-    /// As of [`Rest::slots`]; the words are 0, or were such values before.
-    unsafe fn values<T: Zeroed>(&mut self, count: usize) -> &'a mut [T] {
+    /// The words are 0, or were such values before.
+    unsafe fn values<T: Zeroed>(&mut self, count: usize) -> Option<&'a mut [T]> {
         // SAFETY: as the caller says.
-        unsafe { self.slots(count).assume_init_mut() }
+        Some(unsafe { self.slots(count)?.assume_init_mut() })
     }
 
     /// The next buffers of a core.
@@ -226,22 +217,18 @@ impl<'a> Rest<'a> {
         // SAFETY: as the caller says.
         unsafe {
             Some(Scratch {
-                marks: self.values(mark_words(dims)),
-                chain: self.values(lines::MAX_POSITIONS),
-                strengths: self.values(lines::MAX_POSITIONS),
-                rows: self.values(row_bytes(dims.width) * BAND_ROWS * PLANES),
-                work: self.values(1).first_mut()?,
+                marks: self.values(mark_words(dims))?,
+                chain: self.values(lines::MAX_POSITIONS)?,
+                strengths: self.values(lines::MAX_POSITIONS)?,
+                rows: self.values(row_bytes(dims.width) * BAND_ROWS * PLANES)?,
+                work: self.values(1)?.first_mut()?,
             })
         }
     }
 
     /// The next list.
-    ///
-    /// # Safety
-    /// As of [`Rest::slots`].
-    unsafe fn list<T>(&mut self, capacity: usize) -> List<'a, T> {
-        // SAFETY: as the caller says.
-        List::new(unsafe { self.slots(capacity) })
+    fn list<T>(&mut self, capacity: usize) -> Option<List<'a, T>> {
+        self.slots(capacity).map(List::new)
     }
 }
 
