@@ -12,12 +12,13 @@
 
 use crate::output::OutputFiles;
 use crate::programs;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use core::fmt::Display;
 use core::time::Duration;
 use linestereo_frames::untrusted::{self, IMAGE_BYTES, PACKAGE_BYTES};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -26,34 +27,38 @@ use zip::ZipArchive;
 use zip::result::ZipError;
 
 const LIST: &str = include_str!("registry.toml");
+/// Stands for the name of a scene in the list.
+const NAME: &str = "NAME";
 /// Longest download of a package.
 const LIMIT: Duration = Duration::from_secs(900);
 
 /// A package with pairs in it.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Package {
     /// Its name; files of it start with it.
     pub name: String,
     /// Package and version, as pip names it.
     pub requirement: String,
     /// The folders that it becomes.
-    #[serde(rename = "scene")]
     pub scenes: Vec<PackedScene>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct PackedScene {
     /// Its folder, below the one that holds all frames.
     pub folder: String,
-    /// Path in the package, name in the folder, SHA-256.
-    files: Vec<(String, String, String)>,
-    info: String,
+    files: Vec<PackedFile>,
+    /// Its `scene.json`.
+    pub info: String,
 }
 
-impl PackedScene {
-    pub fn info(&self) -> &str {
-        self.info.trim_start()
-    }
+#[derive(Clone, Debug)]
+struct PackedFile {
+    /// Path in the package.
+    path: String,
+    /// Name in the folder.
+    name: String,
+    sha256: String,
 }
 
 pub fn packages() -> Vec<Package> {
@@ -64,10 +69,42 @@ pub fn packages() -> Vec<Package> {
 pub fn parsed(list: &str) -> Result<Vec<Package>> {
     #[derive(Deserialize)]
     struct List {
-        #[serde(rename = "package")]
-        packages: Vec<Package>,
+        package: Vec<Listed>,
     }
-    Ok(toml::from_str::<List>(list)?.packages)
+    toml::from_str::<List>(list)?.package.into_iter().map(Listed::expanded).collect()
+}
+
+/// A package whose scenes differ by their names and the contents of their files.
+#[derive(Deserialize)]
+struct Listed {
+    name: String,
+    requirement: String,
+    folder: String,
+    /// Path in the package, name in the folder.
+    files: Vec<[String; 2]>,
+    info: String,
+    /// SHA-256 of the files, by the name of a scene.
+    scenes: BTreeMap<String, Vec<String>>,
+}
+
+impl Listed {
+    fn expanded(self) -> Result<Package> {
+        let scene = |(scene, sums): (&String, &Vec<String>)| {
+            ensure!(sums.len() == self.files.len(), "{scene} needs a SHA-256 for each file");
+            let file = |([path, name], sum): (&[String; 2], &String)| PackedFile {
+                path: path.replace(NAME, scene),
+                name: name.clone(),
+                sha256: sum.clone(),
+            };
+            Ok(PackedScene {
+                folder: self.folder.replace(NAME, scene),
+                files: self.files.iter().zip(sums).map(file).collect(),
+                info: self.info.replace(NAME, scene),
+            })
+        };
+        let scenes = self.scenes.iter().map(scene).collect::<Result<_>>()?;
+        Ok(Package { name: self.name, requirement: self.requirement, scenes })
+    }
 }
 
 impl Package {
@@ -97,9 +134,9 @@ impl Package {
     pub fn is_laid_out(&self, out: &Path) -> bool {
         self.scenes.iter().all(|scene| {
             let folder = out.join(&scene.folder);
-            let same = |(_, name, expected): &(String, String, String)| {
-                untrusted::read(&folder.join(name), IMAGE_BYTES)
-                    .is_ok_and(|bytes| sha256(&bytes) == *expected)
+            let same = |file: &PackedFile| {
+                untrusted::read(&folder.join(&file.name), IMAGE_BYTES)
+                    .is_ok_and(|bytes| sha256(&bytes) == file.sha256)
             };
             folder.join("scene.json").is_file() && scene.files.iter().all(same)
         })
@@ -142,7 +179,7 @@ impl Package {
         for scene in &self.scenes {
             let folder = out.join(&scene.folder);
             let mut files = Vec::new();
-            for (path, name, expected) in &scene.files {
+            for PackedFile { path, name, sha256: expected } in &scene.files {
                 let bytes = read(&mut archive, package, path)?;
                 let found = sha256(&bytes);
                 if found != *expected {
@@ -159,7 +196,7 @@ impl Package {
             for (name, bytes) in &files {
                 output.add(&folder.join(name), bytes)?;
             }
-            output.add(&folder.join("scene.json"), scene.info().as_bytes())?;
+            output.add(&folder.join("scene.json"), scene.info.as_bytes())?;
             output.commit()?;
         }
         Ok(())

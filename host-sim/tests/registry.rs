@@ -8,28 +8,31 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-/// SHA-256 of "left image", "right image" and "truth", by sha256sum.
+/// SHA-256 of "left image", "right image" and "another left image", by sha256sum.
 const SUMS: [&str; 3] = [
     "4230803192fa7f90b73203fef848dabb7d4900bee4a5802d48b8e099bb5ea864",
     "edc3dd147f33a49cc93c009be397a22ea204c0424cdf8f95924d8c03a6a7d937",
-    "c5c4bad89ee44b4da0321344964f145dd3023fc1ab0d9c2473e2716b788481ae",
+    "d66d081728b1b68bf5fa3cbd4c45dbd06db6ef72ef7c9b26b7c9a1dadd057c13",
 ];
 
-fn package(sums: [&str; 3]) -> Package {
+fn package() -> Package {
+    let [left, right, other] = SUMS;
     let list = format!(
-        "[[package]]\nname = \"pairs\"\nrequirement = \"pairs==1\"\n[[package.scene]]\nfolder = \"set/a\"\n\
-         files = [[\"data/l.png\", \"left.png\", \"{}\"], [\"data/r.png\", \"right.png\", \"{}\"]]\n\
-         info = '{{\"scene\":\"a\"}}'\n[[package.scene]]\nfolder = \"set/b\"\nfiles = [[\"data/t.npz\", \"gt.npz\", \"{}\"]]\n\
-         info = '{{\"scene\":\"b\"}}'\n",
-        sums[0], sums[1], sums[2]
+        r#"[[package]]
+        name = "pairs"
+        requirement = "pairs==1"
+        folder = "set/NAME"
+        files = [["data/NAME_l.png", "left.png"], ["data/r.png", "right.png"]]
+        info = '{{"scene":"NAME"}}'
+        scenes = {{ a = ["{left}", "{right}"], b = ["{other}", "{right}"] }}"#
     );
     parsed(&list).unwrap().remove(0)
 }
 
 const FILES: [(&str, &str); 4] = [
-    ("data/l.png", "left image"),
+    ("data/a_l.png", "left image"),
     ("data/r.png", "right image"),
-    ("data/t.npz", "truth"),
+    ("data/b_l.png", "another left image"),
     ("code.py", "evil()"),
 ];
 
@@ -46,11 +49,11 @@ fn check_laid_out(package: &Package, out: &Path) {
     assert!(package.is_laid_out(out));
     let read = |path: &str| fs::read_to_string(out.join("set").join(path)).unwrap();
     assert_eq!(
-        [read("a/left.png"), read("a/right.png"), read("b/gt.npz")],
-        ["left image", "right image", "truth"]
+        ["a/left.png", "a/right.png", "b/left.png", "b/right.png"].map(read),
+        ["left image", "right image", "another left image", "right image"]
     );
     assert_eq!(
-        [read("a/scene.json"), read("b/scene.json")],
+        ["a/scene.json", "b/scene.json"].map(read),
         [r#"{"scene":"a"}"#, r#"{"scene":"b"}"#]
     );
     assert_eq!(
@@ -64,7 +67,7 @@ fn check_laid_out(package: &Package, out: &Path) {
 fn a_wheel_is_checked_and_laid_out() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
-    let package = package(SUMS);
+    let package = package();
     wheel(&file, &FILES);
     assert!(!package.is_laid_out(&out));
     package.lay_out(&file, &out).unwrap();
@@ -81,7 +84,7 @@ fn nothing_is_laid_out_that_is_not_what_it_should_be() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
     let fails = |word: &str| {
-        let error = package(SUMS).lay_out(&file, &out).unwrap_err().to_string();
+        let error = package().lay_out(&file, &out).unwrap_err().to_string();
         says(&error, &["pairs-1.whl", "; ", word]);
     };
     fails("cannot read");
@@ -113,7 +116,7 @@ fn the_list_is_whole() {
     }
     for scene in all.iter().flat_map(|package| &package.scenes) {
         let path = folder.path().join("scene.json");
-        fs::write(&path, scene.info()).unwrap();
+        fs::write(&path, &scene.info).unwrap();
         let info = SceneInfo::load(&path).unwrap();
         assert!(scene.folder.ends_with(info.scene.as_deref().unwrap()), "{}", scene.folder);
         assert!(info.rig(&path, 1.0).unwrap().is_some(), "{}", scene.folder);
