@@ -11,16 +11,13 @@
 use super::cells::spread;
 use super::classes::GLOSSY;
 use super::grid::Grid;
-use super::product::load_numbers;
+use super::product::{Pair, load_numbers};
 use super::sectors::Camera;
 use anyhow::{Context, Result, bail};
-use linestereo_frames::untrusted;
-use serde::Deserialize;
-use std::fs;
+use linestereo_frames::{Dataset, Layout, SceneInfo, StoredPair, load_scene};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Folders below that of the frames in which sets are looked for.
-const DEPTH: usize = 4;
 /// Disparity ranges that follow from the truth are multiples of this, and at most
 /// [`LARGEST_RANGE`].
 const RANGE_STEP: f64 = 16.0;
@@ -43,43 +40,15 @@ pub(crate) struct DataSet {
 /// One scene.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneFolder {
-    folder: PathBuf,
-    info: Info,
+    pub(crate) stored: StoredPair,
+    info: SceneInfo,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-struct Info {
-    max_disparity: Option<u16>,
-    ground_truth: Option<GroundTruth>,
-    rectified: Option<Rectified>,
-    camera: Option<Placement>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-struct GroundTruth {
-    file: String,
-    disparity_scale: f64,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-struct Rectified {
-    focal_px: f64,
-    baseline_m: f64,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-struct Placement {
-    height_m: f64,
-    pitch_deg: f64,
-    /// Counter-clockwise as it looks.
-    #[serde(default)]
-    roll_deg: f64,
-    principal_px: Option<[f64; 2]>,
-}
-
-/// Truth of a scene and what else is known of its pixels.
+/// A scene's images and truth, and what else is known of its pixels.
 #[derive(Clone, Debug)]
 pub(crate) struct Known {
+    /// As the program reads it: of colours it makes other grey values than OpenCV.
+    pub(crate) pair: Pair,
     /// Disparities, px; not a number where they are unknown.
     pub(crate) truth: Grid<f64>,
     pub(crate) max_disparity: u16,
@@ -96,8 +65,15 @@ pub(crate) struct Room {
 
 /// Every data set below a folder, in the order of their names.
 pub(crate) fn find(frames: &Path) -> Result<Vec<DataSet>> {
-    let mut sets = Vec::new();
-    search(frames, frames, DEPTH, &mut sets)?;
+    let mut sets = BTreeMap::<PathBuf, Vec<SceneFolder>>::new();
+    for stored in Dataset::find(frames)?.pairs {
+        let is_scene = stored.layout == Layout::SceneJson && stored.has_truth();
+        let above = stored.folder.parent().filter(|set| is_scene && set.starts_with(frames));
+        if let (Some(set), Some((_, info))) = (above, stored.info()?) {
+            let scenes = sets.entry(set.to_path_buf()).or_default();
+            scenes.push(SceneFolder { stored, info });
+        }
+    }
     if sets.is_empty() {
         bail!(
             "{} holds no scenes with ground truth; give a folder of sets, whose scenes have left.png, right.png, gt.png \
@@ -105,121 +81,76 @@ pub(crate) fn find(frames: &Path) -> Result<Vec<DataSet>> {
             frames.display()
         );
     }
-    Ok(sets)
-}
-
-fn search(root: &Path, folder: &Path, depth: usize, sets: &mut Vec<DataSet>) -> Result<()> {
-    let entries = fs::read_dir(folder)
-        .with_context(|| format!("cannot read {}; check the path", folder.display()))?;
-    let mut folders: Vec<PathBuf> =
-        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|at| at.is_dir()).collect();
-    folders.sort_unstable();
-    let mut scenes = Vec::new();
-    for at in &folders {
-        scenes.extend(SceneFolder::open(at)?);
-    }
-    let is_rooms = scenes.iter().any(SceneFolder::is_room);
-    scenes.retain(|scene| scene.is_room() == is_rooms);
-    if !scenes.is_empty() {
-        let below = folder.strip_prefix(root).unwrap_or(folder);
-        let name = if below == Path::new("") { root } else { below };
-        sets.push(DataSet { name: name.display().to_string(), scenes, is_rooms });
-    } else if depth > 0 {
-        folders.iter().try_for_each(|at| search(root, at, depth - 1, sets))?;
-    }
-    Ok(())
+    let data_set = |(folder, mut scenes): (PathBuf, Vec<SceneFolder>)| {
+        let is_rooms = scenes.iter().any(SceneFolder::is_room);
+        scenes.retain(|scene| scene.is_room() == is_rooms);
+        let below = folder.strip_prefix(frames).unwrap_or(&folder);
+        let name = if below == Path::new("") { frames } else { below };
+        DataSet { name: name.display().to_string(), scenes, is_rooms }
+    };
+    Ok(sets.into_iter().map(data_set).collect())
 }
 
 impl DataSet {
     /// Small sets without labels are scored damaged too; rendered rooms have noise of their own.
-    pub(crate) fn is_damaged_too(&self) -> Result<bool> {
-        let Some(first) = self.scenes.first().filter(|_| !self.is_rooms) else { return Ok(false) };
-        let truth = first.known()?.truth;
-        Ok(truth.width() <= SMALL)
+    pub(crate) fn is_damaged_too(&self) -> bool {
+        let first = self.scenes.first().filter(|_| !self.is_rooms);
+        first.and_then(|first| first.known().ok()).is_some_and(|known| known.truth.width() <= SMALL)
     }
 }
 
 impl SceneFolder {
-    /// `None` where a folder is no scene with ground truth.
-    fn open(folder: &Path) -> Result<Option<Self>> {
-        let path = folder.join("scene.json");
-        if !path.is_file() {
-            return Ok(None);
-        }
-        let text = untrusted::read(&path, untrusted::SETTINGS_BYTES)
-            .with_context(|| format!("cannot read {}", path.display()))?;
-        let info: Info = serde_json::from_slice(&text).with_context(|| {
-            format!("{} is not understood; correct it, or move the folder away", path.display())
-        })?;
-        let scene = Self { folder: folder.to_path_buf(), info };
-        Ok(Some(scene).filter(|scene| scene.info.ground_truth.is_some() && scene.images().is_ok()))
-    }
-
     /// The folder's name.
     pub(crate) fn name(&self) -> String {
-        self.folder.file_name().unwrap_or_default().display().to_string()
+        self.stored.folder.file_name().unwrap_or_default().display().to_string()
+    }
+
+    /// Disparities that are searched, as far as it is said.
+    fn range(&self) -> Option<u16> {
+        Some(self.info.max_disparity?.round() as u16)
     }
 
     /// Disparities that are searched, before the truth is read.
     pub(crate) fn likely_range(&self) -> u16 {
-        self.info.max_disparity.unwrap_or(LIKELY_RANGE)
+        self.range().unwrap_or(LIKELY_RANGE)
+    }
+
+    /// A file beside its images.
+    fn file(&self, name: &str) -> Option<PathBuf> {
+        Some(self.stored.folder.join(name)).filter(|path| path.is_file())
     }
 
     fn is_room(&self) -> bool {
-        self.folder.join("labels.png").is_file()
-    }
-
-    /// Files of the left and the right image.
-    pub(crate) fn images(&self) -> Result<[PathBuf; 2]> {
-        let kinds = ["png", "jpg", "jpeg", "pgm", "ppm", "tif", "tiff", "bmp"];
-        let find = |side: &str| {
-            kinds
-                .map(|kind| self.folder.join(side).with_extension(kind))
-                .into_iter()
-                .find(|at| at.is_file())
-        };
-        match (find("left"), find("right")) {
-            (Some(left), Some(right)) => Ok([left, right]),
-            _ => bail!("{} has no left.png and right.png", self.folder.display()),
-        }
+        self.file("labels.png").is_some()
     }
 
     /// The label image of its objects.
     pub(crate) fn object_mask(&self) -> Option<PathBuf> {
-        Some(self.folder.join("mask_objects.png")).filter(|path| path.is_file())
+        self.file("mask_objects.png")
     }
 
     /// Geometry and place of its camera.
     pub(crate) fn camera(&self) -> Option<Camera> {
-        let (rectified, placed) = (self.info.rectified?, self.info.camera?);
-        Some(Camera {
-            focal_px: rectified.focal_px,
-            baseline_m: rectified.baseline_m,
-            height_m: placed.height_m,
-            pitch_deg: placed.pitch_deg,
-            roll_deg: -placed.roll_deg,
-            centre: placed.principal_px,
-        })
+        let (rig, pose) = (self.info.rig_numbers(1.0)?, self.info.pose()?);
+        Some(Camera { rig, pose, centre: self.info.principal_point(1.0) })
     }
 
-    /// Reads its truth.
+    /// Reads its images and its truth.
     pub(crate) fn known(&self) -> Result<Known> {
-        let Some(GroundTruth { file, disparity_scale }) = &self.info.ground_truth else {
-            bail!("{} has no ground truth", self.folder.display())
-        };
-        let stored = load_numbers(&self.folder.join(file))?;
-        let truth = stored.map(|x, y| match stored.at(x, y) {
-            0 => f64::NAN,
-            value => f64::from(value) / disparity_scale,
-        });
+        let scene = load_scene(&self.stored.folder, None)?;
+        let truth = scene.truth.as_ref().context("it has no ground truth")?;
+        let pair = Pair::new(&self.stored.images, [scene.left, scene.right])?;
+        let truth =
+            pair.left.map(|x, y| truth.disparity(x as i32, y as i32).map_or(f64::NAN, f64::from));
         let room = if self.is_room() { Some(self.room()?) } else { None };
-        let max_disparity = self.info.max_disparity.unwrap_or_else(|| range_of(&truth));
-        Ok(Known { truth, max_disparity, room })
+        let max_disparity = self.range().unwrap_or_else(|| range_of(&truth));
+        pair.check(max_disparity)?;
+        Ok(Known { pair, truth, max_disparity, room })
     }
 
     fn room(&self) -> Result<Room> {
-        let labels = load_numbers(&self.folder.join("labels.png"))?;
-        let visible = load_numbers(&self.folder.join("visible.png"))?;
+        let labels = load_numbers(&self.stored.folder.join("labels.png"))?;
+        let visible = load_numbers(&self.stored.folder.join("visible.png"))?;
         Ok(Room {
             labels: labels.map(|x, y| u8::try_from(labels.at(x, y)).unwrap_or(0)),
             visible: visible.map(|x, y| visible.at(x, y) > 0),
@@ -249,6 +180,7 @@ fn range_of(truth: &Grid<f64>) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn the_range_reaches_beyond_the_largest_truth() {

@@ -126,7 +126,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
              another --store"
         );
     }
-    let tasks = tasks(&sets, opencv.is_some())?;
+    let tasks = tasks(&sets, opencv.is_some());
     let scored = score(&tasks, opencv.as_ref(), args)?;
     let pairs: usize = scored.iter().map(|done| done.scenes).sum();
     let report = Report {
@@ -185,15 +185,15 @@ fn find_opencv(args: &Args) -> Result<Option<OpenCv>> {
 }
 
 /// The slowest first, so that none is left over at the end.
-fn tasks(sets: &[DataSet], has_opencv: bool) -> Result<Vec<Task<'_>>> {
+fn tasks(sets: &[DataSet], has_opencv: bool) -> Vec<Task<'_>> {
     let mut tasks = Vec::new();
     for set in sets {
-        let all = has_opencv && set.is_damaged_too()?;
+        let all = has_opencv && set.is_damaged_too();
         let damages = if all { &DAMAGES[..] } else { &DAMAGES[..1] };
         tasks.extend(damages.iter().map(|&damage| Task { set, damage }));
     }
     tasks.sort_by_cached_key(|task| core::cmp::Reverse(task.cost()));
-    Ok(tasks)
+    tasks
 }
 
 /// The results of all tasks, in their order.
@@ -239,14 +239,13 @@ fn score_task(
     let left_out =
         |scene: &SceneFolder, why: &anyhow::Error| format!("{} is left out: {why:#}", scene.name());
     for scene in &task.set.scenes {
-        let known = scene.known()?;
-        match product::check([known.truth.width(), known.truth.height()], known.max_disparity) {
-            Ok(()) => scenes.push((scene, known)),
+        match scene.known() {
+            Ok(known) => scenes.push((scene, known)),
             Err(error) => notes.push(left_out(scene, &error)),
         }
     }
     if let Some(worker) = &mut worker {
-        worker.ask(&task.request(&scenes, cache)?)?;
+        worker.ask(&task.request(&scenes, cache))?;
     }
     let mut scores = Scores::default();
     for (scene, known) in &scenes {
@@ -278,7 +277,6 @@ fn set_report(set: &DataSet, tasks: &[Task<'_>], scored: &[Done]) -> SetReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bench::product::Pair;
     use std::collections::HashSet;
 
     /// Two scenes of a set of captured frames, by linestereo alone.
@@ -307,9 +305,8 @@ mod tests {
         assert_eq!((done.scenes, done.notes.len()), (2, 0));
         let (mut cells, mut all) = (0, 0);
         for scene in &set.scenes {
-            let [left, right] = scene.images().unwrap();
-            let pair = Pair::load(&left, &right).unwrap();
-            let points = pair.points(scene.known().unwrap().max_disparity).unwrap();
+            let Known { pair, max_disparity, .. } = scene.known().unwrap();
+            let points = pair.points(max_disparity).unwrap();
             cells += points
                 .iter()
                 .map(|point| (point.x / 16, point.y / 16))

@@ -6,16 +6,13 @@ use super::cells::Hypothesis;
 use super::grid::Grid;
 use super::sectors::{self, Answer, Camera, Said};
 use anyhow::{Context, Result, bail};
-use linestereo::ground::{CameraPose, GroundPlane};
+use linestereo::ground::GroundPlane;
 use linestereo::{Dims, Gray, Params, Region, obstacles::ObstacleParams, units::Confidence};
 use linestereo_frames::regions::{self, Frame};
-use linestereo_frames::{
-    PairFiles, check_same_size, check_size, check_usable, load_images, load_values,
-};
+use linestereo_frames::{GrayImage, PairFiles, check_usable, load_values};
 use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::directions::{Direction, Directions, five_decimals};
 use linestereo_sim::results::health::is_fit;
-use linestereo_wire::RigUpdate;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -30,20 +27,28 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Reads a pair as the program does.
-    pub(crate) fn load(left: &Path, right: &Path) -> Result<Self> {
-        let images = load_images(&PairFiles::Two([left.to_path_buf(), right.to_path_buf()]), None)?;
-        check_same_size((left, images[0].dims), (right, images[1].dims))?;
-        for (path, image) in [left, right].into_iter().zip(&images) {
-            check_size(path, image)?;
+    /// Images that the program would match.
+    pub(crate) fn new(files: &PairFiles, images: [GrayImage; 2]) -> Result<Self> {
+        for (path, image) in files.paths().into_iter().zip(&images) {
             check_usable(path, image)?;
         }
         let [left, right] = images.map(|image| Grid::new(image.dims.width.into(), image.pixels));
         Ok(Self { left, right })
     }
 
+    /// Refuses a size, or a range, that the core does not take.
+    pub(crate) fn check(&self, max_disparity: u16) -> Result<()> {
+        let dims = self.dims()?;
+        if max_disparity >= dims.width {
+            bail!("a disparity range of {max_disparity} does not fit images of {dims}");
+        }
+        Params { max_disparity, ..Params::default() }.check(dims)?;
+        Ok(())
+    }
+
     fn dims(&self) -> Result<Dims> {
-        dims([self.left.width(), self.left.height()])
+        let [width, height] = [self.left.width(), self.left.height()].map(u16::try_from);
+        Ok(Dims { width: width?, height: height? })
     }
 
     fn run(&self, params: &Params) -> Result<(Engine, FrameResult)> {
@@ -88,12 +93,11 @@ impl Pair {
     /// Answers for each sector in view.
     pub(crate) fn sectors(&self, max_disparity: u16, camera: &Camera) -> Result<Vec<Answer>> {
         let dims = self.dims()?;
-        let numbers =
-            RigUpdate { focal_px: camera.focal_px, baseline_m: camera.baseline_m, offset_px: 0.0 };
-        let rig = Some(numbers.rig()?.centred(dims));
-        let params = Params { max_disparity, rig, ..Params::default() };
+        let rig = camera.rig.rig()?;
+        let params = Params { max_disparity, rig: Some(rig.centred(dims)), ..Params::default() };
+        let height_m = f64::from(camera.pose.height_m);
         // In millimetres, as options are given.
-        let above_camera = |height: f64| format!("{:.3}", height - camera.height_m).parse::<f32>();
+        let above_camera = |height: f64| format!("{:.3}", height - height_m).parse::<f32>();
         let [low, high] = sectors::HEIGHTS_M.map(above_camera);
         let wanted = ObstacleParams {
             range_m: sectors::RANGE_M as f32,
@@ -101,10 +105,8 @@ impl Pair {
             ..ObstacleParams::DEFAULT
         };
         let plan = wanted.plan(&params, dims)?;
-        let (height_m, pitch_deg) = (camera.height_m as f32, camera.pitch_deg as f32);
-        let pose = CameraPose { height_m, pitch_deg, roll_deg: camera.roll_deg as f32 };
         let mut engine = Engine::new(&params, dims)?;
-        engine.matcher.expect_ground(Some(GroundPlane::of_pose(pose, &numbers.rig()?, dims)?));
+        engine.matcher.expect_ground(Some(GroundPlane::of_pose(camera.pose, &rig, dims)?));
         let result = self.run_by(&mut engine)?;
         let directions = Directions::new(
             plan.on_ground(result.ground),
@@ -124,21 +126,6 @@ impl Pair {
         };
         Ok(directions.list().into_iter().filter_map(said).collect())
     }
-}
-
-fn dims(sides: [usize; 2]) -> Result<Dims> {
-    let [width, height] = sides.map(u16::try_from);
-    Ok(Dims { width: width?, height: height? })
-}
-
-/// Refuses images of a size, or a range, that the core does not take.
-pub(crate) fn check(sides: [usize; 2], max_disparity: u16) -> Result<()> {
-    let dims = dims(sides)?;
-    if max_disparity >= dims.width {
-        bail!("a disparity range of {max_disparity} does not fit images of {dims}");
-    }
-    Params { max_disparity, ..Params::default() }.check(dims)?;
-    Ok(())
 }
 
 /// Reads an image of plain numbers.

@@ -6,7 +6,6 @@ use super::data_set::{DataSet, Known, Room, SceneFolder};
 use super::figures::Group;
 use super::objects::{self, Objects};
 use super::opencv::{Answer, PairRequest, Request};
-use super::product::Pair;
 use super::reliability::Reliability;
 use super::sectors::Sectors;
 use super::seen::{self, Seen};
@@ -42,8 +41,8 @@ impl Task<'_> {
     /// A measure of how long it takes: bytes of the images times disparities.
     pub(crate) fn cost(&self) -> u64 {
         let of = |scene: &SceneFolder| {
-            let bytes = scene.images().ok().and_then(|[left, _]| Some(left.metadata().ok()?.len()));
-            bytes.unwrap_or(0) * u64::from(scene.likely_range())
+            let bytes = scene.stored.left().metadata().map_or(0, |file| file.len());
+            bytes * u64::from(scene.likely_range())
         };
         self.set.scenes.iter().map(of).sum()
     }
@@ -58,17 +57,17 @@ impl Task<'_> {
         &self,
         scenes: &[(&SceneFolder, Known)],
         cache: Option<&Path>,
-    ) -> Result<Request> {
+    ) -> Request {
         let pair = |(scene, known): &(&SceneFolder, Known)| {
-            let [left, right] = scene.images()?;
-            Ok(PairRequest { left, right, disparities: known.max_disparity })
+            let [left, right] = scene.stored.images.paths().map(Path::to_path_buf);
+            PairRequest { left, right, disparities: known.max_disparity }
         };
-        Ok(Request {
-            pairs: scenes.iter().map(pair).collect::<Result<_>>()?,
+        Request {
+            pairs: scenes.iter().map(pair).collect(),
             damage: self.damage,
             generator_per_pair: self.set.is_rooms,
             cache: cache.map(Path::to_path_buf),
-        })
+        }
     }
 }
 
@@ -82,23 +81,15 @@ impl Scores {
         answer: Option<&Answer>,
     ) -> Result<()> {
         let range = known.max_disparity;
-        // As the program reads it: of colours it makes other grey values than OpenCV.
-        let stored = match (task.is_whole(), answer) {
-            (false, Some(_)) => None,
-            _ => {
-                let [left, right] = scene.images()?;
-                Some(Pair::load(&left, &right)?)
-            }
-        };
-        let given = answer.map(|answer| &answer.pair).or(stored.as_ref());
-        let Some(given) = given else { return Ok(()) };
+        let stored = &known.pair;
+        let given = answer.map_or(stored, |answer| &answer.pair);
         let points = given.points(range)?;
-        let stored_points = match &stored {
-            Some(stored) if stored != given => &stored.points(range)?,
-            _ => &points,
+        let stored_points = match task.is_whole() && stored != given {
+            true => &stored.points(range)?,
+            false => &points,
         };
-        let objects = match (&stored, &known.room, scene.object_mask()) {
-            (Some(stored), Some(room), Some(mask)) => {
+        let objects = match (&known.room, scene.object_mask()) {
+            (Some(room), Some(mask)) => {
                 let truths = objects::truths(
                     &super::product::load_numbers(&mask)?,
                     &known.truth,
@@ -109,10 +100,8 @@ impl Scores {
             }
             _ => None,
         };
-        let sectors = match (&stored, &known.room, scene.camera()) {
-            (Some(stored), Some(room), Some(camera)) => {
-                Some((room, camera, stored.sectors(range, &camera)?))
-            }
+        let sectors = match (&known.room, scene.camera()) {
+            (Some(room), Some(camera)) => Some((room, camera, stored.sectors(range, &camera)?)),
             _ => None,
         };
 

@@ -11,6 +11,8 @@
 
 use super::figures::{Better, Figure, Group, Values, percent};
 use super::grid::Grid;
+use linestereo::ground::CameraPose;
+use linestereo_wire::RigUpdate;
 use std::collections::BTreeMap;
 
 /// How far obstacles matter, m.
@@ -31,14 +33,8 @@ const SOLID: [u8; 4] = [2, 3, 4, 5];
 /// Geometry and place of the left camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Camera {
-    pub(crate) focal_px: f64,
-    pub(crate) baseline_m: f64,
-    /// Above the floor.
-    pub(crate) height_m: f64,
-    /// Down.
-    pub(crate) pitch_deg: f64,
-    /// Clockwise as it looks.
-    pub(crate) roll_deg: f64,
+    pub(crate) rig: RigUpdate,
+    pub(crate) pose: CameraPose,
     /// Principal point, px; the middle of the image where it is not known.
     pub(crate) centre: Option<[f64; 2]>,
 }
@@ -116,24 +112,26 @@ fn tenth(distances: impl Iterator<Item = f64>) -> Option<f64> {
 fn seen(truth: &Grid<f64>, labels: &Grid<u8>, camera: &Camera) -> Vec<Seen> {
     let middle = [truth.width(), truth.height()].map(|side| (side as f64 - 1.0) / 2.0);
     let [centre_x, centre_y] = camera.centre.unwrap_or(middle);
-    let (sin_pitch, cos_pitch) = camera.pitch_deg.to_radians().sin_cos();
-    let (sin_roll, cos_roll) = camera.roll_deg.to_radians().sin_cos();
+    let (RigUpdate { focal_px, baseline_m, .. }, pose) = (camera.rig, camera.pose);
+    let height_m = f64::from(pose.height_m);
+    let (sin_pitch, cos_pitch) = f64::from(pose.pitch_deg).to_radians().sin_cos();
+    let (sin_roll, cos_roll) = f64::from(pose.roll_deg).to_radians().sin_cos();
     let of = |(x, y): (usize, usize)| {
-        let ahead = camera.focal_px * camera.baseline_m / truth.at(x, y);
-        let right = (x as f64 - centre_x) / camera.focal_px * ahead;
-        let down = (y as f64 - centre_y) / camera.focal_px * ahead;
+        let ahead = focal_px * baseline_m / truth.at(x, y);
+        let right = (x as f64 - centre_x) / focal_px * ahead;
+        let down = (y as f64 - centre_y) / focal_px * ahead;
         let (right, down) =
             (right * cos_roll - down * sin_roll, right * sin_roll + down * cos_roll);
         let (level_down, level_ahead) =
             (down * cos_pitch + ahead * sin_pitch, ahead * cos_pitch - down * sin_pitch);
-        let (above, distance_m) = (camera.height_m - level_down, right.hypot(level_ahead));
+        let (above, distance_m) = (height_m - level_down, right.hypot(level_ahead));
         let matters = above > HEIGHTS_M[0] && above < HEIGHTS_M[1] && distance_m < RANGE_M;
         Seen {
             direction_deg: right.atan2(level_ahead).to_degrees(),
             distance_m,
             is_obstacle: matters && SOLID.contains(&labels.at(x, y)),
             falls_m: (labels.at(x, y) == BELOW_FLOOR && level_down > 0.0)
-                .then(|| distance_m * camera.height_m / level_down),
+                .then(|| distance_m * height_m / level_down),
         }
     };
     truth.positions().filter(|&(x, y)| truth.at(x, y) > 0.0).map(of).collect()
@@ -215,11 +213,8 @@ mod tests {
 
     /// Level, 0.2 m above the floor.
     const CAMERA: Camera = Camera {
-        focal_px: 100.0,
-        baseline_m: 0.1,
-        height_m: 0.2,
-        pitch_deg: 0.0,
-        roll_deg: 0.0,
+        rig: RigUpdate { focal_px: 100.0, baseline_m: 0.1, offset_px: 0.0 },
+        pose: CameraPose { height_m: 0.2, pitch_deg: 0.0, roll_deg: 0.0 },
         centre: None,
     };
 
@@ -289,7 +284,8 @@ mod tests {
 
     #[test]
     fn pitch_and_roll_are_turned_back() {
-        let camera = Camera { height_m: 0.5, pitch_deg: 30.0, ..CAMERA };
+        let camera =
+            Camera { pose: CameraPose { height_m: 0.5, pitch_deg: 30.0, roll_deg: 0.0 }, ..CAMERA };
         // The optical axis, 30 degrees down, meets the floor after 1 m.
         let truth = Grid::new(1, vec![10.0]);
         let pixel = seen(&truth, &Grid::new(1, vec![2]), &camera)[0];
