@@ -11,6 +11,7 @@ mod image;
 mod measure;
 mod nightly;
 mod sizes;
+mod stored;
 
 use anyhow::{Context, Result, bail};
 use clap::{Parser, Subcommand};

@@ -1,11 +1,12 @@
 //! `cargo xtask measure`: the numbers of `xtask/board-numbers.toml`, measured again and compared.
 //!
 //! Compared are medians, maxima and bytes; what stands under `by_stage` and `by_pair` is for
-//! reading.
+//! reading. The built-in pairs one by one go to the program, whose `bench-board` divides by them.
 
 use crate::bench::{self, Autopilot, Builtin, Cores, Objects, Rectified};
 use crate::sizes;
-use anyhow::{Context, Result, bail};
+use crate::stored::Stored;
+use anyhow::{Context, Result};
 use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_calibration::rectify::PairRectifier;
 use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
@@ -16,13 +17,13 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-const FILE: &str = "xtask/board-numbers.toml";
-/// Of it the program has the instructions of the built-in pairs.
+/// The instructions of the built-in pairs, for the program.
 const PAIRS_FILE: &str = "host-sim/src/board/instructions.toml";
-/// Larger differences are a loss or a gain.
-pub(crate) const TOLERANCE_PERCENT: u64 = 1;
 
-const HEAD: &str = "\
+const STORED: Stored = Stored {
+    file: "xtask/board-numbers.toml",
+    bless: "cargo xtask measure --bless",
+    head: "\
 # Cost of a pair on the boards. Written by `cargo xtask measure --bless`, compared by `cargo xtask measure`: a loss of more than 1 % is
 # an error, a gain of more than 1 % asks for a new blessing.
 #
@@ -39,14 +40,15 @@ const HEAD: &str = "\
 # cores: the captured pairs, medians: on one core, and of the busier of two, in permille too; and how often these meet. The program for it
 # (firmware/src/programs/cores.rs) does both halves of each step one after the other.
 # autopilot: the most expensive of the built-in pairs: from matches to 72 sectors, to a HEARTBEAT and an OBSTACLE_DISTANCE, and bytes of both.
-# Bytes: of the program that is fed by a file (replay), without logs; \"live\" is the one for cameras. stack_used: the largest depth.
+# Bytes: of the program that is fed by a file (replay), without logs; that for cameras is in board-sizes.toml. stack_used: the largest depth.
 # ram = static_ram + stack_used.
 # raw: a rendered raw pair rectified row by row (75 degrees of view, cameras turned by a degree) to the lists; band: the bytes of raw rows
 # held of the camera that needs more.
 
-";
+",
+};
 
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Numbers {
     compiler: String,
     boards: BTreeMap<String, BoardNumbers>,
@@ -54,13 +56,16 @@ struct Numbers {
 
 #[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 struct BoardNumbers {
+    /// Instructions of each built-in pair: not of this file, but of the program's.
+    #[serde(skip)]
+    pairs: BTreeMap<String, u64>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     bytes: BTreeMap<String, u64>,
     built_in: BTreeMap<String, Instructions>,
     #[serde(default)]
     autopilot: Option<Autopilot>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    captured: BTreeMap<String, Instructions>,
+    captured: BTreeMap<String, Captured>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     objects: BTreeMap<String, Objects>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -84,6 +89,13 @@ struct RawPair {
 struct Instructions {
     median: u64,
     largest: u64,
+}
+
+/// The same of captured pairs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Captured {
+    #[serde(flatten)]
+    all: Instructions,
     /// Medians.
     by_stage: BTreeMap<String, u64>,
     by_pair: BTreeMap<String, u64>,
@@ -92,22 +104,28 @@ struct Instructions {
 impl Instructions {
     fn new(pairs: &[(String, Costs)]) -> Self {
         let totals = || pairs.iter().map(|(_, costs)| bench::total(costs));
+        Self { median: bench::median(totals().collect()), largest: totals().max().unwrap_or(0) }
+    }
+}
+
+impl Captured {
+    fn new(pairs: &[(String, Costs)]) -> Self {
         let of_stage = |stage: Stage| {
             bench::median(pairs.iter().map(|(_, costs)| costs[stage as usize]).collect())
         };
         Self {
-            median: bench::median(totals().collect()),
-            largest: totals().max().unwrap_or(0),
+            all: Instructions::new(pairs),
             by_stage: Stage::ALL
                 .into_iter()
                 .map(|stage| (stage.name().to_owned(), of_stage(stage)))
                 .collect(),
-            by_pair: pairs
-                .iter()
-                .map(|(name, costs)| (name.clone(), bench::total(costs)))
-                .collect(),
+            by_pair: by_pair(pairs),
         }
     }
+}
+
+fn by_pair(pairs: &[(String, Costs)]) -> BTreeMap<String, u64> {
+    pairs.iter().map(|(name, costs)| (name.clone(), bench::total(costs))).collect()
 }
 
 /// Measures, and writes the file or compares with it.
@@ -115,36 +133,24 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     let frames =
         std::env::var_os("LINESTEREO_FRAMES").map(|folder| PathBuf::from(folder).join("qvga"));
     let frames = frames.filter(|folder| folder.is_dir());
-    let path = top.join(FILE);
-    let old = match std::fs::read_to_string(&path) {
-        Ok(text) => Some(
-            toml::from_str::<Numbers>(&text).with_context(|| format!("{FILE} cannot be read"))?,
-        ),
-        Err(_) if bless => None,
-        Err(error) => {
-            bail!("{FILE} cannot be read ({error}); write it: cargo xtask measure --bless")
-        }
-    };
+    let mut old: Numbers = STORED.read(top, bless)?;
     let boards = if bless { Board::emulated().collect() } else { board::tested() };
     let boards: Vec<_> = boards.into_iter().filter(Board::is_emulated).collect();
     let mut new = measure(top, &boards, frames.as_deref())?;
     if bless {
         for (name, board) in &mut new.boards {
             // Numbers that cannot be measured here stay.
-            if let Some(before) =
-                old.as_ref().and_then(|old| old.boards.get(name)).filter(|_| frames.is_none())
-            {
+            if let Some(before) = old.boards.get(name).filter(|_| frames.is_none()) {
                 board.captured.clone_from(&before.captured);
                 board.objects.clone_from(&before.objects);
                 board.cores.clone_from(&before.cores);
             }
         }
-        std::fs::write(&path, format!("{HEAD}{}", toml::to_string(&new)?))?;
+        STORED.write(top, &new)?;
         std::fs::write(top.join(PAIRS_FILE), instructions(&new)?)?;
-        println!("{FILE} and {PAIRS_FILE}: blessed; commit them");
+        println!("{PAIRS_FILE}: blessed; commit it");
         return Ok(());
     }
-    let mut old = old.with_context(|| format!("{FILE} is not there"))?;
     old.boards.retain(|name, _| boards.iter().any(|board| board.name == name));
     if old.compiler != new.compiler {
         println!("measured with {}, the file was with {}", new.compiler, old.compiler);
@@ -152,7 +158,7 @@ pub(crate) fn run(top: &Path, bless: bool) -> Result<()> {
     if frames.is_none() {
         println!("captured frames were not measured: LINESTEREO_FRAMES does not name them");
     }
-    compare(&compared(&old, frames.is_some())?, &compared(&new, frames.is_some())?)
+    STORED.compare(&compared(&old, frames.is_some())?, &compared(&new, frames.is_some())?)
 }
 
 /// The instructions of each built-in pair on the emulated boards whose processors real boards have,
@@ -165,22 +171,14 @@ fn instructions(numbers: &Numbers) -> Result<String> {
         .collect();
     let mut boards = BTreeMap::new();
     for twin in Board::emulated().filter(|twin| real.contains(&twin.processor)) {
-        let built_in = &numbers
-            .boards
-            .get(twin.name)
-            .with_context(|| format!("{} was not measured", twin.name))?
-            .built_in;
-        let of_size = |(size, of): (&String, &Instructions)| {
-            of.by_pair
-                .iter()
-                .map(|(scene, &count)| (format!("{scene}_{size}"), count))
-                .collect::<Vec<_>>()
-        };
-        boards.insert(twin.name, built_in.iter().flat_map(of_size).collect::<BTreeMap<_, _>>());
+        let board = numbers.boards.get(twin.name);
+        let board = board.with_context(|| format!("{} was not measured", twin.name))?;
+        boards.insert(twin.name, &board.pairs);
     }
     let head = format!(
-        "# Instructions of the built-in pairs, of {FILE}: written with it by `cargo xtask\n# \
-         measure --bless`."
+        "# Instructions of the built-in pairs: written with {} by `cargo xtask\n# measure \
+         --bless`.",
+        STORED.file
     );
     Ok(format!("{head}\n\n{}", toml::to_string(&boards)?))
 }
@@ -255,8 +253,10 @@ fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
 /// Results of the program `bench`.
 fn built_in(board: &Board) -> Result<BoardNumbers> {
     let Builtin { pairs, autopilot } = bench::builtin(board)?;
+    let by_pair = by_pair(&pairs);
     let groups = bench::by_size(board, pairs)?;
     Ok(BoardNumbers {
+        pairs: by_pair,
         built_in: groups
             .iter()
             .map(|(size, pairs)| (size.clone(), Instructions::new(pairs)))
@@ -269,10 +269,9 @@ fn built_in(board: &Board) -> Result<BoardNumbers> {
 /// Everything else.
 fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>) -> Result<()> {
     let (raw, stack) = raw_pairs(board)?;
-    let (replay, live) = (sizes::of(board, "replay")?, sizes::of(board, "live")?);
+    let replay = sizes::of(board, "replay")?;
     let bytes = [
         ("flash", replay.flash),
-        ("flash_live", live.flash),
         ("static_ram", replay.static_ram),
         ("stack_used", stack),
         ("stack_reserved", replay.stack),
@@ -281,7 +280,7 @@ fn measure_all(board: &Board, numbers: &mut BoardNumbers, frames: Option<&Path>)
     if let Some(folder) = frames {
         for &dims in board.sizes {
             let pairs = bench::captured(board, folder, dims)?;
-            numbers.captured.insert(dims.to_string(), Instructions::new(&pairs));
+            numbers.captured.insert(dims.to_string(), Captured::new(&pairs));
             numbers.objects.insert(dims.to_string(), bench::objects(board, folder, dims)?);
         }
     }
@@ -317,72 +316,4 @@ fn compared(numbers: &Numbers, with_captured: bool) -> Result<BTreeMap<String, u
         }
     }
     Ok(list)
-}
-
-fn compare(old: &BTreeMap<String, u64>, new: &BTreeMap<String, u64>) -> Result<()> {
-    let (mut losses, mut gains) = (0, 0);
-    for (name, &now) in new {
-        let before = old.get(name).copied();
-        let change = before.map_or(f64::INFINITY, |before| now as f64 / before.max(1) as f64 - 1.0);
-        let more_than = |large: u64, small: u64| 100 * large > (100 + TOLERANCE_PERCENT) * small;
-        let less_than = |small: u64, large: u64| 100 * small < (100 - TOLERANCE_PERCENT) * large;
-        let verdict = if before.is_none_or(|before| more_than(now, before)) {
-            losses += 1;
-            "LOSS"
-        } else if before.is_some_and(|before| less_than(now, before)) {
-            gains += 1;
-            "gain"
-        } else {
-            ""
-        };
-        let before = before.map_or("-".to_owned(), |before| before.to_string());
-        println!("{name:44} {before:>12} {now:>12} {:>8.2} % {verdict}", 100.0 * change);
-    }
-    let gone: Vec<&str> =
-        old.keys().filter(|name| !new.contains_key(*name)).map(String::as_str).collect();
-    if losses > 0 || !gone.is_empty() {
-        bail!(
-            "{losses} numbers are more than 1 % worse than in {FILE} or new, {} are gone: {}",
-            gone.len(),
-            gone.join(", ")
-        );
-    }
-    if gains > 0 {
-        bail!(
-            "{gains} numbers are more than 1 % better than in {FILE}; keep the gain: cargo xtask \
-             measure --bless"
-        );
-    }
-    println!("all within 1 % of {FILE}");
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn list(value: u64) -> BTreeMap<String, u64> {
-        BTreeMap::from([("flash".to_owned(), value)])
-    }
-
-    #[test]
-    fn one_percent_is_the_limit_both_ways() {
-        assert!(compare(&list(10_000), &list(10_100)).is_ok());
-        assert!(compare(&list(10_000), &list(10_101)).unwrap_err().to_string().contains("worse"));
-        assert!(compare(&list(10_000), &list(9_900)).is_ok());
-        assert!(compare(&list(10_000), &list(9_899)).unwrap_err().to_string().contains("--bless"));
-    }
-
-    #[test]
-    fn the_program_has_the_same_instructions() {
-        let top = linestereo_sim::board::top().unwrap();
-        let read = |file: &str| std::fs::read_to_string(top.join(file)).unwrap();
-        assert_eq!(instructions(&toml::from_str(&read(FILE)).unwrap()).unwrap(), read(PAIRS_FILE));
-    }
-
-    #[test]
-    fn a_number_that_comes_or_goes_is_an_error() {
-        assert!(compare(&BTreeMap::new(), &list(1)).is_err());
-        assert!(compare(&list(1), &BTreeMap::new()).is_err());
-    }
 }

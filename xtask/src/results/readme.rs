@@ -1,6 +1,6 @@
 //! Figures of README.md: each stands between two pieces of its text.
 
-use super::stored::Stored;
+use super::stored::{Stored, number};
 use anyhow::{Context, Result, bail};
 
 /// A figure: the text before it, itself, and the text behind it.
@@ -12,17 +12,17 @@ struct Figure {
 
 fn all(stored: &Stored) -> Result<[Figure; 5]> {
     const M7: &str = "mps2-an500";
-    let number = |path: &[&str]| {
+    let of_board = |path: &[&str]| {
         let path = [&["boards", M7], path].concat();
         stored.number(&path).with_context(|| format!("no number {}", path.join(".")))
     };
-    let millions = number(&["captured", "320x240", "median"])? as f64 / 1e6;
+    let millions = of_board(&["captured", "320x240", "median"])? as f64 / 1e6;
     let kib = |bytes: u64| bytes.div_ceil(1024).to_string();
     let rooms = stored.scores.bench.sets.get("robot_world").context("no scores of robot_world")?;
     let [ours, sgbm, _] = rooms.figure("cells", "first 50 % of all cells: off by > 1 px, %");
     let percent = |value: Option<f64>| value.map(|value| format!("{value:.1}")).context("no score");
-    let ram = kib(number(&["bytes", "ram"])?);
-    let flash = kib(number(&["bytes", "flash_live"])?);
+    let ram = kib(of_board(&["bytes", "ram"])?);
+    let flash = number(&stored.sizes, &[M7, "flash"]).context("no size of live")?;
     Ok([
         Figure {
             before: "pair takes ",
@@ -30,7 +30,7 @@ fn all(stored: &Stored) -> Result<[Figure; 5]> {
             after: " million instructions",
         },
         Figure { before: "frames and stack included, ", value: ram, after: " KiB of RAM" },
-        Figure { before: "of RAM and ", value: flash, after: " KiB of flash" },
+        Figure { before: "of RAM and ", value: kib(flash), after: " KiB of flash" },
         Figure { before: "rendered rooms, ", value: percent(ours)?, after: " % are wrong" },
         Figure { before: "OpenCV's SGBM: ", value: percent(sgbm)?, after: " %" },
     ])
