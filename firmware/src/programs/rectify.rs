@@ -71,7 +71,8 @@ impl BuiltIn {
     }
 
     /// The rig, for raw images of a size.
-    fn calibration(self, dims: Dims) -> Option<Calibration> {
+    #[must_use]
+    pub fn calibration(self, dims: Dims) -> Option<Calibration> {
         let (width, height) = (f64::from(dims.width), f64::from(dims.height));
         // Rotations are normalised by the core; half angles in radians.
         let (focal, k, half_turn) = match self {

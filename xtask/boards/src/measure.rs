@@ -9,7 +9,8 @@ use crate::stored::Stored;
 use anyhow::{Context, Result};
 use linestereo::{Dims, Params, unstable::Stage};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_rig::{Calibration, Camera, CameraSide, Lens, RigImage, View};
+use linestereo_firmware::programs::rectify::BuiltIn;
+use linestereo_rig::{CameraSide, RigImage, View};
 use linestereo_sim::board::toolchain::Toolchain;
 use linestereo_sim::board::{self, Board, Costs, Machine, update};
 use linestereo_sim::scene::{self, Kind, Sensor};
@@ -236,16 +237,9 @@ fn raw_pairs(board: &Board) -> Result<(BTreeMap<String, RawPair>, u64)> {
     Ok((pairs, stack))
 }
 
-/// Barrel distortion, 75 degrees of view, the right camera turned by a degree.
+/// The built-in rig of 75 degrees of view.
 fn rig(raw: Dims, rectified: Dims) -> Result<RigImage> {
-    let (width, height) = (f64::from(raw.width), f64::from(raw.height));
-    let lens = Lens::BrownConrady { k: [-0.18, 0.04, 0.0], p: [0.0005, -0.0003] };
-    let camera = |x: f64, y: f64| {
-        Camera::new(raw, [0.65 * width; 2], [0.5 * width + x, 0.5 * height + y], 0.0, lens)
-    };
-    let pose = [1.0, 0.003, -0.004, 0.007];
-    let calibration =
-        Calibration::new(camera(1.5, -2.0)?, camera(-2.0, 1.0)?, pose, [-0.06, 0.0005, 0.001])?;
+    let calibration = BuiltIn::Moderate.calibration(raw).context("no rig of this size")?;
     let range = (0, Params::default().max_disparity);
     Ok(RigImage::new(calibration, rectified, View::default(), range)?)
 }
