@@ -107,8 +107,6 @@ pub struct Summary {
     pub overconfidence: Option<f64>,
     /// Median error of visible points in px.
     pub median_error_px: Option<f64>,
-    /// Root mean square error of visible points in px.
-    pub rms_error_px: Option<f64>,
     /// Median over the frames of the time per pair in milliseconds.
     pub milliseconds: Option<f64>,
 }
@@ -127,7 +125,6 @@ impl Summary {
         let segments_within = |limit: f32| percent(&segments, |&error| error <= limit);
         let visible: Vec<f32> =
             points.iter().filter(|point| point.visible).map(|point| point.error).collect();
-        let squares: f64 = visible.iter().map(|&error| f64::from(error).powi(2)).sum();
         let times: Vec<f32> =
             scores.iter().filter_map(|score| score.milliseconds.map(|ms| ms as f32)).collect();
         let calibration: Vec<BinRow> = PROBABILITY_EDGES
@@ -146,7 +143,6 @@ impl Summary {
             cells: cell_rows(&scores),
             overconfidence: overconfidence(&calibration),
             calibration,
-            rms_error_px: (!visible.is_empty()).then(|| (squares / visible.len() as f64).sqrt()),
             median_error_px: median(visible, f32::total_cmp).map(f64::from),
             milliseconds: median(times, f32::total_cmp).map(f64::from),
         }
@@ -263,10 +259,7 @@ mod tests {
         };
         assert_eq!(summary.all.errors, errors);
         assert_eq!(summary.sure.errors.all_gt_bad1, Some(50.0));
-        assert_eq!(
-            (summary.median_error_px, summary.rms_error_px),
-            (Some(0.0), Some((2.25_f64 / 3.0).sqrt()))
-        );
+        assert_eq!(summary.median_error_px, Some(0.0));
         assert_eq!(summary.curve[0].available_per_frame, 2.0);
         let bins: Vec<usize> = summary.calibration.iter().map(|bin| bin.points).collect();
         assert_eq!(bins, [1, 1, 0, 1, 1, 0]);
@@ -295,7 +288,7 @@ mod tests {
     fn nothing_gives_no_numbers() {
         let summary = Summary::pool([]);
         assert_eq!(
-            (summary.segprec1, summary.all.cells_percent, summary.rms_error_px),
+            (summary.segprec1, summary.all.cells_percent, summary.median_error_px),
             (None, None, None)
         );
     }
