@@ -3,11 +3,14 @@
 //! it, as `.cargo/config.toml` does (Cortex-M33 and all above), or with the feature `dsp`.
 //! `cfg(helium)`: Helium beside it, of Cortex-M55 and M85, or with the feature `helium`.
 //! `cfg(armv8m)`: the assembler has to be told which processor it is. `cfg(swar)`: 32 bits without
-//! packed instructions, of the families on which four bytes in a word were measured.
+//! packed instructions, of the families on which four bytes in a word were measured. The build
+//! script of `linestereo-rig` reads what is set here.
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rustc-check-cfg=cfg(dsp, helium, armv8m, swar)");
+    // The second line is for build scripts of packages that use this one.
+    let set = |cfg: &str| println!("cargo:rustc-cfg={cfg}\ncargo:{cfg}=1");
     let of = |name: &str| std::env::var(name).unwrap_or_default();
     // `target_feature = "dsp"` is not visible to stable code; the names of target and processor,
     // and the flags, are.
@@ -34,15 +37,15 @@ fn main() {
         || !of("CARGO_FEATURE_DSP").is_empty();
     let armv8m = target.starts_with("thumbv8m.main");
     if armv8m {
-        println!("cargo:rustc-cfg=armv8m");
+        set("armv8m");
     }
     let is_of = |families: &[&str]| families.iter().any(|family| target.starts_with(family));
     if is_of(&["thumbv7em"]) || armv8m && with_dsp {
-        println!("cargo:rustc-cfg=dsp");
+        set("dsp");
     } else if is_of(&["riscv32", "thumbv7m", "thumbv8m.main"]) {
-        println!("cargo:rustc-cfg=swar");
+        set("swar");
     }
     if armv8m && with_helium {
-        println!("cargo:rustc-cfg=helium");
+        set("helium");
     }
 }

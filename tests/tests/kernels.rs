@@ -1,12 +1,14 @@
 //! Kernels against naive oracles: every tail length, random and extreme rows, exact equality.
 
 use linestereo::unstable::kernel::{
-    CELL, CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, FLAT, JUMP_PENALTY,
-    Knot, LANES, LargestStep, Products, RUN_PIXELS, Ring, Run, STRIP, Strip, add_products,
-    bilinear, bilinear_cells, bilinear_runs, census_row, code_columns, code_costs, code_moments,
-    code_steps, crossing, gradient_row, hamming_curve, largest_step, limited_steps, lower_curve,
-    lower_sum_curve, lowest, portable, reverse_row, row_difference, sad_curve, second_differences,
-    sum_curve, weigh_knots,
+    CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, FLAT, JUMP_PENALTY, LANES,
+    LargestStep, Products, RUN_PIXELS, STRIP, Strip, add_products, census_row, code_columns,
+    code_costs, code_moments, code_steps, crossing, gradient_row, hamming_curve, largest_step,
+    limited_steps, lower_curve, lower_sum_curve, lowest, portable, reverse_row, row_difference,
+    sad_curve, second_differences, sum_curve,
+};
+use linestereo_rig::kernel::{
+    CELL, Knot, Ring, Run, bilinear, bilinear_cells, bilinear_runs, weigh_knots,
 };
 use linestereo_tests::drawn::{Random, painted};
 use linestereo_tests::reference::{at, between, sobel};

@@ -17,7 +17,7 @@
 //! ```
 //!
 //! `firmware/src/programs/kernels` compares the chosen kernels with the portable ones, on boards
-//! and on a PC.
+//! and on a PC. Kernels of rectification are in `linestereo-rig`.
 
 pub mod portable;
 #[allow(unsafe_code, reason = "whole words among bytes")]
@@ -52,16 +52,15 @@ mod simd128;
 mod sse2;
 
 pub use portable::{
-    CELL, CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, FLAT, GRADIENTS,
-    JUMP_PENALTY, Knot, LAGS, LANES, LargestStep, Products, RIGHT_GRADIENTS, RUN_PIXELS, Ring, Run,
-    STEP_PENALTY, STRIP, Strip, X_ROUNDING, bilinear, columns,
+    CODE_FLAT, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, FLAT, GRADIENTS,
+    JUMP_PENALTY, LAGS, LANES, LargestStep, Products, RIGHT_GRADIENTS, RUN_PIXELS, STEP_PENALTY,
+    STRIP, Strip,
 };
 
 #[cfg(dsp)]
 pub use dsp::{
-    add_products, bilinear_cells, bilinear_runs, census_code, code_moments, code_steps, crossing,
-    hamming_curve, largest_step, lower_curve, lower_sum_curve, reverse_row, row_difference,
-    second_differences, sum_curve, weigh_knots,
+    add_products, census_code, code_moments, code_steps, crossing, hamming_curve, largest_step,
+    lower_curve, lower_sum_curve, reverse_row, row_difference, second_differences, sum_curve,
 };
 #[cfg(all(dsp, not(helium)))]
 pub use dsp::{
@@ -75,9 +74,9 @@ pub use helium::{
 };
 #[cfg(not(dsp))]
 pub use portable::{
-    add_products, bilinear_cells, bilinear_runs, census_code, census_row, code_moments, code_steps,
-    crossing, largest_step, limited_steps, lower_curve, lower_sum_curve, lowest, place_of_byte,
-    reverse_row, row_difference, second_differences, sum_curve, weigh_knots,
+    add_products, census_code, census_row, code_moments, code_steps, crossing, largest_step,
+    limited_steps, lower_curve, lower_sum_curve, lowest, place_of_byte, reverse_row,
+    row_difference, second_differences, sum_curve,
 };
 #[cfg(not(any(dsp, swar, target_arch = "x86_64", target_feature = "simd128")))]
 pub use portable::{code_columns, code_costs, path_step, sad_curve};

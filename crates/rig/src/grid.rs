@@ -4,6 +4,7 @@
 //! source, the last raw row each row needs. Method and bounds: [`mesh`](crate::mesh).
 
 use crate::calibration::CameraSide;
+use crate::kernel::{X_ROUNDING, columns, weigh_knots};
 use crate::nodes::{
     BEHIND, COARSE, CUBIC, FARTHEST, FINE, Knots, MOST_COLUMNS, Node, ONE, Piece, ends_of_pieces,
     fine_mesh_nodes, is_behind, is_seen, node_at, nodes_along,
@@ -11,7 +12,6 @@ use crate::nodes::{
 use crate::rectification::MAX_SIDE;
 use crate::remap::Remap;
 use linestereo::image::{Dims, Span};
-use linestereo::unstable::kernel::{X_ROUNDING, columns, weigh_knots};
 
 /// Largest distance of a position from the outermost raw pixels, px in Q16, to count as inside:
 /// 1/64 px, for the rounding of the mesh.

@@ -24,10 +24,10 @@
 
 use crate::calibration::CameraSide;
 use crate::grid::Grid;
+use crate::kernel::X_ROUNDING;
 use crate::nodes::{Knots, MOST_COLUMNS, Node, ONE, Piece, mesh_nodes};
 use crate::remap::Remap;
 use linestereo::image::{Dims, Span, shrink_to_valid};
-use linestereo::unstable::kernel::X_ROUNDING;
 
 /// The mesh of one camera, in the caller's memory: [`mesh_nodes`] and as many rows as the rectified
 /// image has. `new` is empty, `build` fills it.

@@ -11,9 +11,9 @@
 //! Lagrange's interpolation. A bilinear mesh of 16 px has an error of 0.16 px on a common lens;
 //! Catmull-Rom's cubic is one order worse.
 
+use crate::kernel::{Knot, X_ROUNDING, weigh_knots};
 use crate::rectification::MAX_SIDE;
 use linestereo::image::Dims;
-use linestereo::unstable::kernel::{Knot, X_ROUNDING, weigh_knots};
 
 /// Distance of nodes, log2 of px.
 pub(crate) const COARSE: u8 = 4;

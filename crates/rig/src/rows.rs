@@ -14,12 +14,12 @@
 //! ```
 //!
 //! # Bounds
-//! See [`portable::bilinear`](linestereo::unstable::kernel::portable::bilinear).
+//! See [`bilinear`].
 
+use crate::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
 use crate::mesh::{Mesh, MeshPlan};
 use crate::nodes::{Knots, NO_NODE, Node, Piece};
 use core::ops::Range;
-use linestereo::unstable::kernel::{Ring, Run, bilinear, bilinear_cells, bilinear_runs};
 
 /// Raw rows of one camera, in the caller's memory; [`Mesh::band_bytes`] are needed.
 #[derive(Clone, Debug)]

@@ -7,7 +7,6 @@
 //! ```text
 //! rows    gradient, census, reversal of a row
 //! curves  costs over disparity: sums of strips and points, operations on curves
-//! pixels  bilinear interpolation between two rows
 //! codes   codes of texture, and how they change
 //! support costs of windows of codes, paths
 //! edges   the largest step along a row or column, gradients where an edge crosses
@@ -41,7 +40,6 @@ mod codes;
 mod curves;
 mod edges;
 mod lags;
-mod pixels;
 mod rows;
 mod support;
 
@@ -49,7 +47,6 @@ pub use codes::{code_columns, code_moments, code_steps, row_difference};
 pub use curves::{hamming_curve, lower_curve, lower_sum_curve, lowest, sad_curve, sum_curve};
 pub use edges::{crossing, largest_step, second_differences};
 pub use lags::add_products;
-pub use pixels::{bilinear_cells, bilinear_runs, weigh_knots};
 pub use rows::{census_code, census_row, gradient_row, limited_steps, reverse_row};
 pub use support::{code_costs, lowest_byte, path_step, place_of_byte, sum_paths};
 

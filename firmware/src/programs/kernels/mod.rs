@@ -37,14 +37,26 @@ mod support;
 pub use rooms::Rooms;
 
 use crate::programs::random::Random;
-use linestereo::unstable::kernel::{
-    self, CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, GRADIENTS, Knot, LargestStep,
-    Products, RIGHT_GRADIENTS, RUN_PIXELS, Ring, Run, STRIP, Strip, portable,
+use kernel::{
+    CODE_ROWS, CodeColumn, CodeMoments, Crossing, Crossings, GRADIENTS, Knot, LargestStep,
+    Products, RIGHT_GRADIENTS, RUN_PIXELS, Ring, Run, STRIP, Strip,
 };
 use memory::Memory;
 use rooms::ALIGNMENTS;
 
-/// [`Kernels`] with those of the core.
+/// Those that the core and rectification use on this machine.
+mod kernel {
+    pub(super) use linestereo::unstable::kernel::*;
+    pub(super) use linestereo_rig::kernel::*;
+}
+
+/// Their definitions.
+mod portable {
+    pub(super) use linestereo::unstable::kernel::portable::*;
+    pub(super) use linestereo_rig::kernel::portable::*;
+}
+
+/// [`Kernels`] with those of the core and of rectification.
 macro_rules! kernels {
     ($($name:ident: $kernel:ty,)*) => {
         /// The kernels of one machine.
@@ -60,7 +72,7 @@ macro_rules! kernels {
             /// Number of kernels.
             pub const COUNT: usize = Self::NAMES.len();
 
-            /// Those that the core uses on this machine.
+            /// Those that this machine uses.
             pub const CHOSEN: Self = Self { $($name: kernel::$name,)* };
 
             /// The definitions.

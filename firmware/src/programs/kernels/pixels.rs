@@ -3,7 +3,7 @@
 use super::rooms::{ALIGNMENTS, Contents, IMAGE, ROW, UNTOUCHED, range, same};
 use super::{Kernels, Trial};
 use crate::programs::random::Random;
-use linestereo::unstable::kernel::{CELL, Knot, Ring, Run, columns, portable};
+use linestereo_rig::kernel::{CELL, Knot, Ring, Run, columns, portable};
 
 /// Most runs of one list here.
 const MOST: usize = 5;

@@ -1,6 +1,8 @@
-//! Bilinear interpolation between the pixels of two rows.
+//! Kernels for cores with Arm's DSP extension: bilinear interpolation between the pixels of two
+//! rows, weighted sums of knots.
 //!
-//! In: two rows, positions on a line between them. Out: a grey level each.
+//! In and out as the [`portable`] versions, the same bits for every input: they do what a loop here
+//! cannot.
 //!
 //! ```text
 //! two pixels of either row -> left ones in one word, right ones in another
@@ -10,16 +12,26 @@
 //!
 //! # Bounds
 //! The halves of a packed word hold 255 * 2^7 at most; what the lower half borrows for a negative
-//! difference returns with the sum, which is not negative.
+//! difference returns with the sum, which is not negative. Words are read and written at any
+//! address, as by the core's kernels for these cores.
 //!
 //! # Cost
 //! Instructions under QEMU: 16.5 a pixel. Runs: 8 to check one and 18 to start it. Cells: 28 for
 //! each, 42 for each of its parts that lies between the same two rows, 12 where they change.
 //!
 //! # Source
-//! See [`super`].
+//! Armv7-M Architecture Reference Manual, A7.7: SMLAD, SMMLA, SMMUL, USAT, UXTB16.
 
-use super::super::portable::{self, Knot, Ring, Run};
+use super::portable::{self, Knot, Ring, Run};
+
+/// `asm!` for a processor with the extension, also where the crate is compiled for Armv8-M without
+/// one by name.
+#[cfg(armv8m)]
+macro_rules! asm {
+    ($($arguments:tt)*) => { core::arch::asm!(".cpu cortex-m33", $($arguments)*) };
+}
+#[cfg(not(armv8m))]
+use core::arch::asm;
 
 /// See [`portable::bilinear_runs`].
 #[inline]
