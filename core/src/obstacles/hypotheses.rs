@@ -175,8 +175,10 @@ impl Hypotheses {
             nearness_q6 >= plan.far_q6 || error_q16 <= STRONG_Q16
         };
         let doubts = iter(&self.near.0).filter(forbids);
-        let is_free =
-            doubts.fold(u16::MAX, |error, hypothesis| both(error, hypothesis.1)) > WEAK_Q16;
+        let doubt_q16 = doubts.fold(u16::MAX, |error, hypothesis| both(error, hypothesis.1));
+        // Of large images two points count as one, as in `ObstaclePlan::error_of_point_q16`.
+        let least_q16 = if plan.is_large() { WEAK_Q16 << 1 } else { WEAK_Q16 };
+        let is_free = doubt_q16 > least_q16;
         // In each half: something may stand in the other half.
         let is_covered = match plan.ground {
             // All rows in which something within the range would stand, and none that only doubtful

@@ -1,7 +1,8 @@
 //! Written by `linestereo-lab fit-confidence` from 125 pairs of qvga, robot_world, oakd_agreed_320,
 //! oakd_agreed_640, kitti2012_640, robot_world_640, middlebury2006_third, middlebury2006_half,
 //! middlebury2005_half, small ones under 7 damages, listed where the models before these put them;
-//! the network among neighbours that these models rate: do not edit.
+//! the network among neighbours that these models rate; `fine` with large captured pairs with noise
+//! as well: do not edit.
 
 use super::SupportModels;
 use crate::confidence::{Model, Network, Unit};
@@ -34,15 +35,15 @@ pub const FITTED_SUPPORT: SupportModels = SupportModels {
         ],
     },
     fine: Model {
-        bias_q12: 57686,
+        bias_q12: -30978,
         coefficients_q12: [
-            -5518, 0, -2666, 0, 775, 1656, 0, -1249, 2206,
-            1550, 713, -928, 2498, -880, 989, -2264, -6742,
+            -5675, 0, -2224, 0, 568, 1824, 0, -1382, 1872,
+            913, 610, -1561, 2535, -1077, 284, -2606, 1991,
         ],
         probability_q16: [
-            53, 105, 158, 210, 263, 315, 368, 421, 473, 526, 578,
-            3305, 7364, 10652, 16766, 25254, 33943, 41596, 48177, 53173, 56516, 59479,
-            61584, 62849, 63745, 64464, 64955, 65207, 65286, 65288, 65355, 65358, 65360,
+            2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22,
+            1953, 6768, 11341, 17397, 24957, 32522, 40364, 47271, 52925, 56791, 59538,
+            61534, 62946, 63886, 64423, 64917, 65140, 65270, 65354, 65356, 65387, 65389,
         ],
     },
     context: Network {

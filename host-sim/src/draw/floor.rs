@@ -2,7 +2,7 @@
 //! above it has the colour of its disparity.
 
 use linestereo::ground::GroundPlane;
-use linestereo::obstacles::{BELOW_GROUND, GROUND_TOLERANCE};
+use linestereo::obstacles::{BELOW_GROUND, ground_tolerance};
 use linestereo::results::{ImagePosition, Match, Point};
 use linestereo::units::Disparity;
 
@@ -28,8 +28,9 @@ fn of(plane: GroundPlane, places: &[(ImagePosition, Disparity)]) -> Option<[u8; 
         let [x, y] = [at.x, at.y].map(|value| value.to_num::<i32>());
         i32::from(disparity.to_bits()) - plane.at_q6(x, y)
     };
-    let (near, least) = (i32::from(GROUND_TOLERANCE.to_bits()), i32::from(BELOW_GROUND.to_bits()));
-    if places.iter().all(|place| above(place).abs() <= near) {
+    let near = |&(_, disparity): &(_, Disparity)| i32::from(ground_tolerance(disparity).to_bits());
+    let least = i32::from(BELOW_GROUND.to_bits());
+    if places.iter().all(|place| above(place).abs() <= near(place).min(least)) {
         Some(FLOOR)
     } else if places.iter().all(|place| above(place) <= -least) {
         Some(DROP)
