@@ -92,6 +92,8 @@ fn a_plain_table_may_lack_labels() {
     let [plain, named] = ["", "x0,y0,x1,y1,label,name\n"]
         .map(|head| Folder::new().load("a.csv", format!("{head}4,5,14,15,7,cup\n20,0,40,10\n")));
     let (plain, named) = (plain.unwrap(), named.unwrap());
+    // A detector that found nothing.
+    assert_eq!(Folder::new().load("a.csv", "").unwrap(), Objects::default());
     assert_eq!(plain.list, named.list);
     assert_eq!((plain.list[0].label, plain.list[0].name.as_deref()), (7, Some("cup")));
 }
@@ -193,6 +195,12 @@ fn what_is_wrong_with_one_object_skips_it() {
         objects.skipped.summary(),
         "objects skipped: 2 outside of the image, 2 without area, 4 unreadable\n"
     );
+    let first = |name: &str, text: &str| folder.load(name, text).unwrap().first_skipped.unwrap();
+    let outside = "line 3: it lies outside of the left image, which is 40x20; give pixels";
+    says(&first("a.csv", table), &[outside]);
+    says(&first("b.csv", "0.1,0.1,0.4,0.5\n"), &["line 1: its numbers are shares of the image"]);
+    says(&first("a.txt", "0 0.5 0.5 0.1 0.1\n\n0 20 10 4 4\n"), &["line 3: ", "give shares of"]);
+    says(&first("a.json", "[{\"bbox\": [1, 1, 0, 5]}]"), &["object 0: it has no area"]);
 
     let masks = [
         r#"[62, 4, 16, 4, 713]"#,
@@ -261,7 +269,6 @@ fn what_is_wrong_with_the_file_is_said() {
             "80x40",
         ),
         ("a.csv", "a,b\n1,2\n", "no column x0"),
-        ("a.csv", "", "no column x0"),
         ("a.xml", "<a/>", "no known kind"),
         ("a.png", "no image", "not a readable image"),
     ] {

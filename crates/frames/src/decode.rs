@@ -65,24 +65,46 @@ pub fn load_images(files: &PairFiles, bits: Option<u32>) -> Result<[GrayImage; 2
             if of_left != of_right {
                 return Err(FrameError::Turned(left.clone(), of_left, right.clone(), of_right));
             }
-            Ok(on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], bits))
+            on_one_scale([StoredGray::load(left)?, StoredGray::load(right)?], files, bits)
         }
-        PairFiles::SideBySide(both) => Ok(split(StoredGray::load(both)?, bits)),
-        PairFiles::Source(pair) => Ok(match pair.grey()? {
-            Views::Two(stored) => on_one_scale(stored, bits),
-            Views::Both(both) => split(both, bits),
-        }),
+        PairFiles::SideBySide(both) => split(StoredGray::load(both)?, files, bits),
+        PairFiles::Source(pair) => match pair.grey()? {
+            Views::Two(stored) => on_one_scale(stored, files, bits),
+            Views::Both(both) => split(both, files, bits),
+        },
     }
 }
 
-fn on_one_scale(stored: [StoredGray; 2], bits: Option<u32>) -> [GrayImage; 2] {
+fn on_one_scale(
+    stored: [StoredGray; 2],
+    files: &PairFiles,
+    bits: Option<u32>,
+) -> Result<[GrayImage; 2], FrameError> {
+    for (stored, path) in stored.iter().zip(files.paths()) {
+        check_bits(stored, path, bits)?;
+    }
     let bits = bits.unwrap_or_else(|| stored[0].bits().max(stored[1].bits()));
-    stored.map(|stored| stored.into_8_bit(bits))
+    Ok(stored.map(|stored| stored.into_8_bit(bits)))
 }
 
-fn split(both: StoredGray, bits: Option<u32>) -> [GrayImage; 2] {
+fn split(
+    both: StoredGray,
+    files: &PairFiles,
+    bits: Option<u32>,
+) -> Result<[GrayImage; 2], FrameError> {
+    check_bits(&both, files.paths()[0], bits)?;
     let bits = bits.unwrap_or_else(|| both.bits());
-    halves(&both.into_8_bit(bits))
+    Ok(halves(&both.into_8_bit(bits)))
+}
+
+/// A sensor of so many bits has no larger values.
+fn check_bits(stored: &StoredGray, path: &Path, bits: Option<u32>) -> Result<(), FrameError> {
+    let largest = stored.largest();
+    let needed = largest.checked_ilog2().map_or(1, |bit| bit + 1);
+    match bits.filter(|&given| needed > given) {
+        Some(given) => Err(FrameError::Bits { path: path.to_path_buf(), largest, needed, given }),
+        None => Ok(()),
+    }
 }
 
 /// Bytes of a pixel.

@@ -74,6 +74,18 @@ pub enum FrameError {
         /// Value of that end.
         value: u8,
     },
+    /// Values of 16 bits that the stated bits do not hold.
+    #[error("values of {path} reach {largest}, which needs --bits {needed}, not {given}")]
+    Bits {
+        /// The image.
+        path: PathBuf,
+        /// Its largest value.
+        largest: u16,
+        /// Bits that hold it.
+        needed: u32,
+        /// Bits that were stated.
+        given: u32,
+    },
     /// The asked width is not smaller than the image, or 0.
     #[error(transparent)]
     Width(#[from] WidthError),

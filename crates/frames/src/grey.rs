@@ -1,8 +1,8 @@
 //! Grey images of 8 bits, and grey values as files store them.
 //!
 //! Colour becomes `0.299 R + 0.587 G + 0.114 B` (BT.601, what a JPEG's own grey channel is). 16
-//! bits become 8 by `round(v / 257)`; sensors of 10 and 12 bits store their values as they are:
-//! where all values of a pair lie below 1024 or 4096, that is white.
+//! bits become 8 by `round(v / 257)`; sensors of 8, 10 and 12 bits store their values as they are:
+//! where all values of a pair lie below 256, 1024 or 4096, that is white.
 
 use linestereo::{Dims, Gray, image::ViewError};
 
@@ -23,7 +23,7 @@ impl GrayImage {
 }
 
 /// Bits of sensors whose values are stored in 16.
-const SENSOR_BITS: [u32; 2] = [10, 12];
+const SENSOR_BITS: [u32; 3] = [8, 10, 12];
 
 /// Grey values as a file has them.
 #[derive(Clone, Debug)]
@@ -47,9 +47,16 @@ impl StoredGray {
     /// Bits of a value, told from the largest one: 8, 10, 12 or 16.
     #[must_use]
     pub fn bits(&self) -> u32 {
-        let Values::Sixteen(values) = &self.values else { return 8 };
-        let largest = values.iter().copied().max().unwrap_or(0);
+        let largest = self.largest();
         SENSOR_BITS.into_iter().find(|&bits| u32::from(largest) < 1 << bits).unwrap_or(16)
+    }
+
+    /// The largest value.
+    pub(crate) fn largest(&self) -> u16 {
+        match &self.values {
+            Values::Eight(values) => values.iter().copied().max().unwrap_or(0).into(),
+            Values::Sixteen(values) => values.iter().copied().max().unwrap_or(0),
+        }
     }
 
     /// Grey of a mosaic of colours, whatever their order: `(R + 2 G + B) / 4` around each pixel.

@@ -17,6 +17,9 @@ const BASELINES_M: core::ops::RangeInclusive<f64> = 0.001..=10.0;
 /// Focal lengths, in widths of the image: 157 to 2.9 degrees across. Others are in another unit, or
 /// of other images.
 const FOCALS: core::ops::RangeInclusive<f64> = 0.1..=20.0;
+/// Products of focal length, in widths of the image, and baseline, m: the largest is that of
+/// cameras 10 m apart that see 53 degrees. Baselines in mm give 10 and more from 20 mm on.
+const PRODUCTS_M: core::ops::RangeInclusive<f64> = 0.0001..=10.0;
 /// Share by which the focal lengths across and down, or those of both images, may differ.
 const SAME_FOCAL: f64 = 0.01;
 /// Share of the baseline by which the right camera may lie higher, lower, or farther forward.
@@ -110,6 +113,13 @@ pub enum Unfit {
          length in mm / sensor width in mm * {1}"
     )]
     Focal(f64, u16),
+    /// Focal length times baseline, and width of the images, px.
+    #[error(
+        "a focal length times a baseline of {0} px m is not plausible for images {1} px wide: did \
+         you mean px mm? then give {mm}; if it is right, give focal length and baseline apart",
+        mm = .0 / 1000.0
+    )]
+    Product(f64, u16),
     /// The principal point of images of this size.
     #[error(
         "the principal point ({x}, {y}) px is the middle of images of about \
@@ -187,6 +197,16 @@ pub fn check_baseline(metres: f64) -> Result<(), Unfit> {
 pub fn check_focal(focal_px: f64, width: u16) -> Result<(), Unfit> {
     let is_likely = FOCALS.contains(&(focal_px / f64::from(width)));
     if is_likely { Ok(()) } else { Err(Unfit::Focal(focal_px, width)) }
+}
+
+/// Refuses a product of focal length and baseline that is in other units than pixels of images this
+/// wide and metres.
+///
+/// # Errors
+/// [`Unfit::Product`] outside of a ten-thousandth to ten widths times metres.
+pub fn check_product(product: f64, width: u16) -> Result<(), Unfit> {
+    let is_likely = PRODUCTS_M.contains(&(product / f64::from(width)));
+    if is_likely { Ok(()) } else { Err(Unfit::Product(product, width)) }
 }
 
 /// Refuses a principal point that is the middle of images of another size, where nothing else says

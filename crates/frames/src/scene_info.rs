@@ -172,6 +172,12 @@ impl SceneInfo {
         Some(CameraPose { height_m: height_m?, pitch_deg: pitch_deg?, roll_deg: -roll_deg })
     }
 
+    /// Of height and pitch one alone is said, which is no pose.
+    #[must_use]
+    pub fn has_half_pose(&self) -> bool {
+        self.camera.is_some_and(|camera| camera.height_m.is_some() != camera.pitch_deg.is_some())
+    }
+
     /// The rig of the images as stored, before the gate.
     pub(crate) fn rectified_rig(&self) -> Option<RectifiedRig> {
         let numbers = self.rig_numbers(1.0)?;

@@ -15,6 +15,7 @@
 
 use super::error::FrameError;
 use super::folder::{IMAGE_EXTENSIONS, Listing};
+use super::layout::Layout;
 use super::source::PairSource;
 use core::ops::{RangeBounds, RangeInclusive};
 use std::collections::BTreeMap;
@@ -65,6 +66,14 @@ impl PairFiles {
             Self::SideBySide(both) => [both, both],
             Self::Source(pair) => pair.paths(),
         }
+    }
+
+    /// A frame of a video or a camera holds both views.
+    #[must_use]
+    pub fn is_one_video(&self) -> bool {
+        let Self::Source(pair) = self else { return false };
+        let [left, right] = pair.paths();
+        pair.layout() == Layout::Video && left == right
     }
 
     /// When the images were captured, where both names or their messages say so.

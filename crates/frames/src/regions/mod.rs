@@ -140,6 +140,8 @@ pub struct Skipped {
     pub broken_mask: usize,
     /// Run lengths of another size than the left image.
     pub mask_size: usize,
+    /// Boxes within the first pixel, by fractions: shares of the image where pixels are asked for.
+    pub shares: usize,
     /// Beyond [`MAX_OBJECTS`] or [`MAX_RUNS`].
     pub too_many: usize,
     /// Kept, without a name: its class is not in the list of names.
@@ -147,13 +149,14 @@ pub struct Skipped {
 }
 
 impl Skipped {
-    fn reasons(&self) -> [(usize, &'static str); 6] {
+    fn reasons(&self) -> [(usize, &'static str); 7] {
         [
             (self.outside, "outside of the image"),
             (self.empty, "without area"),
             (self.unreadable, "unreadable"),
             (self.broken_mask, "with broken run lengths"),
             (self.mask_size, "with a mask of another size"),
+            (self.shares, "with shares of the image in place of pixels"),
             (self.too_many, "beyond 4096 objects or 4 million runs"),
         ]
     }
@@ -187,6 +190,7 @@ impl Skipped {
             Why::Unreadable => &mut self.unreadable,
             Why::BrokenMask => &mut self.broken_mask,
             Why::MaskSize => &mut self.mask_size,
+            Why::Shares => &mut self.shares,
             Why::TooMuch => &mut self.too_many,
         } += 1;
     }
@@ -200,7 +204,26 @@ enum Why {
     Unreadable,
     BrokenMask,
     MaskSize,
+    Shares,
     TooMuch,
+}
+
+impl Why {
+    /// What is wrong, and what to do; `unit` says what numbers of the file are.
+    fn text(self, frame: &Frame<'_>, unit: &str) -> String {
+        let given = frame.given;
+        match self {
+            Self::Outside => {
+                format!("it lies outside of the left image, which is {given}; give {unit}")
+            }
+            Self::Empty => "it has no area; give left, top, right, bottom in this order".to_owned(),
+            Self::Unreadable => "a number is missing or is none; correct it".to_owned(),
+            Self::BrokenMask => "its run lengths are broken; write them again".to_owned(),
+            Self::MaskSize => format!("its mask has another size; give one of {given}"),
+            Self::Shares => format!("its numbers are shares of the image; give {unit}"),
+            Self::TooMuch => "there are too many; give fewer".to_owned(),
+        }
+    }
 }
 
 /// Regions of one pair.
@@ -210,6 +233,8 @@ pub struct Objects {
     pub list: Vec<Object>,
     /// Objects left out, with the reason.
     pub skipped: Skipped,
+    /// The first of them: its line or position (from 0), what is wrong and what to do.
+    pub first_skipped: Option<String>,
 }
 
 /// Something that a detector found.
@@ -308,13 +333,24 @@ struct Collector<'a> {
     frame: Frame<'a>,
     objects: Objects,
     position: usize,
+    /// Line of the next object, in files of lines.
+    line: Option<u64>,
+    /// What its numbers are.
+    unit: &'static str,
     /// Runs that may still be made.
     runs_left: usize,
 }
 
 impl<'a> Collector<'a> {
     fn new(frame: Frame<'a>) -> Self {
-        Self { frame, objects: Objects::default(), position: 0, runs_left: MAX_RUNS }
+        Self {
+            frame,
+            objects: Objects::default(),
+            position: 0,
+            line: None,
+            unit: "pixels of that image, before --width",
+            runs_left: MAX_RUNS,
+        }
     }
 
     /// The next object of the file, or why it is none. A label that is given comes before its
@@ -330,14 +366,23 @@ impl<'a> Collector<'a> {
             Ok((pixels, name.map(|name| untrusted::printable(&name).into_owned()), label))
         });
         match kept {
-            Err(why) => self.objects.skipped.count(why),
+            Err(why) => self.skip(position, why),
             Ok((pixels, name, label)) => match label.or(u16::try_from(position).ok()) {
                 Some(label) => {
                     self.objects.list.push(Object { label, name, pixels: pixels.labelled(label) })
                 }
-                None => self.objects.skipped.too_many += 1,
+                None => self.skip(position, Why::TooMuch),
             },
         }
+    }
+
+    fn skip(&mut self, position: usize, why: Why) {
+        self.objects.skipped.count(why);
+        let place = || {
+            self.line.map_or_else(|| format!("object {position}"), |line| format!("line {line}"))
+        };
+        let said = || format!("{}: {}", place(), why.text(&self.frame, self.unit));
+        self.objects.first_skipped = self.objects.first_skipped.take().or_else(|| Some(said()));
     }
 }
 

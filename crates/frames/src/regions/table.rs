@@ -20,6 +20,9 @@ pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
     };
     let mut reader = table(true);
     let mut head = reader.headers().map_err(|error| broken(error.to_string()))?.clone();
+    if head.is_empty() {
+        return Ok(Objects::default()); // a detector that found nothing
+    }
     if head.len() >= 4 && head.iter().take(4).all(|value| value.parse::<f64>().is_ok()) {
         (reader, head) = (table(false), StringRecord::from(COLUMNS.to_vec()));
     }
@@ -31,6 +34,10 @@ pub(crate) fn load(path: &Path, frame: Frame<'_>) -> Result<Objects, ObjectsErro
     let (label, name) = (column("label"), column("name"));
     let mut collector = Collector::new(frame);
     for record in reader.records() {
+        collector.line = match &record {
+            Ok(record) => record.position().map(csv::Position::line),
+            Err(error) => error.position().map(csv::Position::line),
+        };
         collector.put(
             record
                 .map_err(|_| Why::Unreadable)
@@ -48,9 +55,14 @@ fn object(
     label: Option<usize>,
     name: Option<usize>,
 ) -> Result<Found, Why> {
-    let mut box_ = [0.0; 4];
+    let mut box_ = [0.0_f64; 4];
     for (value, column) in box_.iter_mut().zip(borders) {
         *value = record.get(column).and_then(|text| text.parse().ok()).ok_or(Why::Unreadable)?;
+    }
+    if box_.iter().all(|border| (0.0..=1.0).contains(border))
+        && box_.iter().any(|border| border.fract() != 0.0)
+    {
+        return Err(Why::Shares);
     }
     let text = |column: Option<usize>| {
         column.and_then(|column| record.get(column)).filter(|text| !text.is_empty())

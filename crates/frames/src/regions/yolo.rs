@@ -16,7 +16,10 @@ pub(crate) fn load(
     let names = names(path, classes)?;
     let text = String::from_utf8_lossy(&read(path)?).into_owned();
     let mut collector = Collector::new(frame);
-    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+    collector.unit = "shares of its sides, 0 to 1";
+    let lines = text.lines().zip(1..).filter(|(line, _)| !line.trim().is_empty());
+    for (line, number) in lines {
+        collector.line = Some(number);
         let found = object(line, frame);
         let mut unknown = false;
         let named = found.map(|(class, shape)| {
