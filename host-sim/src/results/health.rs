@@ -14,10 +14,13 @@ const FEW: f64 = 0.15;
 /// Flags with their remedies: first those by which the pair is not fit to be used, then warnings,
 /// then what only costs yield.
 pub fn advice(health: Health) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let is_far = health.of_pair().contains(HealthFlags::ROWS_FAR);
     let mut told: Vec<_> = Health::NAMES
         .into_iter()
         .zip(Health::ADVICE)
-        .filter(|((flag, _), _)| health.contains(*flag))
+        .filter(|((flag, name), _)| {
+            health.contains(*flag) && !(*name == "rows_off" && is_far) // it says: corrected
+        })
         .collect();
     told.sort_by_key(|&((_, name), _)| urgency(name));
     told.into_iter().map(|(_, told)| told)
@@ -57,10 +60,39 @@ fn exchange(result: &FrameResult) -> Option<String> {
     })
 }
 
+/// Windows that match beyond the range, and the range that has them; `None` where it is not small.
+fn beyond_range(result: &FrameResult) -> Option<String> {
+    let is_small = result.health.of_pair().contains(HealthFlags::RANGE_SMALL);
+    let RangeReport { windows, beyond, disparity } =
+        result.pair.as_ref().filter(|_| is_small)?.range?;
+    Some(format!(
+        "{beyond} of {windows} windows match beyond the range, at up to {disparity} px: \
+         --max-disparity {} or more",
+        (disparity + disparity / 8).max(disparity + 2),
+    ))
+}
+
+/// Rows that are off or few matches, as of rectified images that are rectified once more.
+pub fn may_be_rectified(health: Health) -> bool {
+    let flags = HealthFlags::ROWS_OFF
+        | HealthFlags::ROWS_FAR
+        | HealthFlags::ROWS_UNEVEN
+        | HealthFlags::FEW_MATCHES;
+    health.of_pair().intersects(flags)
+}
+
 /// Why nothing of a pair is to be used, with what to do; `None` where something is matched, and may
 /// be believed.
 pub fn refusal(result: &FrameResult) -> Option<String> {
-    let by_flag = || advice(result.health).next().map(|(flag, what)| format!("{flag}: {what}"));
+    let by_flag = || {
+        let (flag, what) = advice(result.health).next()?;
+        // Few matches come of a small range too, whose end is known.
+        let range = beyond_range(result).filter(|_| ["few_matches", "range_small"].contains(&flag));
+        Some(
+            range
+                .map_or_else(|| format!("{flag}: {what}"), |range| format!("range_small: {range}")),
+        )
+    };
     let told = exchange(result).or_else(by_flag);
     if !is_fit(result.health) {
         return Some(format!("the pair is not fit to be used; {}", told.unwrap_or_default()));
@@ -237,16 +269,7 @@ pub fn summary(result: &FrameResult) -> String {
             (f64::from(offset.unsigned_abs()) / 256.0, if offset > 0 { "low" } else { "high" });
         text.push_str(&format!("health: the right image is {px:.2} px too {side}\n"));
     }
-    let is_small = health.of_pair().contains(HealthFlags::RANGE_SMALL);
-    if let Some(RangeReport { windows, beyond, disparity }) =
-        pair.and_then(|pair| pair.range).filter(|_| is_small)
-    {
-        text.push_str(&format!(
-            "health: {beyond} of {windows} windows match beyond the range, at up to {disparity} px: \
-             --max-disparity {} or more\n",
-            (disparity + disparity / 8).max(disparity + 2),
-        ));
-    }
+    text.extend(beyond_range(result).map(|range| format!("health: {range}\n")));
     text
 }
 
@@ -259,7 +282,8 @@ mod tests {
         let all = Health::NAMES.into_iter().fold(Health::GOOD, |all, (flag, _)| all | flag);
         let told: Vec<&str> = advice(all).map(|(name, _)| name).collect();
         let place = |name: &str| told.iter().position(|told| *told == name).unwrap();
-        assert_eq!(told.len(), Health::NAMES.len());
+        // What is too far is not told to be corrected.
+        assert!(told.len() + 1 == Health::NAMES.len() && !told.contains(&"rows_off"));
         assert!(
             place("few_matches") < place("left_exposure")
                 && place("rows_far") < place("exposures_differ")
