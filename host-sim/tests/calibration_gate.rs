@@ -173,7 +173,7 @@ fn images_at_hand_say_the_size_that_nothing_else_does() {
     // Where the file says it, the images are compared elsewhere.
     assert_is_the_example(&read(&[&opencv()], &of(320, 240)).unwrap());
     let error = read(&[&without], &Options::default()).unwrap_err().to_string();
-    says(&error, &["convert-rig FILES --size 641x481"]);
+    says(&error, &["convert-rig FILES --size WxH", "your photos, about 641x481"]);
 }
 
 #[test]

@@ -118,6 +118,7 @@ fn wrong_plans_say_what_to_give() {
             "8 to 256; change --max-disparity",
         ),
         ("plan-rig --focal-px 300 --range 1..2 --error 0", "error of 0 %"),
+        ("plan-rig --focal-px 300 --range 1..2 --sigma-px -1", "give 0.001 to 16 px"),
     ];
     all_refused(folder.path(), &cases);
 }

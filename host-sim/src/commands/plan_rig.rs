@@ -39,7 +39,8 @@ pub struct Args {
     #[arg(long, value_name = "N", default_value_t = 64)]
     max_disparity: u16,
     /// Standard deviation of a disparity.
-    #[arg(long, value_name = "PX", default_value_t = USUAL_SIGMA)]
+    #[arg(long, value_name = "PX", default_value_t = USUAL_SIGMA,
+          value_parser = number_in(0.001..=16.0, "give 0.001 to 16 px"))]
     sigma_px: f64,
     /// Distances to measure, in metres; suggests a baseline.
     #[arg(long, value_name = "NEAR..FAR", value_parser = parse_range)]

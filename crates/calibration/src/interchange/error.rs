@@ -125,8 +125,9 @@ pub enum Problem {
     Projection(String),
     /// No size of the images, neither in the file nor as an option.
     #[error(
-        "does not say the size of the images (the optical centre suggests about {0:.0}x{1:.0}); \
-         make a rig that says it: linestereo convert-rig FILES --size {0:.0}x{1:.0} --out rig.toml",
+        "does not say the size of the images; make a rig that says it: linestereo convert-rig FILES \
+         --size WxH --out rig.toml (the size of your photos, about {0:.0}x{1:.0} by the optical \
+         centre)",
         .guess[0], .guess[1]
     )]
     NoSize {
