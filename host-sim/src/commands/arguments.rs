@@ -17,8 +17,10 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 /// Endings that say what is in a file; another one says nothing.
-const FORMATS: [&str; 12] =
-    ["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "pfm", "ply", "pcd", "npy"];
+const FORMATS: [&str; 17] = [
+    "png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "webp", "pfm", "ply", "pcd", "npy", "svg",
+    "pdf", "html", "txt", "csv",
+];
 
 /// The command as it is shown and parsed.
 pub(super) fn prepared(command: Command) -> Command {
@@ -130,14 +132,16 @@ fn shown(arg: &Arg, path: &Path) -> String {
 }
 
 /// Refuses a name of another format: an option whose help says `FILE.png` writes PNG, whatever the
-/// name.
+/// name; of several the first one is what it writes under a name that says nothing.
 fn check_format(arg: &Arg, path: &Path, name: &str) -> Result<()> {
-    let wanted = arg.get_value_names().and_then(|names| names.first()?.rsplit_once('.'));
+    let names = arg.get_value_names().and_then(|names| names.first()).map_or("", |name| name);
+    let wanted: Vec<&str> =
+        names.split('|').filter_map(|name| Some(name.rsplit_once('.')?.1)).collect();
     let given = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
-    let (Some((_, wanted)), Some(given)) = (wanted, given) else { return Ok(()) };
-    if given != wanted && FORMATS.contains(&&*given) {
-        let right = path.with_extension(wanted);
-        bail!("{name} would be written as {}; call it {}", wanted.to_uppercase(), right.display());
+    let (Some(first), Some(given)) = (wanted.first(), given) else { return Ok(()) };
+    if !wanted.contains(&&*given) && FORMATS.contains(&&*given) {
+        let right = path.with_extension(first);
+        bail!("{name} would be written as {}; call it {}", first.to_uppercase(), right.display());
     }
     Ok(())
 }

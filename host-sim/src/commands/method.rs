@@ -79,6 +79,9 @@ impl MethodArgs {
         }
         params.min_disparity = self.min_disparity.unwrap_or(params.min_disparity);
         params.cell = self.cell.unwrap_or(params.cell);
+        if let Some(odd) = self.min_extent.filter(|extent| extent % 2 == 1) {
+            bail!("--min-extent is {odd}; give an even number, 6 to 32");
+        }
         params.min_extent = self.min_extent.unwrap_or(params.min_extent);
         params.parts = match self.parts {
             None => params.parts,
