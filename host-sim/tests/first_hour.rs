@@ -147,9 +147,12 @@ fn a_dash_is_stdout_for_every_output() {
 #[test]
 fn pictures_are_called_what_they_are() {
     let folder = pair();
-    let cases: [(&str, &str); 3] = [
+    let cases = [
         ("run l.png r.png --overlay x.jpg", "written as PNG; call it x.png"),
         ("run l.png r.png --pfm x.png", "written as PFM; call it x.pfm"),
+        ("print-board 9x6 --out b.pdf", "written as SVG; call it b.svg"),
+        ("sequence . --out x.csv", "written as JSONL; call it x.jsonl"),
+        ("report l.png r.png -o r.txt", "written as HTML; call it r.html"),
         ("run l.png r.png --overlay no/such/x.png", "its folder does not exist"),
     ];
     all_refused(folder.path(), &cases);
@@ -233,9 +236,21 @@ fn nothing_that_was_asked_for_is_passed_over() {
         ("sequence . --objects empty", unnamed),
         ("report . --objects empty -o x.html", unnamed),
         ("run 0001_left.png 0001_right.png --objects empty", unnamed),
+        // The pair's own images are no labels.
+        ("run 0001_left.png 0001_right.png --objects .", unnamed),
+        ("run 0001_left.png 0001_right.png --objects 0001_left.png", "is an image of the pair"),
         ("sequence nosuch", "nosuch"),
     ];
     all_refused(at, &cases);
+    // Lists come before images; what is skipped is told with its line.
+    fs::copy(at.join("0002_left.png"), at.join("empty/0002_left.png")).unwrap();
+    fs::write(at.join("empty/0002_left.txt"), "0 0.5 0.5 0.2 0.2\n0 160 120 40 40\n").unwrap();
+    let run = "run 0002_left.png 0002_right.png --objects empty";
+    tells(at, run, &["object (0): ", "the first: line 2: it lies outside of the left image"]);
+    let words = ["1 objects skipped", "the first: 0002: line 2: it lies outside"];
+    tells(at, "report . --objects empty -o x.html", &words);
+    fs::remove_file(at.join("empty/0002_left.png")).unwrap();
+    fs::remove_file(at.join("empty/0002_left.txt")).unwrap();
     // A folder that has a file for some of the frames alone says so.
     fs::write(at.join("empty/0001_left.csv"), "10,10,90,90\n").unwrap();
     let said = stderr(&linestereo(at, "sequence . --objects empty"));
@@ -362,6 +377,8 @@ fn keys_of_a_scene_that_mean_nothing_are_refused() {
         r#"{"scene": "a", "camera": {"height_m": 0.1}, "accepted": "ok", "seed": [1], "shares": {}}"#,
     )
     .unwrap();
+    let said = stderr(&linestereo(at, "run l.png r.png --scene scene.json"));
+    assert!(said.starts_with("scene.json: \"camera\" says no pose without both"), "{said}");
     succeed(at, "run l.png r.png --scene scene.json");
     // The help's own example is one.
     let help = succeed(at, "run --help");
@@ -428,7 +445,7 @@ fn sixteen_bit_files_hold_what_the_sensor_has() {
     let folder = pair();
     let at = folder.path();
     let expected = json(at, "run l.png r.png --json -");
-    for bits in [10_u32, 12, 16] {
+    for bits in [8_u32, 10, 12, 16] {
         let white = (1_u32 << bits) - 1;
         for (image, name) in images(at).iter().zip(["l16.png", "r16.png"]) {
             save_wide(image, &at.join(name), |grey| ((u32::from(grey) * white + 127) / 255) as u16);
@@ -436,6 +453,8 @@ fn sixteen_bit_files_hold_what_the_sensor_has() {
         let found = json(at, "run l16.png r16.png --json -");
         assert_eq!(found["points"], expected["points"], "{bits}");
     }
+    let wrong = "run l16.png r16.png --bits 10";
+    refused(at, wrong, &["values of l16.png reach", "which needs --bits 16, not 10"]);
     // Both images have one scale: a dark right one is not made brighter than the left one.
     let [left, right] = images(at);
     save_wide(&left, &at.join("l16.png"), |grey| u16::from(grey) * 16);
@@ -564,6 +583,10 @@ fn small_things_say_what_to_do() {
     assert!(line.contains("focal") && !line.contains("'--"), "{line}");
     let line = failed(&linestereo(at, "run l.png r.png --width -1"));
     assert!(!line.contains("tip:"), "{line}");
+    refused(at, "run l.png r.png --min-extent 7", &["--min-extent is 7; give an even number"]);
+    refused(at, "report l.png r.png -o r.html --max-frames 0", &["--max-frames"]);
+    let rig = "run l.png r.png --rig rig.toml --width 160";
+    refused(at, rig, &["give --raw-width in place of --width, or --size"]);
     refused(at, "run l.png r.png --json no/a.json", &["no/a.json: its folder does not exist"]);
     tells(at, "frames", &["get"]);
     let help = succeed(at, "run --help");

@@ -516,6 +516,15 @@ fn options_are_used_or_refused() {
             "--focal-px: a focal length of 4 px is not plausible for images 160 px wide",
         ),
         ("--focal-px 150 --baseline-m 60", "did you mean mm? then give 0.06"),
+        ("--fb 12000", "--fb: a focal length times a baseline of 12000 px m"),
+        ("--fb 12000", "did you mean px mm? then give 12;"),
+        ("--fb 9 --camera-height 0.3 --camera-pitch 5", "not --fb, which gives no directions"),
+        ("--fb 9 --sectors", "--sectors needs directions, and --fb gives depths alone"),
+        ("--fb 9 --ply x.ply", "--ply needs directions"),
+        (
+            "--focal-px 150 --baseline-m 0.06 --principal-point 500,60",
+            "500,60 lies outside of the image, which is 160x120",
+        ),
         ("--focal-px 150 --baseline-m 0.00006", "not plausible for a stereo camera"),
         (
             "--focal-px 300 --baseline-m 0.06 --principal-point 159.5,119.5",

@@ -139,7 +139,7 @@ fn images_say_the_size_that_a_file_of_opencv_does_not() {
     succeed(folder.path(), "scene --kind boxes --size 160x120 small");
     let small = "run small/left.png small/right.png --rig rig.yml";
     refused(folder.path(), small, &["of about 320x240", "another image size"]);
-    let words = ["linestereo convert-rig FILES --size 320x240 --out rig.toml"];
+    let words = ["convert-rig FILES --size WxH --out rig.toml", "your photos, about 320x240"];
     refused(folder.path(), "flash-image rig.yml rig.bin", &words);
     succeed(folder.path(), "convert-rig rig.yml --size 320x240 --out said.toml");
     succeed(folder.path(), "flash-image said.toml rig.bin");
@@ -176,7 +176,7 @@ fn what_cannot_be_rectified_is_one_clear_line() {
         ),
         ("rectify --rig rig.toml empty --out p", "no pair was found in any known layout"),
         (&format!("{run} --size 160x120"), "--rig"),
-        (&format!("{run} --rig rig.toml --width 160"), "cannot be used with"),
+        (&format!("{run} --rig rig.toml --width 160"), "give --raw-width in place of --width"),
         (&format!("{run} --rig rig.toml --max-disparity 320"), "correct --max-disparity"),
     ];
     all_refused(folder.path(), &cases);

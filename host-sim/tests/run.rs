@@ -1,9 +1,11 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
 use crate::support::{
-    all_refused, failed, json, json_of_any, keys, linestereo, refused, says, stderr, stdout,
-    succeed, tells, with_scene,
+    all_refused, failed, json, json_lines, json_of_any, keys, linestereo, refused, says, stderr,
+    stdout, succeed, tells, with_scene,
 };
+use linestereo_tests::captured;
+use serde_json::Value;
 use std::fs;
 use tempfile::TempDir;
 
@@ -26,9 +28,28 @@ fn the_scene_file_beside_a_pair_is_used_and_named() {
     assert_eq!(json(at, &format!("{pair} --json -")), expected);
     let said = succeed(at, pair);
     assert!(said.starts_with("cards/scene.json lies beside the pair: disparities 0 to"), "{said}");
-    // A rig that is given comes before it, with the default range.
-    let given = succeed(at, &format!("{pair} --focal-px 150 --baseline-m 0.06"));
-    assert!(!given.contains("scene.json") && given.contains("disparities below 64"), "{given}");
+    // Options come before what the file says of the same, alone and in a sequence.
+    let rig = "--focal-px 200 --baseline-m 0.03";
+    let given = json(at, &format!("{pair} {rig} --json -"));
+    assert_eq!(given, json(at, &format!("{PAIR} {rig} --json -")));
+    let line = json_lines(&succeed(at, &format!("sequence cards {rig}"))).remove(0);
+    assert_eq!(line["segments"], given["segments"]);
+    let depth = |found: &Value| found["segments"][0]["depth_m"][0].as_f64().unwrap();
+    assert!((depth(&given) / depth(&expected) - 1.0).abs() > 0.1, "the rig is that of the file");
+    tells(at, &format!("{pair} {rig}"), &["beside the pair", "the rig is that of the options"]);
+    let verbose = stderr(&linestereo(at, &format!("{pair} {rig} -v")));
+    says(&verbose, &["by options and cards/scene.json"]);
+    // A range that is none is the file's fault, unless an option comes before it.
+    let text = fs::read_to_string(at.join("cards/scene.json")).unwrap();
+    let mut scene: Value = serde_json::from_str(&text).unwrap();
+    for range in [-4, 1000] {
+        scene["max_disparity"] = range.into();
+        fs::write(at.join("cards/scene.json"), scene.to_string()).unwrap();
+        let words = [&*format!("cards/scene.json: max_disparity is {range}"), "8 to 159 px"];
+        refused(at, pair, &words);
+        succeed(at, &format!("{pair} --max-disparity 48"));
+    }
+    fs::write(at.join("cards/scene.json"), text).unwrap();
     // Images of another size: without depths, and why.
     for name in ["left.png", "right.png"] {
         let path = at.join("cards").join(name);
@@ -50,6 +71,30 @@ fn the_scene_file_beside_a_pair_is_used_and_named() {
         ),
         "{said}"
     );
+    let unused = ["the scene.json beside the pair is not used: cards/scene.json"];
+    let files = "cards/left.png cards/right.png --max-disparity 16";
+    tells(at, &format!("report {files} -o r.html"), &unused);
+    tells(at, &format!("quality {files} --region 0,0,64,48"), &unused);
+    says(&stderr(&linestereo(at, &format!("{reduced} -q --json a.json"))), &unused);
+    refused(at, &format!("{reduced} --sectors"), &["--sectors needs depths", unused[0]]);
+}
+
+/// The product of focal length and baseline gives depths, but no pose, and that of the scene file
+/// says nothing of the ground then.
+#[test]
+#[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
+fn the_product_alone_gives_no_pose() {
+    let Some(scene) = captured::folder("robot_world/24_office") else { return };
+    let ground = |options: &str| {
+        json(&scene, &format!("run left.png right.png --json - {options}"))["ground"].clone()
+    };
+    let (known, product) = (ground(""), ground("--fb 16.076"));
+    assert!((known["camera_height_m"].as_f64().unwrap() - 0.2876).abs() < 0.01, "{known}");
+    for name in ["camera_height_m", "pitch_deg", "roll_deg"] {
+        assert!(product[name].is_null(), "{product}");
+    }
+    let slope = |ground: &Value| ground["down_px_per_row"].as_f64().unwrap();
+    assert!((slope(&product) - slope(&known)).abs() < 0.01, "{product} {known}");
 }
 
 #[test]
@@ -226,6 +271,9 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
             assert!(at.join(file).is_file() && stderr(&output).contains(word), "{line}");
         }
     }
+    // What cures it is told, not only that few edges match.
+    let near = "run good/left.png good/right.png --max-disparity 10 -q";
+    refused(at, near, &["range_small: ", "--max-disparity 18 or more"]);
     // Some of many are counted, and are no failure.
     let words = ["5 frames are not fit to be used, or nothing is matched in them"];
     tells(at, "sequence . --out lines.jsonl", &words);

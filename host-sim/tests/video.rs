@@ -137,12 +137,17 @@ fn a_video_is_input_like_any_other() {
     let unfit = |args: &str| {
         let output = linestereo(at, &format!("sequence {args} {rig}"));
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        says(&stderr(&output), &["; or the images are rectified already: leave --rig out"]);
         records(&String::from_utf8(output.stdout).unwrap())
     };
     let of_files = unfit("rec");
     assert!(of_files.len() == 3 && unfit("both.y4m") == of_files);
     assert!(of_files != of(at, "rec"));
     let known = "--focal-px 288 --baseline-m 0.12";
+    let alone = stderr(&linestereo(at, "sequence left.y4m --max-disparity 48"));
+    says(&alone, &["left.y4m is taken as both views side by side, 160x240 each"]);
+    let both = stderr(&linestereo(at, "sequence both.y4m --max-disparity 48"));
+    assert!(!both.contains("taken as both views"), "{both}");
     let line = format!("sequence left.y4m right.y4m --out a.mcap --with images {known}");
     tells(at, &line, &["3 frames, 0 failed, 0 images without a partner; layout: video"]);
     tells(at, "sequence a.mcap --no-points", &["\"name\":\"0.033333333\""]);

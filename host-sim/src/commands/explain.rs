@@ -2,6 +2,7 @@
 //! depth, or none.
 
 use super::input::{InputArgs, PairMatcher};
+use super::pairs::scene_note;
 use super::run::pixel;
 use super::written;
 use crate::draw;
@@ -49,7 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut output = OutputFiles::new();
     let picture = || draw::explanation(&matched.images[0], &explanation);
     output.add_made(args.picture.as_ref(), || Ok(draw::png(&picture())?))?;
-    let mut before = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
+    let mut before = scene_note(&setup);
     if pixel != args.pixel {
         before.push_str(&format!(
             "pixel {x},{y} is {},{} of the images as matched\n",

@@ -9,26 +9,29 @@
 
 use super::arguments::position;
 use super::engine_with;
+use super::known::{Known, beside};
 use super::method::MethodArgs;
 use super::pose::PoseArgs;
+use super::range::{default_range, of_scene, range_to};
 use super::rectified_view::ViewArgs;
 use crate::engine::{Engine, FrameResult};
-use crate::output::{detail, note};
-use crate::planning::{LEAST_RANGE, MAX_RANGE};
+use crate::output::{detail, is_quiet, note_once, tell};
+use crate::planning::LEAST_RANGE;
+use crate::results::health;
 use crate::results::listing::{Query, finite_metres};
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use linestereo::image::{Span, ViewError, shrink_to_valid};
 use linestereo::unstable::Observer;
 use linestereo::{Dims, Gray, Params, Rig, ground::GroundPlane, params::RigError};
 use linestereo_calibration::rectify::PairRectifier;
-use linestereo_frames::rectified::{check_baseline, check_centre, check_focal};
+use linestereo_frames::rectified::{check_baseline, check_centre, check_focal, check_product};
 use linestereo_frames::{
     GrayImage, PairFiles, RigText, SceneInfo, StoredPair, area_average, check_same_size,
-    check_size, check_usable, load_images, scaled_max_disparity,
+    check_size, check_usable, load_images,
 };
 use linestereo_rig::{CameraSide, RigImage};
 use linestereo_wire::RigUpdate;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Matches of what is infinitely far scatter by less than this, px.
@@ -50,7 +53,8 @@ pub(super) struct InputArgs {
     /// Distance between the cameras.
     #[arg(long, value_name = "M", requires = "focal_px", value_parser = baseline)]
     baseline_m: Option<f64>,
-    /// Focal length times baseline, where only their product is known: depths, but no directions.
+    /// Focal length times baseline, where only their product is known: depths, but no directions
+    /// and no pose of the camera.
     #[arg(long, value_name = "PX*M", conflicts_with = "focal_px")]
     fb: Option<f64>,
     /// Added to every disparity before it becomes a depth: x_centre_right - x_centre_left, 0 for
@@ -63,14 +67,15 @@ pub(super) struct InputArgs {
     principal_point: Option<[f64; 2]>,
     #[command(flatten)]
     pose: PoseArgs,
-    /// Take disparity range, rig and the camera's pose from a scene.json; options override it.
+    /// Take disparity range, rig and the camera's pose from a scene.json [default: the one beside
+    /// the pair]; options override what they name, the rest of it holds.
     #[arg(long, value_name = "scene.json")]
     scene: Option<PathBuf>,
     /// Reduce both images to this width by area averaging; the rig follows.
     #[arg(long, value_name = "PX")]
     width: Option<u16>,
-    /// Bits of the sensor whose values 16-bit files hold, 8 to 16 [default: 10 or 12 where no value
-    /// of the pair is larger, else 16].
+    /// Bits of the sensor whose values 16-bit files hold, 8 to 16 [default: 8, 10 or 12 where no
+    /// value of the pair is larger, else 16].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=16))]
     bits: Option<u32>,
     /// Match pairs of a recording whose times differ by at most this, for still scenes
@@ -79,38 +84,12 @@ pub(super) struct InputArgs {
     max_skew_ms: Option<u32>,
     /// Rectify raw pairs first, with this rig: rig.toml, or files of OpenCV, Kalibr, ROS or EuRoC
     /// (twice if each camera has its own file).
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "fb", "disparity_offset_px", "scene", "width"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal_px", "fb", "disparity_offset_px", "scene"])]
     rig: Vec<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
     method: MethodArgs,
-}
-
-/// Knowledge of a pair besides its images.
-#[derive(Clone, Debug, Default)]
-pub(super) enum Known {
-    #[default]
-    Nothing,
-    /// It is rectified; the file that says what else is known.
-    Scene(PathBuf, SceneInfo),
-    /// A scene.json that nobody named lies beside the images: what it says, or why it is none.
-    Beside(PathBuf, Result<SceneInfo, String>),
-    /// It is raw; its rig.
-    Raw(Vec<RigText>),
-}
-
-impl Known {
-    /// Pairs of both are matched with the same.
-    pub(super) fn matches_like(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Nothing, Self::Nothing) => true,
-            (Self::Scene(_, info), Self::Scene(_, other))
-            | (Self::Beside(_, Ok(info)), Self::Beside(_, Ok(other))) => info.matches_like(other),
-            (Self::Raw(files), Self::Raw(others)) => files == others,
-            _ => false,
-        }
-    }
 }
 
 /// Two images of one size: rectified and reduced, or raw.
@@ -159,11 +138,10 @@ impl InputArgs {
         if let Some(path) = &self.scene {
             return Ok(Known::Scene(path.clone(), SceneInfo::load(path)?));
         }
-        let has_no_rig = self.focal_px.is_none() && self.fb.is_none();
-        if let Some(rig) = pair.raw_rig().filter(|_| has_no_rig) {
+        if let Some(rig) = pair.raw_rig().filter(|_| !self.has_rig()) {
             return Ok(Known::Raw(rig.to_vec()));
         }
-        Ok(match (pair.info()?, beside(&pair.images).filter(|_| has_no_rig)) {
+        Ok(match (pair.info()?, beside(&pair.images)) {
             (Some((path, info)), _) => Known::Scene(path, info),
             (None, Some(path)) => {
                 let info = SceneInfo::load(&path).map_err(|error| error.to_string());
@@ -171,6 +149,11 @@ impl InputArgs {
             }
             (None, None) => Known::Nothing,
         })
+    }
+
+    /// Options give the rig of rectified images.
+    fn has_rig(&self) -> bool {
+        self.focal_px.is_some() || self.fb.is_some()
     }
 
     fn rig_texts(&self) -> Vec<RigText> {
@@ -183,12 +166,22 @@ impl InputArgs {
             (files.paths(), load_images(files, self.bits)?);
         let is_raw = matches!(known, Known::Raw(_));
         if is_raw && self.width.is_some() {
+            let whose =
+                if self.rig.is_empty() { " of its data set; give --rig and" } else { "; give" };
             bail!(
-                "{} is a raw image of its data set; give --rig and --raw-width in place of --width",
+                "{} is a raw image{whose} --raw-width in place of --width, or --size for the \
+                 rectified images",
                 left_path.display()
             );
         }
         let given = left.dims;
+        if files.is_one_video() && given.width < given.height {
+            note_once(&format!(
+                "{} is taken as both views side by side, {given} each; if it is of one camera, \
+                 give the right video as second path",
+                left_path.display()
+            ));
+        }
         check_same_size((left_path, given), (right_path, right.dims))?;
         let reduced = |image: GrayImage| match self.width {
             Some(width) => area_average(&image, width),
@@ -222,11 +215,17 @@ impl InputArgs {
                     Ok(info) => {
                         let mut setup = self.rectified(loaded, given, Some((path, info)))?;
                         let (path_name, described) = (path.display(), setup.described());
-                        setup.note = Some(format!("{path_name} lies beside the pair: {described}"));
+                        let rig =
+                            if self.has_rig() { "; the rig is that of the options" } else { "" };
+                        setup.note =
+                            Some(format!("{path_name} lies beside the pair: {described}{rig}"));
                         (setup, Some(path))
                     }
                     Err(why) => {
                         let note = format!("the scene.json beside the pair is not used: {why}");
+                        if is_quiet() {
+                            tell(&note); // a fault, not only a note
+                        }
                         let setup = self.rectified(loaded, given, None)?;
                         (Setup { note: Some(note), ..setup }, None)
                     }
@@ -235,7 +234,11 @@ impl InputArgs {
             Known::Raw(rig) => (self.raw(loaded, Some(loaded), rig)?, Some(&rig[0].path)),
         };
         detail(|| {
-            let source = source.map_or("options".to_owned(), |path| path.display().to_string());
+            let named = source.map(|path| path.display().to_string());
+            let of_options = named.is_none() || self.has_rig();
+            let source: Vec<String> =
+                of_options.then(|| "options".to_owned()).into_iter().chain(named).collect();
+            let source = source.join(" and ");
             let (dims, described) = (setup.dims(), setup.described());
             format!("images of {given}, matched as {dims}; {described} by {source}")
         });
@@ -253,10 +256,14 @@ impl InputArgs {
         let zero = scene.as_ref().map_or(0.0, |(_, info)| info.disparity_zero_px);
         if let Some((path, info)) = &scene {
             info.check_images(given).map_err(|unfit| anyhow!("{}: {unfit}", path.display()))?;
-            let scaled =
-                |range| if scale < 1.0 { scaled_max_disparity(range, scale) } else { range as u16 };
-            range = info.max_disparity.map(scaled);
+            range = info.max_disparity.map(|range| (path, range));
             rig = info.rig(path, scale)?;
+            if info.has_half_pose() {
+                note_once(&format!(
+                    "{}: \"camera\" says no pose without both height_m and pitch_deg",
+                    path.display()
+                ));
+            }
             rig_numbers = info.rig_numbers(scale);
         }
         let product = self.fb.map(|fb| (fb, 1.0));
@@ -264,10 +271,11 @@ impl InputArgs {
             let offset_px = self.disparity_offset_px.unwrap_or(-zero);
             let numbers =
                 RigUpdate { focal_px: focal_px * scale, baseline_m, offset_px: offset_px * scale };
-            if self.fb.is_none() {
-                check_focal(focal_px, given.width)
-                    .map_err(|unfit| anyhow!("--focal-px: {unfit}"))?;
-            }
+            let (name, fits) = match self.fb {
+                Some(fb) => ("--fb", check_product(fb, given.width)),
+                None => ("--focal-px", check_focal(focal_px, given.width)),
+            };
+            fits.map_err(|unfit| anyhow!("{name}: {unfit}"))?;
             let unfit = |error| anyhow!("{error}; correct {}", self.option_behind(&error));
             rig = Some(numbers.rig().map_err(unfit)?);
             rig_numbers = Some(numbers);
@@ -279,13 +287,22 @@ impl InputArgs {
         }
         let nearest =
             self.nearest.map(|nearest| range_to(nearest, rig.as_ref(), loaded)).transpose()?;
-        let max_disparity =
-            self.max_disparity.or(nearest).or(range).unwrap_or_else(|| default_range(loaded));
+        let max_disparity = match (self.max_disparity.or(nearest), range) {
+            (Some(given), _) => given,
+            (None, Some((path, range))) => of_scene(path, range, scale, loaded)?,
+            (None, None) => default_range(loaded),
+        };
         if self.fb.is_none() {
             let given =
                 self.principal_point.map(|given| given.map(|value| (value + 0.5) * scale - 0.5));
             let centre = given.or_else(|| scene.and_then(|(_, info)| info.principal_point(scale)));
             if let Some(option) = self.principal_point {
+                let [x, y] = option;
+                if !(0.0..f64::from(full.width)).contains(&x)
+                    || !(0.0..f64::from(full.height)).contains(&y)
+                {
+                    bail!("--principal-point {x},{y} lies outside of the image, which is {full}");
+                }
                 check_centre(option, full)
                     .map_err(|unfit| anyhow!("--principal-point: {unfit}"))?;
             }
@@ -309,7 +326,7 @@ impl InputArgs {
         }
         let ground = self.pose.ground(
             scene.and_then(|(_, info)| info.pose()),
-            params.rig.as_ref(),
+            with_directions(&params),
             loaded,
         )?;
         Ok(Setup {
@@ -393,38 +410,6 @@ impl InputArgs {
     }
 }
 
-/// End of the disparities searched where nobody says how far; a note where images of this size have
-/// no room for the usual one.
-fn default_range(dims: Dims) -> u16 {
-    let most = Params::default_max_disparity(dims.width).max(LEAST_RANGE);
-    if most < Params::DEFAULT.max_disparity {
-        note(&format!(
-            "disparities below {most} are searched, as images of {dims} have no more; \
-             --max-disparity sets a smaller range"
-        ));
-    }
-    most
-}
-
-/// End of the disparities searched so that nothing at least `nearest` metres away is beyond them.
-fn range_to(nearest: f64, rig: Option<&Rig>, dims: Dims) -> Result<u16> {
-    let Some(rig) = rig else {
-        bail!("--nearest needs a rig: give --focal-px and --baseline-m, --fb, --scene, or --rig")
-    };
-    if !(0.01..=1000.0).contains(&nearest) {
-        bail!("--nearest is {nearest}; give 0.01 to 1000 metres");
-    }
-    let most = (dims.width - 1).min(MAX_RANGE);
-    let limit = |range: u16| rig.depth(Params::largest_disparity(range)).to_num::<f64>();
-    (LEAST_RANGE..=most).find(|&range| limit(range) <= nearest).with_context(|| {
-        let least = (100.0 * limit(most)).ceil() / 100.0;
-        format!(
-            "--nearest {nearest} needs more than {most} disparities; give {least:.2} or more, or \
-             reduce the images with --width, or --size with --rig"
-        )
-    })
-}
-
 impl Setup<'_> {
     /// Size of the images as matched.
     pub(super) fn dims(&self) -> Dims {
@@ -444,7 +429,31 @@ impl Setup<'_> {
 
     /// The rig where directions are known too, not the product of focal length and baseline alone.
     pub(super) fn geometry(&self) -> Option<&Rig> {
-        self.params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some())
+        with_directions(&self.params)
+    }
+
+    /// The error of an option that needs depths or directions, which are not known.
+    pub(super) fn lacks(&self, option: &str) -> anyhow::Error {
+        if self.params.rig.is_some() {
+            return anyhow!(
+                "{option} needs directions, and --fb gives depths alone; give --focal-px and \
+                 --baseline-m in its place"
+            );
+        }
+        let note = self.note.as_ref().map_or(String::new(), |note| format!(" ({note})"));
+        anyhow!("{option} needs depths; give --focal-px and --baseline-m, --scene, or --rig{note}")
+    }
+
+    /// Why nothing of a pair is to be used, with what to do.
+    pub(super) fn refusal(&self, result: &FrameResult) -> Option<String> {
+        let why = health::refusal(result)?;
+        let is_rectified = !self.args.rig.is_empty() && health::may_be_rectified(result.health);
+        let more = if is_rectified {
+            "; or the images are rectified already: leave --rig out"
+        } else {
+            ""
+        };
+        Some(why + more)
     }
 
     /// The pixel of the images as matched that holds this one of those before --width.
@@ -538,20 +547,14 @@ impl PairMatcher {
     }
 }
 
+fn with_directions(params: &Params) -> Option<&Rig> {
+    params.rig.as_ref().filter(|rig| rig.principal_point_q16().is_some())
+}
+
 /// A distance between cameras in metres.
 pub(super) fn baseline(text: &str) -> Result<f64, String> {
     let metres = text.parse().map_err(|_| "give metres, such as 0.075")?;
     check_baseline(metres).map(|()| metres).map_err(|unfit| unfit.to_string())
-}
-
-/// The scene.json in the folder of both images of a pair that stands alone.
-fn beside(images: &PairFiles) -> Option<PathBuf> {
-    let [left, right] = match images {
-        PairFiles::Two(_) | PairFiles::SideBySide(_) => images.paths().map(Path::parent),
-        PairFiles::Source(_) => return None,
-    };
-    let path = left.filter(|_| left == right)?.join("scene.json");
-    path.is_file().then_some(path)
 }
 
 fn principal_point(text: &str) -> Result<[f64; 2], &'static str> {

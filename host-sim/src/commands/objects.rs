@@ -3,6 +3,7 @@
 
 use super::input::Setup;
 use crate::engine::Engine;
+use crate::output::place;
 use crate::results::listing::{self, Answers};
 use anyhow::{Result, bail};
 use core::fmt::Write;
@@ -13,7 +14,7 @@ use linestereo_recordings::{Detection, Detections, Footage, is_recording};
 use std::path::{Path, PathBuf};
 
 /// Extensions of files of one frame, in the order in which they are looked for.
-const EXTENSIONS: [&str; 5] = ["png", "json", "txt", "csv", "pgm"];
+const EXTENSIONS: [&str; 5] = ["json", "txt", "csv", "png", "pgm"];
 /// Objects that a summary lists.
 const MOST_LISTED: usize = 20;
 
@@ -42,6 +43,8 @@ pub(super) struct Asked {
     /// In the order of the file.
     pub(super) list: Vec<(Object, listing::Object)>,
     pub(super) skipped: Skipped,
+    /// Which of them is the first, and why.
+    pub(super) first_skipped: Option<String>,
     /// The same as a recording's messages tell them: that of label 3 is the fourth.
     pub(super) told: Vec<Detection>,
     /// The folder holds no file of this frame, or the recording no message.
@@ -76,7 +79,14 @@ impl ObjectArgs {
             objects.detections = Some(detections(path, root, recording.window_ms())?);
         } else if !path.is_dir() {
             std::fs::metadata(path).map_err(|error| ObjectsError::Read(path.clone(), error))?;
-        } else if !found.pairs.iter().any(|pair| file_of(path, pair.left()).is_some()) {
+            if found.pairs.iter().any(|pair| is_image_of(path, pair)) {
+                bail!(
+                    "--objects {} is an image of the pair itself; give a detector's file, or a \
+                     label image",
+                    path.display()
+                );
+            }
+        } else if !found.pairs.iter().any(|pair| file_of(path, pair).is_some()) {
             bail!(
                 "{} holds no file that is called like a left image, such as left.json beside left.png; add or rename them",
                 path.display()
@@ -140,8 +150,9 @@ impl Objects<'_> {
             let (found, name) = (engine.object(&region), object.name.as_deref());
             Some((object.clone(), listing::Object::new(region.label(), &found, name)))
         });
-        let (list, skipped) = (list.collect(), objects.skipped);
-        Some(Asked { list, skipped, told, is_missing, error: None })
+        let (list, skipped, first_skipped) =
+            (list.collect(), objects.skipped, objects.first_skipped);
+        Some(Asked { list, skipped, first_skipped, told, is_missing, error: None })
     }
 
     /// Where the next pair is to be matched; `None` is everywhere.
@@ -172,7 +183,7 @@ impl Objects<'_> {
                 regions::of_boxes(told.iter().map(|found| (found.borders, name(found))), frame);
             return Ok(OfPair { objects, told, is_missing });
         }
-        let file = if path.is_dir() { file_of(path, image) } else { Some(path.to_path_buf()) };
+        let file = if path.is_dir() { file_of(path, pair) } else { Some(path.to_path_buf()) };
         let load = |file: &PathBuf| regions::load(file, self.args.classes.as_deref(), frame);
         let objects = file.as_ref().map(load).transpose().map_err(|error| error.to_string())?;
         let is_missing = objects.is_none();
@@ -180,13 +191,18 @@ impl Objects<'_> {
     }
 }
 
-/// The file of a frame in a folder: called like its left image. A dot in that name ends nothing.
-fn file_of(folder: &Path, image: &Path) -> Option<PathBuf> {
-    let stem = folder.join(image.file_stem().unwrap_or_default());
+/// The file of a frame in a folder: called like its left image, and not that image itself. A dot in
+/// that name ends nothing.
+fn file_of(folder: &Path, pair: &StoredPair) -> Option<PathBuf> {
+    let stem = folder.join(pair.left().file_stem().unwrap_or_default());
     EXTENSIONS
         .map(|extension| stem.with_added_extension(extension))
         .into_iter()
-        .find(|file| file.is_file())
+        .find(|file| file.is_file() && !is_image_of(file, pair))
+}
+
+fn is_image_of(file: &Path, pair: &StoredPair) -> bool {
+    pair.images.paths().into_iter().any(|image| place(image) == place(file))
 }
 
 impl Asked {
@@ -223,6 +239,41 @@ impl Asked {
         if self.list.len() > MOST_LISTED {
             let _ = writeln!(text, "and {} more objects", self.list.len() - MOST_LISTED);
         }
-        text + &self.skipped.summary()
+        text.push_str(&self.skipped.summary());
+        text.extend(self.first_skipped.iter().map(|first| format!("  the first: {first}\n")));
+        text
+    }
+}
+
+/// Counts of objects over many pairs.
+#[derive(Debug, Default)]
+pub(super) struct ObjectTally {
+    skipped: usize,
+    unread: usize,
+    missing: usize,
+    /// The first object that is skipped, and why.
+    first: Option<String>,
+}
+
+impl ObjectTally {
+    pub(super) fn count(&mut self, pair: &str, asked: &Asked) {
+        self.skipped += asked.skipped.objects();
+        self.unread += usize::from(asked.error.is_some());
+        self.missing += usize::from(asked.is_missing);
+        let first = asked.first_skipped.as_ref().filter(|_| self.first.is_none());
+        self.first = first.map(|first| format!("{pair}: {first}")).or(self.first.take());
+    }
+
+    pub(super) fn summary(&self) -> String {
+        let mut text = format!(
+            "{} objects skipped, {} frames whose objects cannot be read",
+            self.skipped, self.unread
+        );
+        if self.missing > 0 {
+            let _ =
+                write!(text, ", {} frames without a file or a message of objects", self.missing);
+        }
+        text.extend(self.first.iter().map(|first| format!("\n  the first: {first}")));
+        text + "\n"
     }
 }

@@ -4,6 +4,7 @@
 //! Each thread takes the next pair that nobody has; memory is that of one pair for each thread, and
 //! of the results.
 
+use super::input::Setup;
 use crate::interruption;
 use crate::output::is_quiet;
 use anyhow::{Context, Result, bail};
@@ -55,6 +56,11 @@ pub(super) fn pairs_of(
 /// No more pairs come of a video, though there should be.
 pub(super) fn has_ended(found: &Footage) -> bool {
     found.of_video().is_some_and(|video| video.ended().is_some())
+}
+
+/// A line about the scene.json beside a pair; empty where there is none.
+pub(super) fn scene_note(setup: &Setup<'_>) -> String {
+    setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"))
 }
 
 /// Warnings about videos, a line each; empty where there are none.

@@ -2,7 +2,8 @@
 //! other.
 
 use super::arguments::{both, number_in};
-use super::input::{InputArgs, Known, LoadedPair, PairMatcher, Setup, TimedResult};
+use super::input::{InputArgs, LoadedPair, PairMatcher, Setup, TimedResult};
+use super::known::Known;
 use super::objects::{Asked, Objects};
 use super::recording::Played;
 use crate::interruption;
@@ -275,9 +276,10 @@ impl<'a> Player<'a> {
         let TimedResult { images, result, .. } =
             matcher.run(setup, &loaded, pair.images.times_us())?;
         let objects = asked.depths(setup, pair, &mut matcher.engine);
-        let rig = setup.params.rig.as_ref();
-        let ground = result.ground.map(|plane| Ground::new(plane, rig, images[0].dims));
-        Ok(Played { images, result, objects, ground, sectors: None })
+        let ground =
+            result.ground.map(|plane| Ground::new(plane, setup.geometry(), images[0].dims));
+        let refusal = setup.refusal(&result);
+        Ok(Played { images, result, refusal, objects, ground, sectors: None })
     }
 }
 
@@ -289,7 +291,7 @@ pub(super) fn line(
     no_points: bool,
 ) -> Result<String> {
     match played {
-        Ok(Played { images, result, objects, ground, sectors }) => {
+        Ok(Played { images, result, objects, ground, sectors, .. }) => {
             let (ground, sectors) = (*ground, sectors.clone());
             let answers = Answers { ground, sectors, ..Asked::answers(objects.as_ref()) };
             let mut result = result.clone();

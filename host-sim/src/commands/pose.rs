@@ -21,7 +21,7 @@ pub(super) struct PoseArgs {
 
 impl PoseArgs {
     /// The ground in images of this size and rig, by the options, else by the pose of the scene
-    /// file; `None` where nobody says it, or there is no rig for the scene file's.
+    /// file; `None` where nobody says it, or there is no rig with directions for the scene file's.
     pub(super) fn ground(
         &self,
         of_scene: Option<CameraPose>,
@@ -35,7 +35,7 @@ impl PoseArgs {
             if given.is_some() {
                 bail!(
                     "--camera-height needs a rig; give --focal-px and --baseline-m, --scene, or \
-                     --rig"
+                     --rig (not --fb, which gives no directions)"
                 );
             }
             return Ok(None);

@@ -2,7 +2,7 @@
 
 use super::arguments::number_in;
 use super::input::{InputArgs, Setup};
-use super::pairs::{has_ended, named_bar, pairs_of, video_note};
+use super::pairs::{has_ended, named_bar, pairs_of, scene_note, video_note};
 use super::player::Player;
 use super::{asked_for, written};
 use crate::draw;
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
         flags |= matched.result.health;
         // A wall of which nothing is matched has a verdict.
         refusals.extend(
-            health::refusal(&matched.result).filter(|_| !health::is_fit(matched.result.health)),
+            setup.refusal(&matched.result).filter(|_| !health::is_fit(matched.result.health)),
         );
         figures.push(&wall(args, setup)?, &matched.result.points);
         last = Some(matched.images);
@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> Result<()> {
     output.add_made(args.picture.as_ref(), || {
         Ok(draw::png(&draw::quality(&left, &quality, &answers, &text))?)
     })?;
-    let notes = video_note(&found) + &written([&args.json, &args.picture]);
+    let notes = scene_note(setup) + &video_note(&found) + &written([&args.json, &args.picture]);
     output.commit_and_sum_up("", &text, &notes)?;
     match refusals.first().filter(|_| answers.is_empty() && refusals.len() == pairs) {
         Some(why) => bail!("nothing is measured; {why}"),
@@ -110,7 +110,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// The wall in the left image of pairs of this set-up.
 fn wall<'a>(args: &Args, setup: &'a Setup<'_>) -> Result<Wall<'a>> {
     if args.distance.is_some() && setup.params.rig.is_none() {
-        bail!("--distance needs depths; give --focal-px and --baseline-m, --scene, or --rig");
+        return Err(setup.lacks("--distance"));
     }
     let region = region(args.region, setup.given, |pixel| setup.as_matched(pixel))?;
     Ok(Wall { region, rig: setup.params.rig.as_ref(), distance_m: args.distance })

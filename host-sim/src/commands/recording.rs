@@ -23,6 +23,8 @@ const STEP_NS: u64 = 100_000_000;
 pub(super) struct Played {
     pub(super) images: [GrayImage; 2],
     pub(super) result: FrameResult,
+    /// Why nothing of it is to be used.
+    pub(super) refusal: Option<String>,
     pub(super) objects: Option<Asked>,
     pub(super) ground: Option<crate::results::ground::Ground>,
     /// Every direction of the turn, where they are asked for.

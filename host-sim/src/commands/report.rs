@@ -1,8 +1,8 @@
 //! `linestereo report`: one page for a pair or a sequence, to be looked at.
 
 use super::input::InputArgs;
-use super::objects::{ObjectArgs, Objects};
-use super::pairs::{has_ended, named_bar, pairs_of, video_note};
+use super::objects::{ObjectArgs, ObjectTally, Objects};
+use super::pairs::{has_ended, named_bar, pairs_of, scene_note, video_note};
 use super::player::Player;
 use crate::explain::{CurveLog, TestTexts};
 use crate::output::{OutputFiles, OutputPath, spare};
@@ -25,8 +25,8 @@ pub struct Args {
     #[arg(long, short, value_name = "FILE.html")]
     out: OutputPath,
     /// Show at most this many frames, evenly spaced; all frames are matched.
-    #[arg(long, value_name = "N", default_value_t = 60)]
-    max_frames: usize,
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..))]
+    max_frames: u16,
     /// Both images of a pair stand side by side in one file: left | right.
     #[arg(long, conflicts_with = "right")]
     side_by_side: bool,
@@ -41,15 +41,16 @@ pub fn run(args: &Args) -> Result<()> {
     let pairs = &found.pairs;
     spare([&*args.out], pairs.iter().flat_map(StoredPair::files))?;
     let objects = args.objects.open(&args.left, &found)?;
-    let shown = shown(pairs.len(), args.max_frames.max(1));
+    let shown = shown(pairs.len(), args.max_frames.into());
     let mut player = Player::new(&args.input, &args.left)?;
     let progress = named_bar(pairs.len());
-    let mut page = None;
+    let (mut page, mut skipped) = (None, ObjectTally::default());
     let (mut failed, mut refusals) = (Vec::new(), Vec::new());
     for (index, pair) in pairs.iter().enumerate() {
         progress.set_message(pair.name.clone());
         let title = shown.contains(&index).then_some(&*title);
-        match add(&objects, &mut player, pair, (title, pairs.len() > 1), &mut page) {
+        let collected = (&mut page, &mut skipped);
+        match add(&objects, &mut player, pair, (title, pairs.len() > 1), collected) {
             Ok(refusal) => refusals.extend(refusal),
             Err(error) if pairs.len() == 1 => return Err(error),
             Err(_) if has_ended(&found) => break,
@@ -68,7 +69,11 @@ pub fn run(args: &Args) -> Result<()> {
     output.add(&args.out, html.as_bytes())?;
     let megabytes = html.len() as f64 / 1e6;
     let (shown, all, failed) = (shown.len(), pairs.len(), failed.len());
-    let (path, note) = (args.out.display(), video_note(&found));
+    let path = args.out.display();
+    let mut note = player.setup().map_or(String::new(), scene_note) + &video_note(&found);
+    if args.objects.is_given() {
+        note.push_str(&skipped.summary());
+    }
     output.commit_and_say(&format!(
         "{shown} of {all} pairs, {failed} failed: wrote {path} ({megabytes:.1} MB)\n{note}"
     ))?;
@@ -94,7 +99,7 @@ fn add(
     player: &mut Player<'_>,
     pair: &StoredPair,
     (title, many): (Option<&str>, bool),
-    page: &mut Option<Page>,
+    (page, skipped): (&mut Option<Page>, &mut ObjectTally),
 ) -> Result<Option<String>> {
     let (loaded, setup, matcher) = player.load(pair)?;
     // The first pair of many tells how far rows are apart.
@@ -105,13 +110,14 @@ fn add(
     let mut log = if many { CurveLog::outcomes_only() } else { CurveLog::default() };
     let matched = matcher.run_observed(setup, &loaded, pair.images.times_us(), &mut log)?;
     let is_right = objects.is_only() && health::is_fit(matched.result.health);
-    let refusal = health::refusal(&matched.result).filter(|_| !is_right);
+    let refusal = setup.refusal(&matched.result).filter(|_| !is_right);
     let refusal = refusal.map(|why| format!("{}: {why}", pair.name));
     let Some(title) = title else { return Ok(refusal) };
     let (engine, params) = (&mut matcher.engine, &setup.params);
     let setup_of_page = || PageSetup { title: title.to_owned(), many };
     let page = page.get_or_insert_with(|| Page::new(setup_of_page()));
     let objects = objects.depths(setup, pair, engine).unwrap_or_default();
+    skipped.count(&pair.name, &objects);
     if let Some(error) = objects.error {
         bail!("{error}");
     }

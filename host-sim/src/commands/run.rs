@@ -3,6 +3,7 @@
 use super::arguments::position;
 use super::input::{InputArgs, PairMatcher, Setup, TimedResult};
 use super::objects::{Asked, ObjectArgs};
+use super::pairs::scene_note;
 use super::sector_options::SectorArgs;
 use super::written;
 use crate::draw::{self, ColourRange};
@@ -15,7 +16,7 @@ use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Dims, Params, results::Rejection, units::Disparity};
+use linestereo::{Params, results::Rejection, units::Disparity};
 use linestereo_frames::{PairFiles, StoredPair};
 use linestereo_recordings::Footage;
 use std::path::PathBuf;
@@ -103,7 +104,7 @@ pub fn run(args: &Args) -> Result<()> {
     let queries = (!args.query.is_empty()).then(|| matcher.ask(&setup, &args.query));
     let directions = args.sectors.directions(&setup, &result)?;
     let sectors = directions.as_ref().filter(|_| args.sectors.sectors);
-    let ground = result.ground.map(|plane| Ground::new(plane, rig.as_ref(), left.dims));
+    let ground = result.ground.map(|plane| Ground::new(plane, setup.geometry(), left.dims));
     let answers = Answers {
         queries,
         ground,
@@ -125,8 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
         })?;
     }
     let notes = export_files(args, &setup, &result, &mut output)?;
-    let mut before = setup.note.as_ref().map_or(String::new(), |note| format!("{note}\n"));
-    before.push_str(&summary(left.dims, &setup.params, &result, seconds));
+    let before = scene_note(&setup) + &summary(&setup, &result, seconds);
     let mut results = objects.as_ref().map_or(String::new(), Asked::summary);
     results.extend(answers.queries.iter().flatten().map(Query::summary));
     results.push_str(&sectors.map(Directions::table).unwrap_or_default());
@@ -140,7 +140,8 @@ pub fn run(args: &Args) -> Result<()> {
         bail!("{error}");
     }
     // In and around objects there may be nothing.
-    let refusal = health::refusal(&result)
+    let refusal = setup
+        .refusal(&result)
         .filter(|_| !args.objects.is_only() || !health::is_fit(result.health));
     refusal.map_or(Ok(()), |why| Err(anyhow!("{why}")))
 }
@@ -155,11 +156,8 @@ fn export_files(
     let dims = setup.dims();
     let mut notes = String::new();
     let colours = ColourRange::of(result, setup.params.max_disparity);
-    let needs = |what: &str| {
-        anyhow!("{what} needs depths; give --focal-px and --baseline-m, --scene, or --rig")
-    };
-    let geometry = |what: &str| setup.geometry().ok_or_else(|| needs(what));
-    let rig = |what: &str| setup.params.rig.as_ref().ok_or_else(|| needs(what));
+    let geometry = |what: &str| setup.geometry().ok_or_else(|| setup.lacks(what));
+    let rig = |what: &str| setup.params.rig.as_ref().ok_or_else(|| setup.lacks(what));
     let mut png = |map: PngMap, what: &str| {
         if map.left_out > 0 {
             let _ = writeln!(notes, "{} points are not in the {what}", map.left_out);
@@ -190,8 +188,9 @@ fn nearest_metres(params: &Params) -> Option<f64> {
     params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
 }
 
-fn summary(dims: Dims, params: &Params, result: &FrameResult, seconds: f64) -> String {
-    let (counts, max_disparity) = (&result.counts, params.max_disparity);
+fn summary(setup: &Setup<'_>, result: &FrameResult, seconds: f64) -> String {
+    let (dims, params, counts) = (setup.dims(), &setup.params, &result.counts);
+    let max_disparity = params.max_disparity;
     let mut text = format!(
         "{dims}, disparities below {max_disparity}: {} of {} segments matched, {} points, {:.1} ms\n",
         counts.matched,
@@ -231,7 +230,7 @@ fn summary(dims: Dims, params: &Params, result: &FrameResult, seconds: f64) -> S
         let _ = writeln!(text, "rejected: {}", list.join(", "));
     }
     if let Some(plane) = result.ground {
-        text.push_str(&Ground::new(plane, params.rig.as_ref(), dims).summary());
+        text.push_str(&Ground::new(plane, setup.geometry(), dims).summary());
     }
     text.push_str(&health::summary(result));
     text

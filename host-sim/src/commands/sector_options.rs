@@ -123,7 +123,7 @@ impl SectorPlanArgs {
     /// Sectors of each direction after this pair alone.
     pub(super) fn directions(&self, setup: &Setup<'_>, result: &FrameResult) -> Result<Directions> {
         if setup.geometry().is_none() {
-            bail!("--sectors needs distances; give --focal-px and --baseline-m, --scene, or --rig");
+            return Err(setup.lacks("--sectors"));
         }
         let plan = self.plan(&setup.params, setup.dims())?;
         Ok(Directions::new(

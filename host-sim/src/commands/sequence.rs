@@ -2,7 +2,7 @@
 
 use super::asked_for;
 use super::input::InputArgs;
-use super::objects::{Asked, ObjectArgs};
+use super::objects::{Asked, ObjectArgs, ObjectTally};
 use super::pairs::{bar, has_ended, named_bar};
 use super::player::{Player, SourceArgs, line};
 use super::recording::{Played, Sink};
@@ -97,7 +97,7 @@ pub fn run(args: &Args) -> Result<()> {
     progress.finish_and_clear();
     let mut notes = tally.summary(&found);
     if args.objects.is_given() {
-        notes.push_str(&tally.of_objects());
+        notes.push_str(&tally.objects.summary());
     }
     let out = sink.path();
     // Without a line an earlier file stays.
@@ -165,9 +165,7 @@ struct Tally {
     may_be_empty: bool,
     /// Frames with each flag of their health.
     flagged: BTreeMap<&'static str, (usize, &'static str)>,
-    objects_skipped: usize,
-    objects_unread: usize,
-    objects_missing: usize,
+    objects: ObjectTally,
 }
 
 impl Tally {
@@ -184,7 +182,7 @@ impl Tally {
             }
         };
         let is_right = self.may_be_empty && health::is_fit(played.result.health);
-        if let Some(why) = health::refusal(&played.result).filter(|_| !is_right) {
+        if let Some(why) = played.refusal.as_ref().filter(|_| !is_right) {
             self.refused += 1;
             self.first_refusal.get_or_insert_with(|| format!("{}: {why}", pair.name));
         }
@@ -192,9 +190,7 @@ impl Tally {
             self.flagged.entry(flag).or_insert((0, what)).0 += 1;
         }
         if let Some(objects) = &played.objects {
-            self.objects_skipped += objects.skipped.objects();
-            self.objects_unread += usize::from(objects.error.is_some());
-            self.objects_missing += usize::from(objects.is_missing);
+            self.objects.count(&pair.name, objects);
         }
         Ok(played)
     }
@@ -234,20 +230,6 @@ impl Tally {
             );
         }
         text
-    }
-
-    fn of_objects(&self) -> String {
-        let mut text = format!(
-            "{} objects skipped, {} frames whose objects cannot be read",
-            self.objects_skipped, self.objects_unread
-        );
-        if self.objects_missing > 0 {
-            text.push_str(&format!(
-                ", {} frames without a file or a message of objects",
-                self.objects_missing
-            ));
-        }
-        text + "\n"
     }
 
     /// Was anything matched, and everything that was asked for?

@@ -12,11 +12,11 @@ pub struct Ground {
     pub across_px_per_column: f64,
     /// At the left top pixel.
     pub origin_px: f64,
-    /// Height of the cameras above it; `None` without a rig.
+    /// Height of the cameras above it; `None` without a rig that has directions.
     pub camera_height_m: Option<f64>,
-    /// How far the optical axis points down to it; `None` without a rig.
+    /// How far the optical axis points down to it; `None` without such a rig.
     pub pitch_deg: Option<f64>,
-    /// How far the cameras are rolled, clockwise; `None` without a rig.
+    /// How far the cameras are rolled, clockwise; `None` without such a rig.
     pub roll_deg: Option<f64>,
 }
 
