@@ -192,6 +192,21 @@ fn notes_that_nobody_reads_are_dropped() {
     }
 }
 
+/// What is skipped is told with its line.
+#[test]
+fn lists_of_objects_come_before_label_images() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    recording(at, 1);
+    fs::create_dir(at.join("boxes")).unwrap();
+    fs::copy(at.join("0001_left.png"), at.join("boxes/0001_left.png")).unwrap();
+    fs::write(at.join("boxes/0001_left.txt"), "0 0.5 0.5 0.2 0.2\n0 160 120 40 40\n").unwrap();
+    let run = "run 0001_left.png 0001_right.png --objects boxes";
+    tells(at, run, &["object (0): ", "the first: line 2: it lies outside of the left image"]);
+    let words = ["1 objects skipped", "the first: 0001: line 2: it lies outside"];
+    tells(at, "report . --objects boxes -o x.html", &words);
+}
+
 #[test]
 fn objects_alone_have_the_depths_of_the_whole_frame() {
     let folder = tempfile::tempdir().unwrap();

@@ -242,15 +242,6 @@ fn nothing_that_was_asked_for_is_passed_over() {
         ("sequence nosuch", "nosuch"),
     ];
     all_refused(at, &cases);
-    // Lists come before images; what is skipped is told with its line.
-    fs::copy(at.join("0002_left.png"), at.join("empty/0002_left.png")).unwrap();
-    fs::write(at.join("empty/0002_left.txt"), "0 0.5 0.5 0.2 0.2\n0 160 120 40 40\n").unwrap();
-    let run = "run 0002_left.png 0002_right.png --objects empty";
-    tells(at, run, &["object (0): ", "the first: line 2: it lies outside of the left image"]);
-    let words = ["1 objects skipped", "the first: 0002: line 2: it lies outside"];
-    tells(at, "report . --objects empty -o x.html", &words);
-    fs::remove_file(at.join("empty/0002_left.png")).unwrap();
-    fs::remove_file(at.join("empty/0002_left.txt")).unwrap();
     // A folder that has a file for some of the frames alone says so.
     fs::write(at.join("empty/0001_left.csv"), "10,10,90,90\n").unwrap();
     let said = stderr(&linestereo(at, "sequence . --objects empty"));
