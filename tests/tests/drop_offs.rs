@@ -72,6 +72,31 @@ fn three_points_that_agree_below_the_floor_are_a_drop_off() {
     assert_eq!(told(&at_5_cm, beyond), None);
 }
 
+#[test]
+fn chance_tells_no_drop_off_where_the_right_image_ends() {
+    let plan = plan(Some(0.05)).on_ground(Some(floor()));
+    // In one sector: the floor's 16 px end in the right image, or left of it.
+    let told_at = |columns: [u16; 3]| {
+        let points = columns.map(|x| point((x, 120), 10.0, 0.95, Source::Support));
+        seen_of_points(&plan, points.into_iter()).drop_off(&plan, 67, 0).is_some()
+    };
+    assert!(told_at([18, 25, 33]));
+    assert!(!told_at([4, 9, 14]));
+}
+
+#[test]
+fn what_is_lower_than_a_twentieth_of_the_cameras_height_is_the_floor() {
+    let plan = plan(None).on_ground(Some(floor()));
+    let is_obstacle = |y: u16, before: f64| {
+        let disparity = Disparity::from_num(DOWN * (f64::from(y) - HORIZON) + before);
+        let points = ahead(3, 0.0, 0.95).map(|point| Point { y, disparity, ..point });
+        matches!(seen_of_points(&plan, points).sector(&plan, 0, 0), Sector::Obstacle { .. })
+    };
+    // The floor has 56 px, and 12.
+    assert_eq!([2.5, 3.5].map(|before| is_obstacle(220, before)), [false, true]);
+    assert_eq!([0.7, 0.8].map(|before| is_obstacle(110, before)), [false, true]);
+}
+
 /// Points of the floor down the rows, in three columns of the sector ahead.
 fn of_floor() -> impl Iterator<Item = Point> {
     (84_u16..236).step_by(8).flat_map(|y| {

@@ -305,6 +305,17 @@ fn three_support_points_that_agree_are_an_obstacle() {
 }
 
 #[test]
+fn two_support_points_of_a_large_image_count_as_one() {
+    let dims = Dims { width: 640, height: 480 };
+    let plan = ObstacleParams::DEFAULT.plan(&params(), dims).unwrap();
+    let is_told = |count: u16| {
+        let points = (0..count).map(|n| point((320, 200 + 8 * n), 30.0, 0.999, Source::Support));
+        distance(seen_of_points(&plan, points).sector(&plan, 0, 0)).is_some()
+    };
+    assert_eq!([5, 6].map(is_told), [false, true]);
+}
+
+#[test]
 fn support_points_beside_a_sector_help_its_own_hypotheses() {
     let plan = plan_of(|_| {});
     let beside = 160 + (FOCAL * 5_f64.to_radians().tan()).round() as u16;

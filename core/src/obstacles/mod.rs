@@ -9,11 +9,11 @@
 //! ```text
 //! per match, in each sector that it crosses, per bar or side of a segment beside those that agree
 //!     with it, and per support point (with a probability of at most 0.8: errors of neighbours are
-//!     correlated):
+//!     correlated; of images wider than 450 px two count as one):
 //!   within the range and the height band     one of the nearest hypotheses of the sector
 //!   behind them                              a hypothesis that the sector is free
 //!   2 px and more behind the ground plane    a hypothesis of a drop-off, where the plane is seen
-//!       at the lower end of the point
+//!       at the lower end of the point, and would be by the right camera
 //! per sector, from the nearest hypothesis on:
 //!   product of the error probabilities, 1 - confidence, of the hypotheses that agree with it
 //!       (up to 1 px and 1/16 of the nearness behind it), from near to far; the obstacle is where
@@ -36,8 +36,9 @@
 //!   ([`ObstaclePlan::on_ground`]) they are right whatever pitch and roll are; without it sectors
 //!   tilt with the camera.
 //! - **Height band**: above and below the camera. With the plane it is parallel to the ground; what
-//!   lies at most 0.75 px before the plane is the ground and no obstacle, and what lies behind it
-//!   is neither free nor one. Without the plane the band tilts with the camera.
+//!   lies at most 0.75 px or a twentieth of its disparity before the plane
+//!   ([`ground_tolerance`]) is the ground and no obstacle, and what lies behind it is neither free
+//!   nor one. Without the plane the band tilts with the camera.
 //! - **Free**: credible segments or support points lie *behind* the range in this sector, none
 //!   within it, and the whole sector is seen by both cameras from the near limit on. With a ground
 //!   plane they lie in each half of the sector at all rows in which something within the range

@@ -62,7 +62,7 @@ define_evidence! {
     Conflicting: "log2(1 + neighbours that contradict)",
     SegmentsAgreeing: "log2(1 + hypotheses of segments nearby that agree)",
     SegmentsConflicting: "log2(1 + hypotheses of segments nearby that contradict)",
-    Detail: "log2(1 + how much codes change along a window, on average)",
+    Detail: "log2(1 + how much codes change along a window, on average); 0 in large images",
 }
 
 /// Labels of a point: disparities, and behind one that never matches those beside the ground plane.
@@ -415,6 +415,8 @@ pub(super) fn nearby(
         }),
     };
     let log2_q8 = |sum: u32| i16::try_from(log2_mean_q8(sum, 256)).unwrap_or(0);
+    // Among large pairs detail tells roads from rooms, not right from wrong.
+    let detail_q8 = if grid.is_fine() { 0 } else { detail_q8 };
     let [supporting, conflicting] =
         own.segments.map(|sum| i16::try_from(log2_mean_q8(sum.into(), 16)).unwrap_or(0));
     [

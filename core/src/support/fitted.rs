@@ -1,8 +1,8 @@
 //! Written by `linestereo-lab fit-confidence` from 125 pairs of qvga, robot_world, oakd_agreed_320,
 //! oakd_agreed_640, kitti2012_640, robot_world_640, middlebury2006_third, middlebury2006_half,
 //! middlebury2005_half, small ones under 7 damages, listed where the models before these put them;
-//! the network among neighbours that these models rate; `fine` with large captured pairs with noise
-//! as well: do not edit.
+//! the network among neighbours that these models rate; `fine` without the detail of pairs: do not
+//! edit.
 
 use super::SupportModels;
 use crate::confidence::{Model, Network, Unit};
@@ -35,15 +35,15 @@ pub const FITTED_SUPPORT: SupportModels = SupportModels {
         ],
     },
     fine: Model {
-        bias_q12: -30978,
+        bias_q12: -11194,
         coefficients_q12: [
-            -5675, 0, -2224, 0, 568, 1824, 0, -1382, 1872,
-            913, 610, -1561, 2535, -1077, 284, -2606, 1991,
+            -5605, 0, -2687, 0, 479, 1651, 0, 111, 2227,
+            598, 163, -749, 3897, -414, -322, -3073, 0,
         ],
         probability_q16: [
-            2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22,
-            1953, 6768, 11341, 17397, 24957, 32522, 40364, 47271, 52925, 56791, 59538,
-            61534, 62946, 63886, 64423, 64917, 65140, 65270, 65354, 65356, 65387, 65389,
+            263, 527, 790, 1054, 1317, 1581, 1844, 2108, 2371, 2635, 2898,
+            3744, 6842, 11061, 17955, 26553, 35001, 41535, 47006, 51423, 55443, 58589,
+            61068, 62734, 63969, 64687, 65035, 65200, 65305, 65331, 65333, 65335, 65337,
         ],
     },
     context: Network {

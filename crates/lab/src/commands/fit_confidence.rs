@@ -26,10 +26,8 @@ Examples:
   linestereo-lab fit-confidence frames/qvga                                        only print the leave-one-scene-out scores
   linestereo-lab fit-confidence frames/qvga --min-confidence 0.2                   the same with the less probable answers";
 
-/// Widest pair under all damages, px.
+/// Widest pair that is damaged, px.
 const WIDEST_DAMAGED: u16 = 450;
-/// Damages of wider ones: none, and noise of 2 grey levels.
-const OF_LARGE: usize = 2;
 /// Files of constants below core/src.
 const SEGMENTS: &str = "confidence/fitted.rs";
 const SUPPORT: &str = "support/fitted.rs";
@@ -131,7 +129,7 @@ fn write_constants(
     let folders =
         args.folders.iter().chain(&args.also).filter_map(|folder| folder.file_name()?.to_str());
     let origin = format!(
-        "{} pairs of {}, small ones under {damages} damages, large captured ones with noise",
+        "{} pairs of {}, small ones under {damages} damages",
         scenes.len(),
         folders.collect::<Vec<_>>().join(", ")
     );
@@ -176,19 +174,14 @@ fn halves_of(folders: &[PathBuf]) -> Result<Vec<Scene>> {
     Ok(halves)
 }
 
-/// Damages of a scene before it is sampled: small captured pairs under all, large ones with noise,
-/// without which few of them show what is matched where nothing can be; rendered rooms have noise
-/// of their own.
+/// Damages of a scene before it is sampled: small captured pairs are damaged, rendered rooms
+/// have noise of their own, and large pairs show what small ones do.
 fn damages_of<'d>(
     scene: &Scene,
     damages: &'d [(&'static str, Perturbation)],
 ) -> &'d [(&'static str, Perturbation)] {
-    let count = match scene.left.dims.width {
-        _ if is_rendered(scene) => 1,
-        ..=WIDEST_DAMAGED => damages.len(),
-        _ => OF_LARGE,
-    };
-    damages.get(..count).unwrap_or(damages)
+    let is_damaged = scene.left.dims.width <= WIDEST_DAMAGED && !is_rendered(scene);
+    if is_damaged { damages } else { damages.get(..1).unwrap_or(damages) }
 }
 
 fn is_rendered(scene: &Scene) -> bool {
