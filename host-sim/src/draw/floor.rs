@@ -28,9 +28,12 @@ fn of(plane: GroundPlane, places: &[(ImagePosition, Disparity)]) -> Option<[u8; 
         let [x, y] = [at.x, at.y].map(|value| value.to_num::<i32>());
         i32::from(disparity.to_bits()) - plane.at_q6(x, y)
     };
-    let near = |&(_, disparity): &(_, Disparity)| i32::from(ground_tolerance(disparity).to_bits());
+    let limits = |&(_, disparity): &(_, Disparity)| {
+        let [far, near] = [Disparity::ZERO, disparity].map(ground_tolerance);
+        -i32::from(far.to_bits())..=near.to_bits().into()
+    };
     let least = i32::from(BELOW_GROUND.to_bits());
-    if places.iter().all(|place| above(place).abs() <= near(place).min(least)) {
+    if places.iter().all(|place| limits(place).contains(&above(place))) {
         Some(FLOOR)
     } else if places.iter().all(|place| above(place) <= -least) {
         Some(DROP)

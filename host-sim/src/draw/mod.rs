@@ -317,7 +317,7 @@ mod tests {
             confidence: Confidence::MAX,
             source: Source::Side,
         };
-        let points: Vec<_> = [19.25, 20.75, 20.8, 18.9, 18.0]
+        let points: Vec<_> = [19.25, 21.0, 21.1, 18.9, 18.0]
             .iter()
             .zip([40, 80, 120, 160, 200])
             .map(|(&d, x)| point(x, d))
