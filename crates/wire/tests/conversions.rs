@@ -43,7 +43,7 @@ fn directions_come_back_equal() {
     // 2 m away above the floor at all columns but some; and below the floor.
     let walls = (0..640).step_by(8).filter(|x| !(300..340).contains(x));
     let points = walls.flat_map(|x| (176..224).step_by(8).map(move |y| point(x, y, 6.0)));
-    let points = points.chain((312..328).step_by(2).map(|x| point(x, 400, 10.0)));
+    let points = points.chain((315..325).map(|x| point(x, 400, 10.0)));
     let mut obstacles = Obstacles::new();
     obstacles.update(&plan.on_ground(Some(ground)), &[], points, HealthFlags::GOOD, 1_000_000);
 
