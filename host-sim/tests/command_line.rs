@@ -192,7 +192,7 @@ fn notes_that_nobody_reads_are_dropped() {
     }
 }
 
-/// What is skipped is told with its line.
+/// A skipped box is told with its line.
 #[test]
 fn lists_of_objects_come_before_label_images() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What is known of a pair besides its images: by a file that is named, or one that lies beside it.
+//! Range, rig and pose of a pair, from a file that is named or lies beside its images.
 
 use linestereo_frames::{PairFiles, RigText, SceneInfo};
 use std::path::{Path, PathBuf};

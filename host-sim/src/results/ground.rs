@@ -14,9 +14,9 @@ pub struct Ground {
     pub origin_px: f64,
     /// Height of the cameras above it; `None` without a rig that has directions.
     pub camera_height_m: Option<f64>,
-    /// How far the optical axis points down to it; `None` without such a rig.
+    /// Angle of the optical axis below the ground's horizon, degrees; `None` without such a rig.
     pub pitch_deg: Option<f64>,
-    /// How far the cameras are rolled, clockwise; `None` without such a rig.
+    /// Roll of the cameras, clockwise, degrees; `None` without such a rig.
     pub roll_deg: Option<f64>,
 }
 

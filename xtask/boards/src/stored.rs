@@ -16,7 +16,7 @@ pub(crate) struct Stored {
     pub(crate) file: &'static str,
     /// The command that writes it.
     pub(crate) bless: &'static str,
-    /// What its numbers are, as comments.
+    /// Meaning of its numbers, as comments of the file.
     pub(crate) head: &'static str,
 }
 

@@ -209,7 +209,7 @@ enum Why {
 }
 
 impl Why {
-    /// What is wrong, and what to do; `unit` says what numbers of the file are.
+    /// The fault and its cure; `unit` is that of numbers of the file.
     fn text(self, frame: &Frame<'_>, unit: &str) -> String {
         let given = frame.given;
         match self {
@@ -335,7 +335,7 @@ struct Collector<'a> {
     position: usize,
     /// Line of the next object, in files of lines.
     line: Option<u64>,
-    /// What its numbers are.
+    /// Unit of its numbers.
     unit: &'static str,
     /// Runs that may still be made.
     runs_left: usize,
