@@ -23,7 +23,7 @@ use crate::query::{self, PixelDepth, PixelRejection, Query};
 use crate::report::Report;
 use crate::result::{Counts, Match, Point};
 use crate::side_pixels::ValidPixels;
-use crate::support::{Likeness, RangeCheck, Support, SupportPoint};
+use crate::support::{Likeness, Noise, RangeCheck, Support, SupportPoint};
 #[cfg(feature = "unstable")]
 use crate::{
     matching::Candidate,
@@ -45,6 +45,8 @@ pub(crate) struct Summary {
     /// Detail of the left image, `SupportKind::Detail`, Q8.
     pub(crate) detail_q8: i16,
     pub(crate) range: RangeCheck,
+    /// Noise of both images.
+    pub(crate) noise: [Noise; 2],
     pub(crate) plane: Option<GroundPlane>,
     pub(crate) health: PairHealth,
     /// All of the pair was matched, not areas of it.
@@ -141,6 +143,7 @@ impl<'a> Matched<'a> {
             counts: self.counts(),
             support: self.support(),
             range: self.summary.range,
+            noise: self.summary.noise,
             row_offset: self.summary.row_offset(),
             has_segments: self.plan.params.parts != Parts::Support,
             is_whole: self.summary.is_whole,

@@ -19,7 +19,7 @@ use crate::plan::Plan;
 use crate::report::Report;
 use crate::result::{Match, Rejection};
 use crate::segment_stage::{Part, SegmentStage};
-use crate::support::{self, Grid};
+use crate::support::{self, Grid, Noise};
 
 /// Columns between two scans for the near-horizontal edges of the right image, not all of which are
 /// needed.
@@ -245,8 +245,9 @@ impl<'a> Run<'_, 'a> {
         let (images, plane) = (self.images, summary.plane);
         let grid = Grid::new(&params, dims);
         let grid = if plane.is_some() { grid.with_plane(m.scratch.rows.len()) } else { grid };
-        let (half, noise) =
-            (Grid::of_halves(&params, dims), support::Noise::of(lend(&mut cores), images));
+        let half = Grid::of_halves(&params, dims);
+        summary.noise = Noise::of(lend(&mut cores), images);
+        let noise = Noise::larger(summary.noise);
         let (row_offset, wants_curves) = (summary.row_offset(), observer.wants_curves());
         let matching = support::Matching {
             images,

@@ -152,7 +152,7 @@ fn a_damaged_file_is_shown_and_counted_exactly() {
         \x20       6       0.240      40.0     11.0      21.5      0.3     10/12       2.00    infinite  good\n\
          frames: 2 complete, 2 incomplete (12 segments missing), 2 lost\n\
          packets: 12 good, 2 framing damaged, 2 checksum wrong, 1 too long, 1 malformed, 1 of another version\n\
-         another version: version 1, this program reads version 7\n\
+         another version: version 1, this program reads version 8\n\
          bytes: {} received, {skipped} skipped\n",
         bytes.len()
     );

@@ -154,7 +154,7 @@ fn json_has_the_promised_keys_and_shapes() {
     assert_eq!(count("matched") as usize, segments.len());
     assert!(count("segments_right") > 0);
     let health = &json["health"];
-    let named = "flags least_disparity_px left range right row_drift_px row_offset_px rows \
+    let named = "flags least_disparity_px left noise range right row_drift_px row_offset_px rows \
                  skew_us still tear";
     assert_eq!(keys(health), named);
     assert_eq!(health["flags"], serde_json::json!([]));

@@ -8,6 +8,7 @@ mod board_faults;
 mod board_objects;
 mod bounds;
 mod c_library;
+mod compressed;
 mod cores;
 mod determinism;
 mod drop_offs;

@@ -52,8 +52,8 @@ use crate::cores::{Cores, join};
 use crate::image::{Dims, Gray};
 use crate::result::{Counts, Match, Rejection};
 use crate::sort::keep_largest;
-pub use crate::support::RangeCheck;
 use crate::support::Support;
+pub use crate::support::{Noise, RangeCheck};
 use crate::units::{Confidence, quotient};
 pub use camera::CameraHealth;
 use core::cmp::Reverse;
@@ -99,6 +99,8 @@ pub struct PairHealth {
     pub least_disparity_q6: Option<i16>,
     /// Windows that match beyond the disparity range; `None` until the pair is matched.
     pub range: Option<RangeCheck>,
+    /// Noise of the left and the right image; `None` until the pair is matched.
+    pub noise: Option<[Noise; 2]>,
     /// Likeness of both images at the same pixels; `None` with too few credible support points.
     pub still: Option<Still>,
     /// A row at which an image is torn.
@@ -116,6 +118,8 @@ pub struct Findings<'a> {
     pub support: Support<'a>,
     /// Windows that match beyond the disparity range.
     pub range: RangeCheck,
+    /// Noise of both images.
+    pub noise: [Noise; 2],
     /// Row of the right image at which row 0 of the left one was matched.
     pub row_offset: i32,
     /// Segments were matched; without them nothing is said of few matches, and of matches beyond
@@ -308,7 +312,7 @@ impl HealthMonitor {
             now |= HealthFlags::BEYOND_INFINITY.when(beyond);
         }
 
-        health.range = Some(found.range);
+        (health.range, health.noise) = (Some(found.range), Some(found.noise));
         // A fault of a camera leaves windows without a match as well.
         if !health.now.intersects(CAMERA_FLAGS.intersection(HealthFlags::UNFIT)) {
             tested |= HealthFlags::RANGE_SMALL;

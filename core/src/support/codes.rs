@@ -114,6 +114,22 @@ impl<'a> CodeRows<'a> {
         1 + u16::from(self.half.is_some())
     }
 
+    /// True when the grey levels of the left image that the codes of a window read differ by so
+    /// much, where rows are coded as `y`.
+    pub(super) fn has_contrast(&self, y: i32, window: i32, contrast: u8) -> bool {
+        let (scale, middle) = (i32::from(self.scale()), ROWS as i32 / 2);
+        let [start, end] = [window - BORDER, window + WINDOW_COLUMNS as i32 + BORDER]
+            .map(|x| (scale * x).max(0) as usize);
+        let (mut least, mut most) = (u8::MAX, 0);
+        (scale * (y - middle)..scale * (y + middle)).any(|y| {
+            let row = self.images[0].row(y.max(0) as usize).unwrap_or(&[]);
+            for &level in row.get(start..end).unwrap_or(&[]) {
+                (least, most) = (level.min(least), level.max(most));
+            }
+            most.saturating_sub(least) >= contrast
+        })
+    }
+
     /// Columns with valid pixels of the rows that are coded as `y`.
     pub(super) fn valid(&self, y: i32) -> [Span; 2] {
         let scale = self.scale();

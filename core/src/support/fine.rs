@@ -356,13 +356,16 @@ impl Fine<'_> {
         let curvature = (u16::from(before) + u16::from(after))
             .saturating_sub(2 * u16::from(here))
             .min(u8::MAX.into());
-        let window = row.codes.window(window_x)?;
+        let changes = code_steps(row.codes.window(window_x)?);
+        if self.matching.noise.hides(changes, row.codes, (window_x, row.y)) {
+            return None;
+        }
 
         let mut evidence = SupportEvidence::new();
         evidence.set(SupportKind::PathsRatio, log2_q8(lowest) - log2_q8(second));
         evidence.set(SupportKind::WindowCost, log2_q8(here));
         evidence.set(SupportKind::Curvature, log2_q8(curvature as u8));
-        evidence.set(SupportKind::Changes, log2_mean_q8(code_steps(window).into(), 1));
+        evidence.set(SupportKind::Changes, log2_mean_q8(changes.into(), 1));
         evidence.set(SupportKind::HalfSize, node.score_q8.into());
         evidence.set(SupportKind::Moved, ((disparity_q6 - known_q6).abs() << 2).min(MOST_MOVED_Q8));
         if let Some(plane) = plane {

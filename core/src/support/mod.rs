@@ -5,7 +5,8 @@
 //! disparity, 1/64 px, and the probability of being within 1 px.
 //!
 //! ```text
-//! noise:   its deviation, by the flattest runs of pixels of both images  (noise)
+//! noise:   its deviation, and where it was removed, by the flattest runs of pixels of both images
+//!          (noise)
 //! codes:   of each two rows, the changes to the right and downward, in units of the noise  (codes)
 //! costs:   1/64 of the sum of |code - code| over 8 columns of four rows of codes, at each
 //!          disparity
@@ -56,7 +57,7 @@ pub use fitted::FITTED_SUPPORT;
 pub(crate) use grid::{Grid, most_support_points};
 pub(crate) use likeness::Likeness;
 pub use nearer::RangeCheck;
-pub(crate) use noise::Noise;
+pub use noise::Noise;
 pub use points::Support;
 
 use crate::area::Area;
@@ -269,6 +270,7 @@ pub(crate) struct Matching<'a> {
     pub(crate) half: Option<Grid>,
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
+    /// Of the noisier image.
     pub(crate) noise: Noise,
     pub(crate) plane: Option<GroundPlane>,
     pub(crate) models: &'a SupportModels,

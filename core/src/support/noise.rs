@@ -1,6 +1,7 @@
-//! The noise of a pair, by its flattest runs of pixels: it sets the full scale of the codes.
+//! The noise of a pair, by its flattest runs of pixels: it sets the full scale of the codes, and
+//! what a window has to show where compression removed the noise.
 //!
-//! In: both images. Out: its standard deviation in grey levels, and how often codes are doubled.
+//! In: both images. Out: for each the standard deviation and the share of runs without any noise.
 //!
 //! ```text
 //! sample   24 rows x 8 runs of 8 pixels, spread over the image; runs with pixels near black or
@@ -8,9 +9,15 @@
 //! L        sum over a run of |second difference across of the second difference down|, of pixels
 //!          1 and 2 px apart
 //! noise    L of the run at 20 % / 30.6; the larger of the two distances and of the two images
+//! hidden   windows of little contrast whose codes change by less than 3 per thousandth of the runs
+//!          with L = 0 of pixels 1 px apart, the larger of the two images, at most by 800
 //! ```
 //! The second differences of a plane are zero: what is left on flat and evenly shaded surfaces is
 //! noise. Pixels 2 px apart also show the noise of a camera that smooths it.
+//!
+//! A sensor leaves no run without noise. Compression and few grey levels turn blank surfaces into
+//! steps instead, which lie at the same pixels of both images or move with the light: they match,
+//! but not at the depth of the surface. Such windows are not matched.
 //!
 //! # Cost
 //! 384 runs an image.
@@ -19,6 +26,7 @@
 //! Immerkaer 1996 (fast noise variance estimation: the mask), by a quantile of runs instead of the
 //! mean of all pixels.
 
+use super::codes::CodeRows;
 use crate::cores::{Cores, join};
 use crate::image::Gray;
 use crate::kernel::{RUN_PIXELS, STRIP, second_differences};
@@ -38,31 +46,68 @@ const STEP: u32 = 4;
 /// Steps of the histogram: up to 8.4 grey levels.
 const STEPS: usize = 64;
 
-/// Standard deviation of a pair's noise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(crate) struct Noise {
-    /// Sum of second differences of the run at 20 %, 30.6 times the deviation in grey levels.
-    sum: u16,
+/// Sum of second differences of a run with a standard deviation of 1/16 grey level, times 160.
+const SUM_OF_Q4: u32 = 306;
+/// Changes of codes along a window below which it may show steps alone, per thousandth of the runs
+/// that are without noise. With less blank surfaces still match, with more textured ones do not.
+const CHANGES_PER_PERMILLE: u16 = 3;
+/// The most of these changes.
+const MOST_CHANGES: u16 = 800;
+
+/// Grey levels by which a window differs where an edge is seen, whatever the noise: steps that
+/// compression makes are smaller.
+const EDGE: u8 = 48;
+
+/// Noise of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Noise {
+    /// Standard deviation, 1/16 grey level, up to 8.4 levels.
+    pub deviation_q4: u8,
+    /// Runs of pixels without any noise, per thousand. A sensor leaves none: in a picture with
+    /// many, compression or few grey levels removed the noise, and with it the texture of blank
+    /// surfaces.
+    pub noiseless_permille: u16,
 }
 
 impl Noise {
-    /// The noise of the noisier image.
-    pub(crate) fn of(cores: Option<&mut dyn Cores>, [left, right]: [Gray<'_>; 2]) -> Self {
-        let of = |image| of_image(image, 1).max(of_image(image, 2));
+    /// The noise of each image.
+    pub(crate) fn of(cores: Option<&mut dyn Cores>, [left, right]: [Gray<'_>; 2]) -> [Self; 2] {
+        let of = |image| {
+            let near = of_image(image, 1);
+            let deviation_q4 = near.deviation_q4.max(of_image(image, 2).deviation_q4);
+            Self { deviation_q4, ..near }
+        };
         let (mut of_left, mut of_right) = (Self::default(), Self::default());
         join(cores, || of_left = of(left), || of_right = of(right));
-        of_left.max(of_right)
+        [of_left, of_right]
+    }
+
+    /// The larger numbers of two images.
+    pub(crate) fn larger([a, b]: [Self; 2]) -> Self {
+        Self {
+            deviation_q4: a.deviation_q4.max(b.deviation_q4),
+            noiseless_permille: a.noiseless_permille.max(b.noiseless_permille),
+        }
     }
 
     /// How often codes are doubled, 1 ..= 4: each halves the difference that fills their scale.
     pub(super) fn doublings(self) -> u32 {
-        1 + [144, 72, 36].into_iter().map(|most| u32::from(self.sum < most)).sum::<u32>()
+        1 + [75, 37, 18].into_iter().map(|most| u32::from(self.deviation_q4 < most)).sum::<u32>()
     }
 
     /// The same of the images' halves, and of the images around what is known from these.
     pub(super) fn doublings_of_two(self) -> [u32; 2] {
         let doublings = self.doublings();
         [doublings.max(2), (doublings - 1).max(1)]
+    }
+
+    /// True when a window with these changes of codes, at this column in rows that are coded as `y`,
+    /// may show nothing but the steps that the removal of noise makes.
+    pub(super) fn hides(self, changes: u16, codes: &CodeRows<'_>, (x, y): (i32, i32)) -> bool {
+        changes < (CHANGES_PER_PERMILLE * self.noiseless_permille).min(MOST_CHANGES)
+            && !codes.has_contrast(y, x, EDGE)
     }
 }
 
@@ -76,11 +121,12 @@ fn has_cut_off(levels: [u8; 4]) -> bool {
     moved.wrapping_sub(all(2 * CUT_OFF)) & !moved & all(0x80) != 0
 }
 
-/// Noise of an image by pixels `apart` px from each other.
+/// Noise of an image by pixels `apart` px from each other; the default with too few runs.
 fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
     let dims = image.dims();
     let (width, height, reach) = (i32::from(dims.width), i32::from(dims.height), apart as i32);
     let mut histogram = [0_u16; STEPS];
+    let mut noiseless = 0_u16;
     for row in 0..ROWS {
         let y = quotient(row * (height - 4 * reach), ROWS) + 2 * reach;
         let line = |y: i32| image.row(y.max(0) as usize).unwrap_or(&[]);
@@ -101,7 +147,9 @@ fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
                 .get(apart..apart + STRIP)
                 .is_some_and(|run| !run.as_chunks().0.iter().any(|&four| has_cut_off(four)));
             if is_between {
-                let step = second_differences([above, here, below], apart) / STEP;
+                let sum = second_differences([above, here, below], apart);
+                noiseless += u16::from(sum == 0);
+                let step = sum / STEP;
                 if let Some(count) = histogram.get_mut(step.min(STEPS as u32 - 1) as usize) {
                     *count += 1;
                 }
@@ -113,13 +161,18 @@ fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
         return Noise::default();
     }
     let mut left = all / 5;
-    for (step, &count) in (0..).zip(&histogram) {
-        match left.checked_sub(count.into()) {
-            Some(rest) => left = rest,
-            None => return Noise { sum: step * STEP as u16 + STEP as u16 / 2 },
+    let at = histogram.iter().position(|&count| match left.checked_sub(count.into()) {
+        Some(rest) => {
+            left = rest;
+            false
         }
+        None => true,
+    });
+    let sum = at.map_or(STEPS as u32 * STEP, |step| step as u32 * STEP + STEP / 2);
+    Noise {
+        deviation_q4: (160 * sum / SUM_OF_Q4) as u8, // at most 133
+        noiseless_permille: quotient(1000 * i32::from(noiseless), all as i32) as u16,
     }
-    Noise { sum: STEPS as u16 * STEP as u16 }
 }
 
 #[cfg(test)]

@@ -159,6 +159,9 @@ impl<'a> Row<'_, 'a> {
         let beside = self.labels.and_then(|labels| labels.label(column, grid, Grid::y(self.row)));
         let labels = Labels { range, disparities: grid.disparities, last, beside };
         Some(match Found::new(costs, &labels, steps, in_left) {
+            Ok(_) if matching.noise.hides(steps, codes, (window, Grid::y(self.row))) => {
+                SupportPoint::none()
+            }
             Ok(found) => {
                 watch(index, Seen::Evidence(&found.evidence));
                 let model = matching.models.of(matching.plane.is_some());

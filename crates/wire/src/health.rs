@@ -9,7 +9,9 @@
 //! ```
 
 use core::fmt;
-use linestereo::health::{CameraHealth, HealthFlags, PairHealth, RangeCheck, Rows, Still, Tear};
+use linestereo::health::{
+    CameraHealth, HealthFlags, Noise, PairHealth, RangeCheck, Rows, Still, Tear,
+};
 use linestereo::results::Counts;
 use serde::{Deserialize, Serialize};
 
@@ -267,6 +269,8 @@ pub struct PairReport {
     pub least_disparity_q6: Option<i16>,
     /// [`PairHealth::range`].
     pub range: Option<RangeReport>,
+    /// [`PairHealth::noise`].
+    pub noise: Option<[Noise; 2]>,
     /// [`PairHealth::still`].
     pub still: Option<Still>,
     /// [`PairHealth::tear`].
@@ -302,6 +306,7 @@ impl From<&PairHealth> for PairReport {
             row_drift_q8: health.row_drift_q8,
             least_disparity_q6: health.least_disparity_q6,
             range: health.range.map(range),
+            noise: health.noise,
             still: health.still,
             tear: health.tear,
         }

@@ -20,7 +20,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Version of the records' layout.
-pub const VERSION: u8 = 7;
+pub const VERSION: u8 = 8;
 
 /// Ends every packet, and stands nowhere else.
 pub const DELIMITER: u8 = 0;

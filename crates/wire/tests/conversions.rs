@@ -2,7 +2,7 @@
 //! settings.
 
 use crate::support::*;
-use linestereo::health::{HealthFlags, PairHealth, Rows, Still, Tear};
+use linestereo::health::{HealthFlags, Noise, PairHealth, Rows, Still, Tear};
 use linestereo::objects::{ObjectMetres, Reason};
 use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::{Point, Source};
@@ -194,6 +194,7 @@ fn the_health_of_a_pair_is_in_its_head() {
         row_offset_q8: Some(-11),
         row_drift_q8: Some(12),
         least_disparity_q6: Some(-13),
+        noise: Some([Noise { deviation_q4: 18, noiseless_permille: 19 }, Noise::default()]),
         still: Some(Still { still_permille: 14, pattern_permille: -15 }),
         tear: Some(Tear { row: 16, shift: -17 }),
         ..PairHealth::default()
@@ -213,6 +214,7 @@ fn the_health_of_a_pair_is_in_its_head() {
         row_drift_q8: Some(12),
         least_disparity_q6: Some(-13),
         range: None,
+        noise: pair.noise,
         still: pair.still,
         tear: pair.tear,
     };

@@ -193,7 +193,7 @@ fn another_version_is_named() {
     let text = |found| DecodeError::Version { found }.to_string();
     assert_eq!(
         text(1),
-        "the packet goes from a board and has version 1, this program has version 7"
+        "the packet goes from a board and has version 1, this program has version 8"
     );
 }
 

@@ -157,7 +157,7 @@ fn the_layout_of_this_version_is_exactly_this() {
         );
         payload.to_vec()
     }
-    assert_eq!(VERSION, 7);
+    assert_eq!(VERSION, 8);
     for (message, expected) in examples::messages() {
         assert_eq!(payload(&message), expected, "{message:?}");
     }

@@ -10,6 +10,8 @@ use serde::Serialize;
 /// few.
 const LEAST_COMPARED: u16 = 24;
 const FEW: f64 = 0.15;
+/// Least share of a picture without noise that is said, per thousand.
+const MUCH_REMOVED_PERMILLE: u16 = 100;
 
 /// Flags with their remedies: first those by which the pair is not fit to be used, then warnings,
 /// then what only costs yield.
@@ -132,9 +134,17 @@ struct Numbers {
     row_offset_px: Option<f64>,
     row_drift_px: Option<f64>,
     least_disparity_px: Option<f64>,
+    noise: Option<[Noise; 2]>,
     range: Option<Range>,
     still: Option<Still>,
     tear: Option<Tear>,
+}
+
+/// Standard deviation in grey levels, and share of the picture without any.
+#[derive(Clone, Debug, Serialize)]
+struct Noise {
+    deviation: f64,
+    noiseless: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -200,6 +210,12 @@ impl From<&PairReport> for Numbers {
             row_offset_px: pair.row_offset_q8.map(px),
             row_drift_px: pair.row_drift_q8.map(px),
             least_disparity_px: pair.least_disparity_q6.map(|d| f64::from(d) / 64.0),
+            noise: pair.noise.map(|noise| {
+                noise.map(|of| Noise {
+                    deviation: f64::from(of.deviation_q4) / 16.0,
+                    noiseless: f64::from(of.noiseless_permille) / 1000.0,
+                })
+            }),
             range: pair.range.map(|RangeReport { windows, beyond, disparity }| Range {
                 windows,
                 beyond,
@@ -259,6 +275,16 @@ pub fn summary(result: &FrameResult) -> String {
             "health: only {} of {compared} segments match: reduce noise, blur and compression \
              (JPEG below quality 90 halves the number of matches)\n",
             counts.matched
+        ));
+    }
+    let removed = pair
+        .and_then(|pair| pair.noise)
+        .map_or(0, |noise| noise.map(|of| of.noiseless_permille).into_iter().max().unwrap_or(0));
+    if removed >= MUCH_REMOVED_PERMILLE {
+        text.push_str(&format!(
+            "health: {} % of the picture have no noise at all, as after compression or with few \
+             grey levels: what is blank there is left out (JPEG: use a quality of 80 or more)\n",
+            removed / 10
         ));
     }
     let offset = pair.and_then(|pair| pair.row_offset_q8);

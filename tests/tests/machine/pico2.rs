@@ -200,7 +200,7 @@ fn a_second_core_that_fails_resets_the_board() {
     ];
     let scenario = json!({
         "until_us": 10_100_000, "host": host(&requests), "resets": 3,
-        "core1_fault_us": 400_000, "core1_overflow_us": 900_000, "core1_dead_us": 1_400_000,
+        "core1_fault_us": 400_000, "core1_overflow_us": 900_000, "core1_dead_us": 1_430_000,
     });
     let Some(run) = execute(&scenario) else { return };
     let causes =

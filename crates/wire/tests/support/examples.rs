@@ -2,7 +2,7 @@
 //! without byte stuffing and checksum.
 
 use super::{camera, counts, head};
-use linestereo::health::{HealthFlags, Rows, Still, Tear};
+use linestereo::health::{HealthFlags, Noise, Rows, Still, Tear};
 use linestereo::params::{Margin, Parts};
 use linestereo::results::{ImagePosition, Match, Owner, Point, Source, Techniques};
 use linestereo::units::{Confidence, Depth, Disparity, Position};
@@ -19,7 +19,7 @@ pub(crate) fn messages() -> Vec<(Message, Vec<u8>)> {
         reset: Some(Reset { cause: ResetCause::Fault, location: 300 }),
     };
     let hello_bytes = vec![
-        7, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2,
+        8, 0, 4, b'q', b'e', b'm', b'u', 0xc0, 2, 0xf0, 1, 0x80, 4, 1, 0xf0, 5, 0xe0, 3, 0xc0, 2,
         0xcc, 1, 1, 1, 1, 6, 0, 0xac, 2, 1, 6, 0xac, 2,
     ];
     let head = FrameHead { capture_time_us: 300, counts: counts(1), ..head(2, 3) };
@@ -31,21 +31,25 @@ pub(crate) fn messages() -> Vec<(Message, Vec<u8>)> {
         row_drift_q8: None,
         least_disparity_q6: Some(6),
         range: Some(RangeReport { windows: 13, beyond: 14, disparity: 15 }),
+        noise: Some([
+            Noise { deviation_q4: 20, noiseless_permille: 21 },
+            Noise { deviation_q4: 22, noiseless_permille: 23 },
+        ]),
         still: Some(Still { still_permille: 16, pattern_permille: -17 }),
         tear: Some(Tear { row: 18, shift: -19 }),
     };
     let health = Health::SEGMENTS_DROPPED | HealthFlags::ROWS_OFF.into();
     let watched = FrameHead { health, pair: Some(pair), ..head };
     let (before, after) = (
-        [7, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1],
+        [8, 1, 2, 0xac, 2, 0xc0, 2, 0xf0, 1],
         [
             1, 0xac, 2, 2, 1, 2, 3, 4, 11, 12, 10, 5, 0x80, 0x80, 4, 7, 8, 9, 10, 11, 12, 13, 14,
             15, 16, 3, 0,
         ],
     );
     let report = [
-        1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 16,
-        33, 1, 18, 37,
+        1, 1, 2, 3, 4, 5, 6, 2, 3, 4, 5, 1, 7, 1, 1, 9, 10, 1, 11, 0, 1, 12, 1, 13, 14, 15, 1, 20,
+        21, 22, 23, 1, 16, 33, 1, 18, 37,
     ];
     let px = Disparity::from_bits;
     let segment = Match {
@@ -108,7 +112,7 @@ pub(crate) fn messages() -> Vec<(Message, Vec<u8>)> {
         digests: [13; DIGESTS],
     };
     let case_bytes = [
-        &[7, 10, 1, 4, b'r', b'o', b'w', b's', 2][..],
+        &[8, 10, 1, 4, b'r', b'o', b'w', b's', 2][..],
         &[3, 4, 5, 6, 7, 8, 9, 10, 0xac, 2, 11, 12],
         &[13; DIGESTS],
     ];
@@ -123,15 +127,15 @@ pub(crate) fn messages() -> Vec<(Message, Vec<u8>)> {
         (Message::Frame(watched), [&before[..], &[0x82, 0x80, 0x80, 2], &report, &after].concat()),
         (
             Message::Segments(segments),
-            vec![7, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26],
+            vec![8, 2, 2, 10, 1, 1, 2, 3, 4, 10, 11, 14, 8, 1, 1, 18, 20, 0, 1, 22, 24, 26],
         ),
         (
             Message::Points(points),
-            vec![7, 4, 5, 9, 3, 1, 2, 5, 4, 0, 1, 2, 5, 4, 1, 0xac, 2, 1, 2, 5, 4, 2],
+            vec![8, 4, 5, 9, 3, 1, 2, 5, 4, 0, 1, 2, 5, 4, 1, 0xac, 2, 1, 2, 5, 4, 2],
         ),
         (
             Message::Answer(Answer { command: 3, outcome: Outcome::Refused(refused) }),
-            vec![7, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4],
+            vec![8, 3, 3, 1, 0, 4, b'c', b'e', b'l', b'l', 14, 16, 0x80, 4],
         ),
         (
             Message::Objects(objects),
@@ -142,12 +146,12 @@ pub(crate) fn messages() -> Vec<(Message, Vec<u8>)> {
         ),
         (
             Message::Machine(machine),
-            vec![7, 9, 3, b'1', b'.', b'2', 2, b'n', b's', 22, 4, 1, 1, 0xac, 2, 2, 3, 1, 0],
+            vec![8, 9, 3, b'1', b'.', b'2', 2, b'n', b's', 22, 4, 1, 1, 0xac, 2, 2, 3, 1, 0],
         ),
         (Message::Case(case), case_bytes.concat()),
         (
             Message::Sectors(sectors),
-            vec![7, 14, 4, 72, 2, 71, 1, 0xac, 2, 2, 3, 0, 0, 1, 0, 2, 3, 1, 0xac, 2, 2, 3],
+            vec![8, 14, 4, 72, 2, 71, 1, 0xac, 2, 2, 3, 0, 0, 1, 0, 2, 3, 1, 0xac, 2, 2, 3],
         ),
     ]
 }

@@ -2,7 +2,7 @@
 
 pub(crate) mod examples;
 
-use linestereo::health::{CameraHealth, Rows, Skewed, Still, Tear};
+use linestereo::health::{CameraHealth, Noise, Rows, Skewed, Still, Tear};
 use linestereo::params::{Margin, Parts};
 use linestereo::results::{ImagePosition, Match, Owner, Point, Source, Techniques};
 use linestereo::units::{Confidence, Depth, Disparity, INFINITE_DEPTH, Position};
@@ -127,6 +127,7 @@ fn longest_report() -> PairReport {
         row_drift_q8: Some(i16::MIN),
         least_disparity_q6: Some(i16::MIN),
         range: Some(RangeReport { windows: u16::MAX, beyond: u16::MAX, disparity: u16::MAX }),
+        noise: Some([Noise { deviation_q4: u8::MAX, noiseless_permille: u16::MAX }; 2]),
         still: Some(Still { still_permille: u16::MAX, pattern_permille: i16::MIN }),
         tear: Some(Tear { row: u16::MAX, shift: i16::MIN }),
     }
