@@ -1,7 +1,7 @@
 //! The health of pairs: known rows, injected faults, and no flag where there is no fault.
 
 use linestereo::health::{Findings, HealthFlags, HealthLimits, HealthMonitor, PairHealth};
-use linestereo::{Dims, Gray, Params, image::Span, results::Counts};
+use linestereo::{Dims, Gray, Params, image::Span, results::Counts, units::Confidence};
 use linestereo_calibration::interchange::{Options, load_rig};
 use linestereo_frames::{
     GrayImage, Perturbation, Scene, Truth, area_average, find_scenes, load_gray, load_scene,
@@ -13,7 +13,7 @@ use linestereo_sim::board::is_long;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{Kind, Rendering, Sensor};
-use linestereo_tests::drawn::{painted, rendered, rendered_by, with_padding, with_truth};
+use linestereo_tests::drawn::{painted, rendered, rendered_by, scenes, with_padding, with_truth};
 use linestereo_tests::reference::{at, bilinear};
 use linestereo_tests::{captured, matched};
 use std::path::PathBuf;
@@ -736,6 +736,27 @@ fn a_monitor_is_small_and_a_look_is_the_same_whatever_the_stride() {
 /// Disparities that hold everything of a pair with truth.
 fn needed(truth: &Truth) -> u16 {
     truth.largest().unwrap().ceil() as u16 + 1
+}
+
+/// Less probable segments measure rows badly: what is listed must not decide about the rig.
+#[test]
+fn rows_are_the_same_whatever_is_listed() {
+    let mut measured = 0;
+    for seed in 1..=6 {
+        let pair = rendered(Kind::Cards, DIMS, 3.5, seed);
+        let [few, many] = [0.9, 0.2].map(|least| {
+            let params =
+                Params { min_confidence: Confidence::from_num(least), ..Params::default() };
+            matched(&params, [&pair.left, &pair.right]).1
+        });
+        assert!(many.matches.len() > few.matches.len(), "seed {seed}");
+        let [few, many] = [few, many].map(|result| result.pair.and_then(|pair| pair.rows));
+        // A rival that is not listed can let one more segment be so.
+        let apart = few.zip(many).map(|(few, many)| few.samples.abs_diff(many.samples));
+        assert!(few.is_some() == many.is_some() && apart <= Some(1), "{few:?} {many:?}");
+        measured += usize::from(few.is_some());
+    }
+    assert!(measured > 1, "{measured}");
 }
 
 #[test]

@@ -179,7 +179,7 @@ impl Measured {
         let [left, right] = images;
         Self {
             of_points: OfPoints::new(images, found.support, found.row_offset, found.is_whole),
-            by_edges: rows::measure(left, right, found.matches),
+            by_edges: rows::measure(left, right, credible(found.matches)),
         }
     }
 }
@@ -518,8 +518,14 @@ fn at_width(limit: i32, width: u16) -> i32 {
     quotient(limit * i32::from(width.max(QVGA_WIDTH)), QVGA_WIDTH.into())
 }
 
-/// Probability of a credible support point.
+/// Probability of a credible support point or match.
 const CREDIBLE: Confidence = Confidence::from_bits(58982);
+
+/// The credible matches, which come first: a pair is as healthy whatever is listed of it.
+fn credible(matches: &[Match]) -> &[Match] {
+    let count = matches.partition_point(|found| found.confidence >= CREDIBLE);
+    matches.get(..count).unwrap_or(&[])
+}
 
 /// Least number of matches whose differences of rows can be uneven.
 const LEAST_SAMPLES: u8 = 4;
