@@ -17,7 +17,7 @@ const WALL: f64 = 110.0;
 
 /// Digests of the points of a wall alone, of one with a floor, and of one behind a card, as in
 /// `determinism.rs`. With a ground plane points have another probability.
-const BLESSED: [u32; 3] = [0x96b3_72c4, 0x7faf_57f1, 0x1d91_2507];
+const BLESSED: [u32; 3] = [0x243c_c174, 0xc06a_b543, 0x83b6_98e6];
 
 fn params() -> Params {
     Params { max_disparity: 128, ..Params::default() }
