@@ -103,8 +103,8 @@ impl Noise {
         [doublings.max(2), (doublings - 1).max(1)]
     }
 
-    /// True when a window with these changes of codes, at this column in rows that are coded as `y`,
-    /// may show nothing but the steps that the removal of noise makes.
+    /// True when a window with these changes of codes, at this column of rows that are coded as
+    /// `y`, may show nothing but the steps that the removal of noise makes.
     pub(super) fn hides(self, changes: u16, codes: &CodeRows<'_>, (x, y): (i32, i32)) -> bool {
         changes < (CHANGES_PER_PERMILLE * self.noiseless_permille).min(MOST_CHANGES)
             && !codes.has_contrast(y, x, EDGE)
