@@ -140,7 +140,7 @@ pub(crate) fn messages() -> Vec<(Message, Vec<u8>)> {
         (
             Message::Objects(objects),
             vec![
-                7, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5,
+                8, 5, 4, 2, 9, 0, 0x80, 1, 6, 1, 2, 4, 1, 2, 4, 6, 5, 6, 9, 1, 2, 6, 1, 2, 4, 0, 5,
                 6,
             ],
         ),
@@ -187,7 +187,7 @@ pub(crate) fn commands() -> Vec<(Command, Vec<u8>)> {
         (Request::RunCase(300), &[9, 0xac, 2]),
     ];
     let command = |(id, (request, bytes)): (u8, (_, &[u8]))| {
-        (Command { id: id.into(), request }, [&[0x87, id], bytes].concat())
+        (Command { id: id.into(), request }, [&[0x88, id], bytes].concat())
     };
     (4..).zip(all).map(command).collect()
 }
