@@ -13,7 +13,7 @@ use linestereo_sim::board::is_long;
 use linestereo_sim::engine::Engine;
 use linestereo_sim::results::mask::Mask;
 use linestereo_sim::scene::{Kind, Rendering, Sensor};
-use linestereo_tests::drawn::{painted, rendered, rendered_by, scenes, with_padding, with_truth};
+use linestereo_tests::drawn::{painted, rendered, rendered_by, with_padding, with_truth};
 use linestereo_tests::reference::{at, bilinear};
 use linestereo_tests::{captured, matched};
 use std::path::PathBuf;
