@@ -24,10 +24,11 @@ cv2 = pytest.importorskip("cv2")
 
 
 def wall(disparity, rows=240, columns=320):
-    """A wall with bars of many widths, at this disparity."""
+    """A wall with bars of many widths, at this disparity. Each changes its colour at rows of its own: one row for all would be a tear."""
     y, x = np.mgrid[:rows, :columns]
     x = x + disparity
-    bars = np.where((x * x // 4000 + y // 30) % 2 == 0, 60, 190)
+    bar = x * x // 4000
+    bars = np.where((bar + (y + 11 * bar) // 30) % 2 == 0, 60, 190)
     return (bars + (x * 7 + y * 13) % 9).astype(np.uint8)
 
 
@@ -119,12 +120,14 @@ def test_directions(result):
 
 
 def floor(edge_row):
-    """A textured floor, 0.4 px of disparity a row below row 80, that goes on deeper above `edge_row`."""
+    """A textured floor, 0.4 px of disparity a row below row 80, that goes on deeper above `edge_row`, with other
+    texture: the same, moved in one image, would be a tear."""
     grain = np.random.default_rng(3).integers(40, 210, (240, 900)).astype(np.float32)
     grain = cv2.GaussianBlur(grain, None, 1.2)
     y, x = np.mgrid[:240, :320].astype(np.float32)
     disparity = 0.4 * np.maximum(y - 80, 8) * np.where(y < edge_row, 0.25 / 0.55, 1)
-    images = [cv2.remap(grain, x + moves * disparity.astype(np.float32), y, cv2.INTER_CUBIC) for moves in (0, 1)]
+    column = x + np.where(y < edge_row, 450, 0).astype(np.float32)
+    images = [cv2.remap(grain, column + moves * disparity.astype(np.float32), y, cv2.INTER_CUBIC) for moves in (0, 1)]
     return [np.clip(np.rint(2 * image - 125), 0, 255).astype(np.uint8) for image in images]
 
 
