@@ -14,6 +14,8 @@ parser.add_argument("--focal-px", type=float)
 parser.add_argument("--baseline-m", type=float)
 parser.add_argument("--out", help="a picture instead of a window")
 arguments = parser.parse_args()
+if (arguments.focal_px is None) != (arguments.baseline_m is None):
+    parser.error("depths need both --focal-px and --baseline-m")
 if arguments.out:
     matplotlib.use("Agg")
 

@@ -1,6 +1,7 @@
 //! Rigs: numbers of a rectified pair, and calibrations of raw ones.
 
 use crate::image::{grey, view};
+use crate::matcher::in_use;
 use crate::refused;
 use linestereo::{Dims, image::Span};
 use linestereo_calibration::PairRectifier;
@@ -14,7 +15,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 
-/// Numbers of a rectified pair.
+/// A rectified pair: depth = focal_px * baseline_m / (disparity + disparity_offset_px).
+///
+/// focal_px: 1 to 100000. baseline_m: 0.0001 to 10. disparity_offset_px: column of the principal
+/// point on the right minus that on the left, -4096 to 4096. principal_point_px: column and row in
+/// the left image, -2048 to 2048, its centre without.
 #[pyclass(frozen, module = "linestereo")]
 pub(crate) struct Rig {
     pub(crate) rig: linestereo::Rig,
@@ -47,20 +52,40 @@ impl Rig {
         self.numbers
     }
 
-    /// In px.
+    /// Focal length, px.
     #[getter]
     fn focal_px(&self) -> f64 {
         self.rig.focal_q16() as f64 / 65536.0
     }
 
-    /// In m.
+    /// Distance of the cameras, m.
     #[getter]
     fn baseline_m(&self) -> f64 {
         self.rig.focal_baseline_q16() as f64 / self.rig.focal_q16() as f64
     }
 
+    /// Added to every disparity, px.
+    #[getter]
+    fn disparity_offset_px(&self) -> f32 {
+        self.numbers.2
+    }
+
+    /// Principal point of the left image, px; None for its centre.
+    #[getter]
+    fn principal_point_px(&self) -> Option<(f32, f32)> {
+        self.numbers.3.map(|[x, y]| (x, y))
+    }
+
     fn __repr__(&self) -> String {
-        format!("Rig(focal_px={:.3}, baseline_m={:.5})", self.focal_px(), self.baseline_m())
+        let (focal, baseline, offset, centre) = &self.numbers;
+        let mut text = format!("Rig(focal_px={focal}, baseline_m={baseline}");
+        if *offset != 0.0 {
+            text += &format!(", disparity_offset_px={offset}");
+        }
+        if let Some([x, y]) = centre {
+            text += &format!(", principal_point_px=({x}, {y})");
+        }
+        text + ")"
     }
 }
 
@@ -105,6 +130,14 @@ impl Unit {
 
 #[pymethods]
 impl Calibration {
+    /// Of a `rig.toml`, or of files of OpenCV, Kalibr, ROS or EuRoC: a list of two, the left
+    /// camera's first, where each has its own.
+    ///
+    /// size: columns and rows of rectified images, those of raw ones without. alpha: 0 keeps no
+    /// pixel without a source, 1 every raw pixel. focal_px: focal length of rectified images, px,
+    /// instead of alpha. raw_size: columns and rows of raw images, where a file of OpenCV does not
+    /// say them. translation_unit: of OpenCV's T: "m", "mm", or the side of the board's squares in
+    /// mm; it is assumed without, and `notes` say so.
     #[staticmethod]
     #[pyo3(signature = (path, size = None, alpha = 0.0, focal_px = None, raw_size = None, translation_unit = None))]
     fn load(
@@ -186,14 +219,17 @@ impl Calibration {
         Ok([left.map_err(refused)?.into_pyarray(py), right.map_err(refused)?.into_pyarray(py)])
     }
 
+    /// As `linestereo.rectify`.
     fn rectify<'py>(
-        &mut self,
+        slf: &Bound<'py, Self>,
         py: Python<'py>,
         left: &Bound<'py, PyAny>,
         right: &Bound<'py, PyAny>,
     ) -> PyResult<[Bound<'py, PyArray2<u8>>; 2]> {
         let images = [grey(left, "left")?, grey(right, "right")?];
-        let [left, right] = py.detach(|| self.pair(&images))?;
+        let mut calibration = slf.try_borrow_mut().map_err(in_use("Calibration"))?;
+        let calibration = &mut *calibration;
+        let [left, right] = py.detach(|| calibration.pair(&images))?;
         Ok([array(py, left)?, array(py, right)?])
     }
 

@@ -14,6 +14,7 @@ use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 /// A matcher of consecutive pairs: it knows the health of those before.
@@ -51,7 +52,7 @@ impl PyMatcher {
             if let Ok(rig) = rig.cast::<Rig>() {
                 params.rig = Some(rig.get().rig);
             } else if let Ok(found) = rig.cast::<Calibration>() {
-                params.rig = Some(found.try_borrow().map_err(in_use)?.rig);
+                params.rig = Some(found.try_borrow().map_err(in_use("Calibration"))?.rig);
                 calibration = Some(found.clone().unbind());
             } else {
                 return Err(PyValueError::new_err("rig is neither a Rig nor a Calibration"));
@@ -62,14 +63,21 @@ impl PyMatcher {
 
     #[pyo3(name = "match")]
     fn run(
-        &mut self,
+        slf: &Bound<'_, Self>,
         py: Python<'_>,
         left: &Bound<'_, PyAny>,
         right: &Bound<'_, PyAny>,
         times_us: Option<[u64; 2]>,
         valid: [Option<PyReadonlyArray2<'_, u16>>; 2],
     ) -> PyResult<PyMatched> {
+        let mut matcher = slf.try_borrow_mut().map_err(in_use("Matcher"))?;
         let mut images = [grey(left, "left")?, grey(right, "right")?];
+        let [left, right] = images.each_ref().map(|image| image.dims);
+        if left != right {
+            return Err(PyValueError::new_err(format!(
+                "left is {left}, right is {right}: both have to be of one size"
+            )));
+        }
         let mut usable = [Vec::new(), Vec::new()];
         for ((spans, given), image) in usable.iter_mut().zip(valid).zip(&images) {
             let Some(given) = given else { continue };
@@ -79,21 +87,25 @@ impl PyMatcher {
             shrink_to_valid(spans, image.dims.width);
             view(image, spans)?;
         }
-        if let Some(calibration) = &self.calibration {
-            let mut calibration = calibration.bind(py).try_borrow_mut().map_err(in_use)?;
+        if let Some(calibration) = &matcher.calibration {
+            let calibration = calibration.bind(py).try_borrow_mut();
+            let mut calibration = calibration.map_err(in_use("Calibration"))?;
             usable.clone_from(&calibration.usable);
             let calibration = &mut *calibration;
             images = py.detach(|| calibration.pair(&images))?;
         }
-        py.detach(|| self.matched(images, usable, times_us))
+        let matcher = &mut *matcher;
+        py.detach(|| matcher.matched(images, usable, times_us))
     }
 }
 
-/// Of a calibration that another thread rectifies with.
-fn in_use(error: impl Display) -> PyErr {
-    PyRuntimeError::new_err(format!(
-        "the Calibration is in use ({error}); give each thread one of its own"
-    ))
+/// Of an object that another thread works with.
+pub(crate) fn in_use<E: Display>(name: &str) -> impl FnOnce(E) -> PyErr {
+    move |error| {
+        PyRuntimeError::new_err(format!(
+            "the {name} is in use ({error}); give each thread one of its own"
+        ))
+    }
 }
 
 impl PyMatcher {
@@ -126,8 +138,12 @@ impl PyMatcher {
             records::push_bar(&mut bars, found, self.params.rig);
         }
         let records = records::of_points(&points, &self.params);
+        let matched = pair.get();
         Ok(PyMatched {
-            pair,
+            health: (matched.health().flags.bits(), matched.is_fit(), matched.counts().is_cut()),
+            segments_found: matched.counts().segments_left,
+            dims,
+            pair: Mutex::new(pair),
             params: self.params,
             points: Some(records),
             segments: Some(segments),
@@ -140,11 +156,22 @@ impl PyMatcher {
 /// A matched pair with all that its results need.
 #[pyclass(module = "linestereo", name = "Matched")]
 pub(crate) struct PyMatched {
-    pair: MatchedPair,
+    /// Threads that ask wait for each other.
+    pair: Mutex<MatchedPair>,
+    dims: Dims,
+    /// Bits of the faults, whether results may be used, and whether a list was full or a budget of
+    /// work spent.
+    #[pyo3(get)]
+    health: (u32, bool, bool),
+    /// Segments found in the left image.
+    #[pyo3(get)]
+    segments_found: u16,
     params: Params,
     points: Option<Vec<u8>>,
     segments: Option<Vec<u8>>,
     bars: Option<Vec<u8>>,
+    /// Time that the core took, ms.
+    #[pyo3(get)]
     milliseconds: f64,
 }
 
@@ -165,30 +192,10 @@ impl PyMatched {
         self.bars.take().unwrap_or_default().into_pyarray(py)
     }
 
-    /// Time that the core took, ms.
-    #[getter]
-    fn milliseconds(&self) -> f64 {
-        self.milliseconds
-    }
-
     /// Columns and rows.
     #[getter]
     fn size(&self) -> (u16, u16) {
-        (self.dims().width, self.dims().height)
-    }
-
-    /// Bits of the faults, whether results may be used, and whether a list was full or a budget of
-    /// work spent.
-    #[getter]
-    fn health(&self) -> (u32, bool, bool) {
-        let matched = self.pair.get();
-        (matched.health().flags.bits(), matched.is_fit(), matched.counts().is_cut())
-    }
-
-    /// Segments found in the left image.
-    #[getter]
-    fn segments_found(&self) -> u16 {
-        self.pair.get().counts().segments_left
+        (self.dims.width, self.dims.height)
     }
 
     /// Places of these points in space, three numbers of m each; not a number where there is none.
@@ -202,7 +209,7 @@ impl PyMatched {
                 "places in space need a rig; give rig=linestereo.Rig(..) to the matcher",
             ));
         };
-        let (rig, points) = (rig.centred(self.dims()), points.as_array());
+        let (rig, points) = (rig.centred(self.dims), points.as_array());
         let place = |[x, y, disparity]: [f32; 3]| {
             if [x, y, disparity].iter().any(|number| number.is_nan()) {
                 return [f64::NAN; 3];
@@ -219,9 +226,9 @@ impl PyMatched {
         Ok(Array2::from_shape_vec((points.nrows(), 3), places).map_err(refused)?.into_pyarray(py))
     }
 
-    fn boxes(&mut self, py: Python<'_>, boxes: PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Answer>> {
+    fn boxes(&self, py: Python<'_>, boxes: PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Answer>> {
         let boxes = boxes.as_array();
-        let dims = self.dims();
+        let dims = self.dims;
         let mut regions = Vec::with_capacity(boxes.nrows());
         for (index, row) in boxes.rows().into_iter().enumerate() {
             let wrong = |what: &str| PyValueError::new_err(format!("boxes[{index}]: {what}"));
@@ -234,13 +241,9 @@ impl PyMatched {
     }
 
     /// Of an image of labels, 0 for what is no object.
-    fn labels(
-        &mut self,
-        py: Python<'_>,
-        labels: PyReadonlyArray2<'_, u16>,
-    ) -> PyResult<Vec<Answer>> {
+    fn labels(&self, py: Python<'_>, labels: PyReadonlyArray2<'_, u16>) -> PyResult<Vec<Answer>> {
         let labels = labels.as_array();
-        let dims = self.dims();
+        let dims = self.dims;
         if labels.dim() != (dims.height.into(), dims.width.into()) {
             let (rows, columns) = labels.dim();
             return Err(PyValueError::new_err(format!(
@@ -270,8 +273,8 @@ impl PyMatched {
     }
 
     /// Or the reason why there is none.
-    fn pixel(&mut self, x: u16, y: u16) -> Answer {
-        match self.pair.ask(|matched| matched.pixel((x, y))) {
+    fn pixel(&self, py: Python<'_>, x: u16, y: u16) -> Answer {
+        match py.detach(|| self.pair().ask(|matched| matched.pixel((x, y)))) {
             Ok(found) => records::of_pixel(&found),
             Err(reason) => records::of_rejection(reason),
         }
@@ -286,7 +289,7 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
     }
     let [left, top, right, bottom] = borders;
     if left >= right || top >= bottom {
-        return Err("a region without pixels");
+        return Err("a region without pixels; give left, top, right, bottom");
     }
     let (width, height) = (f64::from(dims.width), f64::from(dims.height));
     if right <= 0.0 || bottom <= 0.0 || left >= width || top >= height {
@@ -301,22 +304,19 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
 }
 
 impl PyMatched {
-    pub(crate) fn matched(&self) -> &Matched<'_> {
-        self.pair.get()
+    /// Who has it must not wait for the GIL.
+    pub(crate) fn pair(&self) -> MutexGuard<'_, MatchedPair> {
+        self.pair.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(crate) fn params(&self) -> &Params {
         &self.params
     }
 
-    fn dims(&self) -> Dims {
-        self.pair.get().dims()
-    }
-
-    fn answers(&mut self, regions: &[Region<'_>]) -> Vec<Answer> {
+    fn answers(&self, regions: &[Region<'_>]) -> Vec<Answer> {
         let answer = |matched: &mut Matched<'_>, region: &Region<'_>| {
             records::of_object(region.label(), &matched.object(region))
         };
-        self.pair.ask(|matched| regions.iter().map(|region| answer(matched, region)).collect())
+        self.pair().ask(|matched| regions.iter().map(|region| answer(matched, region)).collect())
     }
 }

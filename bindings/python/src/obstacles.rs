@@ -47,7 +47,8 @@ impl PyObstacles {
 
     /// Takes a pair. With another rig or size than that of the pair before nothing is known of it.
     fn update(&mut self, pair: &PyMatched, time_us: u64) -> PyResult<()> {
-        let matched = pair.matched();
+        let matched = pair.pair();
+        let matched = matched.get();
         let plan = self.wanted.plan(pair.params(), matched.dims()).map_err(refused)?;
         if self.view.as_ref().is_none_or(|(known, _)| *known != plan) {
             self.view = None;

@@ -164,7 +164,7 @@ def test_parameters_of_directions_are_refused(pair, result, parameters, text):
     (None, None, "either"),
     ([[1, 2, 3]], None, "shape"),
     ([[1, 2, np.nan, 4]], None, "finite"),
-    ([[9, 9, 9, 20]], None, "without pixels"),
+    ([[200, 100, 60, 90]], None, "without pixels; give left, top, right, bottom"),  # corner and size
     ([[500, 9, 600, 20]], None, "outside"),
     ([["a", "b", "c", "d"]], None, "dtype"),
     (None, np.zeros((240, 320)), "dtype"),
@@ -210,7 +210,9 @@ def test_any_strides_are_right(pair, result):
     (lambda image: image[:10], "left: an image of 320x10 is outside 16x16 to 1280x1280"),
     (lambda image: np.zeros((0, 0), np.uint8), "left: an image of 0x0"),
     (lambda image: np.zeros((16, 70000), np.uint8), "left: an image of 65535x16"),
-    (lambda image: image[:, :300], "planned for 300x240, the frame is 320x240"),
+    (lambda image: image[:, :300], "left is 300x240, right is 320x240: both have to be of one size"),
+    (lambda image: "left.png", "left is str: give its pixels, as by cv2.imread"),
+    (lambda image: pathlib.Path("left.png"), "give its pixels, as by cv2.imread"),
     (lambda image: None, "left is None: cv2.imread gives that for a file that it cannot read"),
     (lambda image: cv2.imread("there/is/no/such.png", cv2.IMREAD_GRAYSCALE), "left is None"),
     (lambda image: (image / 255).astype(np.float32), "left has dtype float32: give uint8, 0 to 255; .255 . image..round.."),
@@ -250,6 +252,10 @@ def test_health_is_a_set_and_knows_the_pairs_before(pair):
     assert matcher.match(*pair).health == frozenset()
     assert {Fault.LEFT_FROZEN, Fault.RIGHT_FROZEN} <= matcher.match(*pair).health
     assert Fault.SKEW in matcher.match(*pair, times_us=(0, 5000)).health
+    with pytest.raises(ValueError, match="times_us are .-1, 5. but must be 0 or more"):
+        matcher.match(*pair, times_us=(-1, 5))
+    with pytest.raises(ValueError, match="time_us is -1 but must be 0 or more"):
+        linestereo.Obstacles().update(dead, -1)
     assert len(matcher.match(*pair, times_us=(0, 5000)).points) == 0
 
 
@@ -294,6 +300,8 @@ def test_nothing_is_matched_beyond_the_valid_pixels(pair):
         ((spans * 9, None), "valid"),
         ((spans - 9, None), "outside 0 to 65535"),
         ((mask,), "give two"),
+        ((mask, mask, mask), "give two"),
+        (mask, "give two"),
     ]:
         with pytest.raises(ValueError, match=text):
             linestereo.match(*pair, valid=valid)
@@ -375,6 +383,37 @@ def test_other_threads_run_meanwhile():
     stop.set()
     thread.join()
     assert after - before > 100
+
+
+def test_threads_share_a_result_and_not_a_matcher(pair, result):
+    large = wall(0, 1280, 1280), wall(12, 1280, 1280)
+    matcher, boxes = linestereo.Matcher(128), [[60, 30, 120, 90]] * 500
+    answers, refusals, start = [], [], threading.Barrier(4)
+
+    def ask():
+        start.wait()
+        answers.append(result.objects(boxes=boxes))
+        try:
+            matcher.match(*large)
+        except RuntimeError as error:
+            refusals.append(str(error))
+
+    threads = [threading.Thread(target=ask) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert answers == [result.objects(boxes=boxes)] * 4
+    assert refusals and all("the Matcher is in use" in text and "one of its own" in text for text in refusals)
+
+
+def test_what_is_asked_for_at_a_prompt_is_said():
+    rig = linestereo.Rig(182.5, 0.05, 3.0, (100, 90))
+    assert repr(rig) == "Rig(focal_px=182.5, baseline_m=0.05, disparity_offset_px=3, principal_point_px=(100, 90))"
+    assert repr(linestereo.Rig(250, 0.06)) == "Rig(focal_px=250, baseline_m=0.06)"
+    assert (rig.disparity_offset_px, rig.principal_point_px) == (3.0, (100.0, 90.0))
+    for item, text in ((linestereo.Rig, "0.0001 to 10"), (linestereo.Calibration.load, "translation_unit"), (linestereo.Calibration.rectify, "linestereo.rectify")):
+        assert text in item.__doc__
 
 
 RIG = """version = 1

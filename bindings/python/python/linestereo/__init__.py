@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import copyreg
 import enum
+import os
 from dataclasses import dataclass
 from typing import Any, Dict, FrozenSet, List, Optional, Tuple, Union
 
@@ -207,7 +208,7 @@ class Result:
     @property
     def _pair(self) -> _core.Matched:
         if self._matched is None:
-            raise ValueError("this result was pickled, without its images: ask for objects, pixels and places before that")
+            raise ValueError("this result was pickled or copied, without its images: ask the first one for objects, pixels and places")
         return self._matched
 
     def __getstate__(self) -> Dict[str, Any]:
@@ -302,12 +303,14 @@ class Matcher:
         row, or of each row the first and the one behind the last, integers of (rows, 2). Nothing is matched beyond them, nor next to them.
         """
         images = _image(left, "left"), _image(right, "right")
-        spans = (None, None) if valid is None else tuple(_spans(given, image, side) for given, image, side in zip(valid, images, ("left", "right")))
-        if len(spans) != 2:
+        if valid is not None and (isinstance(valid, np.ndarray) or len(valid) != 2):
             raise ValueError("valid: give two, one of the left and one of the right image, None where all of it is valid")
         if valid is not None and isinstance(self._parameters[1], Calibration):
             raise ValueError("valid: a raw pair is rectified first, and the calibration knows which pixels that leaves; leave valid out")
-        return Result(self._matcher.match(*images, times_us, spans))
+        if times_us is not None and min(times_us) < 0:
+            raise ValueError(f"times_us are {tuple(times_us)} but must be 0 or more")
+        first, second = valid or (None, None)
+        return Result(self._matcher.match(*images, times_us, (_spans(first, images[0], "left"), _spans(second, images[1], "right"))))
 
 
 class Obstacles:
@@ -333,6 +336,8 @@ class Obstacles:
     def update(self, result: Result, time_us: int) -> npt.NDArray[np.void]:
         """Takes a matched pair, captured at `time_us` of a steady clock, and returns `sectors(time_us)`. A pair that is not fit to be used changes
         nothing but ages; after a pair of another rig or size only that one is known."""
+        if time_us < 0:
+            raise ValueError(f"time_us is {time_us} but must be 0 or more")
         self._obstacles.update(result._pair, time_us)
         return self.sectors(time_us)
 
@@ -357,6 +362,8 @@ def rectify(left: npt.ArrayLike, right: npt.ArrayLike, calibration: Calibration)
 def _image(image: Any, name: str) -> npt.NDArray[Any]:
     if image is None:
         raise ValueError(f"{name} is None: cv2.imread gives that for a file that it cannot read; check its path")
+    if isinstance(image, (str, os.PathLike)):
+        raise ValueError(f"{name} is {type(image).__name__}: give its pixels, as by cv2.imread({name}, cv2.IMREAD_GRAYSCALE)")
     return np.asarray(image)
 
 

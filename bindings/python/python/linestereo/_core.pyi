@@ -12,14 +12,20 @@ class Rig:
     """A rectified pair: depth = focal_px * baseline_m / (disparity + disparity_offset_px)."""
     def __new__(cls, focal_px: float, baseline_m: float, disparity_offset_px: float = 0.0,
                 principal_point_px: Optional[Tuple[float, float]] = None) -> Rig:
-        """focal_px: 1 to 100000; baseline_m: 0.0001 to 100; disparity_offset_px: column of the principal point on the right minus that on the
-        left, -4096 to 4096; principal_point_px: of the left image, its centre without."""
+        """focal_px: 1 to 100000; baseline_m: 0.0001 to 10; disparity_offset_px: column of the principal point on the right minus that on the
+        left, -4096 to 4096; principal_point_px: column and row in the left image, -2048 to 2048, its centre without."""
     @property
     def focal_px(self) -> float:
         """Focal length, px."""
     @property
     def baseline_m(self) -> float:
         """Distance of the cameras, m."""
+    @property
+    def disparity_offset_px(self) -> float:
+        """Added to every disparity, px."""
+    @property
+    def principal_point_px(self) -> Optional[Tuple[float, float]]:
+        """Principal point of the left image, px; None for its centre."""
 
 class Calibration:
     """Two calibrated cameras, and the view that their images are rectified to."""
