@@ -279,10 +279,21 @@ fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
         assert!(name != EDGE || has_drop_off(&expected), "no drop-off of the floor that ends");
         assert_equal(&name, &found.stdout, &expected);
     }
-    let refused = run_on(&["left.pgm", "right.pgm", "5000"]);
-    assert_eq!(refused.status.code(), Some(2));
-    let text = "max_disparity is outside 8 to 256 above min_disparity, or not below the width\n";
-    assert_eq!(String::from_utf8_lossy(&refused.stderr), text);
+    let of_baseline = "baseline_m is outside 0.0001 to 10: is it in mm?\n";
+    let of_focal = "focal_px is outside 1 to 100000\n";
+    for (arguments, text) in [
+        (
+            &["5000"][..],
+            "max_disparity is outside 8 to 256 above min_disparity, or not below the width\n",
+        ),
+        (&["64", "300.5", "0,1"], of_baseline), // not 1 m
+        (&["64", "300.5", "-0.1"], of_baseline),
+        (&["64", "3e2", "0.1"], of_focal),
+    ] {
+        let refused = run_on(&[&["left.pgm", "right.pgm"], arguments].concat());
+        assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
+        assert_eq!(String::from_utf8_lossy(&refused.stderr), text, "{arguments:?}");
+    }
 }
 
 /// Target of the Cortex-M7, by Rust's name.

@@ -39,16 +39,21 @@ static int pgm_read(const uint8_t *file, size_t bytes, uint16_t *width, uint16_t
 }
 
 /* A number such as 451.5; both of its parts are exact in single precision, so it is what strtof
-   gives. */
+   gives. -1, which is refused, for other text: 0,06 is not 6. */
 static float number_read(const char *text) {
     uint32_t digits = 0, scale = 1;
     int is_fraction = 0;
+    if (!*text) return -1;
     for (; *text; text++) {
-        if (*text == '.') {
+        if (*text == '.' && !is_fraction) {
             is_fraction = 1;
-        } else if (*text >= '0' && *text <= '9' && digits < 1000000) {
+        } else if (*text < '0' || *text > '9') {
+            return -1;
+        } else if (digits < 1000000) {
             digits = digits * 10 + (uint32_t)(*text - '0');
             if (is_fraction) scale *= 10;
+        } else if (!is_fraction) {
+            return -1;
         }
     }
     return (float)digits / (float)scale;

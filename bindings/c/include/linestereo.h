@@ -54,7 +54,7 @@ enum LinestereoStatus
   LINESTEREO_STATUS_NOT_INITIALISED = 4,
   // The call comes from a callback of the same matcher.
   LINESTEREO_STATUS_BUSY = 5,
-  // No pair has been matched yet.
+  // No pair has been matched yet, or the last images were refused.
   LINESTEREO_STATUS_NO_PAIR = 6,
   // There are not so many segments.
   LINESTEREO_STATUS_NO_SUCH_SEGMENT = 7,
@@ -274,7 +274,8 @@ typedef struct {
   uint16_t width;
   // Height of both images, px; 16 to 1280.
   uint16_t height;
-  // Largest number of segments listed in each image, 1 to 4096: a matter of memory. 1024.
+  // Largest number of segments listed in each image, 1 to 4096: a matter of memory. 1024; for
+  // the results of the PC's program 4096, where `LinestereoHealth.is_cut` is 1.
   uint16_t segments;
   // First disparity searched, px; -32 to 0. 0.
   int16_t min_disparity;
@@ -541,7 +542,8 @@ LinestereoStatus linestereo_init(void *memory, size_t size, const LinestereoConf
 
 // Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of
 // capture, us of one clock, or null. A pair that is not fit to be used is
-// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
+// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other. After
+// images that are refused there is no pair: every question is `LINESTEREO_STATUS_NO_PAIR`.
 LinestereoStatus linestereo_run(LinestereoMatcher *matcher,
                                 const LinestereoImage *left,
                                 const LinestereoImage *right,

@@ -119,13 +119,19 @@ impl Engine {
         self.matcher.params()
     }
 
+    /// From here on there is no last pair.
+    pub fn forget(&mut self) {
+        self.last = Err(Status::NoPair);
+    }
+
+    /// Matches a pair; where it cannot be matched there is no last one.
     pub fn run(
         &mut self,
         left: Gray<'static>,
         right: Gray<'static>,
         options: Options<'_>,
     ) -> Result<(), Status> {
-        self.last = Err(Status::NoPair);
+        self.forget(); // it borrows the memory that is lent here
         #[allow(unsafe_code, reason = "the last pair borrows what is beside it")]
         // SAFETY: it was made from a reference, and the pair that it was lent to is gone.
         let memory = unsafe { &mut *self.memory };

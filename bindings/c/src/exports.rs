@@ -220,7 +220,8 @@ pub unsafe extern "C" fn linestereo_init(
 
 /// Matches a pair, rectified: a point lies on one row in both images. `times_us` are both times of
 /// capture, us of one clock, or null. A pair that is not fit to be used is
-/// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other.
+/// `LINESTEREO_STATUS_PAIR_UNFIT`; its health can be asked for as that of any other. After
+/// images that are refused there is no pair: every question is `LINESTEREO_STATUS_NO_PAIR`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_run(
     matcher: *mut Handle,
@@ -229,7 +230,7 @@ pub unsafe extern "C" fn linestereo_run(
     times_us: *const u64,
 ) -> Status {
     // SAFETY: as this function's.
-    unsafe { run(matcher, left, right, times_us, None) }
+    unsafe { run(matcher, left, right, times_us, Ok(None)) }
 }
 
 /// The same in and just around these areas of the left image alone: less work.
@@ -243,11 +244,9 @@ pub unsafe extern "C" fn linestereo_run_areas(
     count: usize,
 ) -> Status {
     // SAFETY: as this function's; both structures have the same fields in the layout of C.
-    match unsafe { list(areas.cast::<CoreArea>(), count) } {
-        // SAFETY: as this function's.
-        Ok(areas) => unsafe { run(matcher, left, right, times_us, Some(areas)) },
-        Err(status) => status,
-    }
+    let areas = unsafe { list(areas.cast::<CoreArea>(), count) };
+    // SAFETY: as this function's.
+    unsafe { run(matcher, left, right, times_us, areas.map(Some)) }
 }
 
 /// # Safety
@@ -257,9 +256,11 @@ unsafe fn run(
     left: *const Image,
     right: *const Image,
     times_us: *const u64,
-    areas: Option<&[CoreArea]>,
+    areas: Result<Option<&[CoreArea]>, Status>,
 ) -> Status {
     let work = |engine: &mut Engine| {
+        // Of a pair that is refused too: results of the one before would pass for its own.
+        engine.forget();
         let times_us = if times_us.is_null() {
             None
         } else {
@@ -268,7 +269,7 @@ unsafe fn run(
         };
         // SAFETY: as this function's.
         let (left, right) = unsafe { (view(left, engine)?, view(right, engine)?) };
-        engine.run(left, right, Options { areas, times_us, ..Options::default() })
+        engine.run(left, right, Options { areas: areas?, times_us, ..Options::default() })
     };
     // SAFETY: as this function's.
     unsafe { with(matcher, work) }

@@ -23,7 +23,7 @@ pub enum Status {
     NotInitialised = 4,
     /// The call comes from a callback of the same matcher.
     Busy = 5,
-    /// No pair has been matched yet.
+    /// No pair has been matched yet, or the last images were refused.
     NoPair = 6,
     /// There are not so many segments.
     NoSuchSegment = 7,
@@ -134,7 +134,7 @@ impl Status {
             c"nothing at this address: not initialised, or copied from elsewhere",
         ),
         (Self::Busy, c"a callback called the matcher that runs it"),
-        (Self::NoPair, c"no pair has been matched yet"),
+        (Self::NoPair, c"no pair has been matched yet, or the last images were refused"),
         (Self::NoSuchSegment, c"no segment has this index"),
         (Self::TooMany, c"more elements than memory can hold"),
         (Self::PairUnfit, c"the pair is not fit to be used: linestereo_health says why"),

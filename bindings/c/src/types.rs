@@ -12,7 +12,8 @@ pub struct Config {
     pub width: u16,
     /// Height of both images, px; 16 to 1280.
     pub height: u16,
-    /// Largest number of segments listed in each image, 1 to 4096: a matter of memory. 1024.
+    /// Largest number of segments listed in each image, 1 to 4096: a matter of memory. 1024; for
+    /// the results of the PC's program 4096, where `LinestereoHealth.is_cut` is 1.
     pub segments: u16,
     /// First disparity searched, px; -32 to 0. 0.
     pub min_disparity: i16,

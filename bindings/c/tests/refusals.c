@@ -1,5 +1,5 @@
-/* What no caller may do is refused with a status, and changes nothing: ends with 0, or with the
-   line of the first check that fails. */
+/* What no caller may do is refused with a status: ends with 0, or with the line of the first check
+   that fails. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -119,7 +119,12 @@ int main(void) {
     spans[9].end = WIDTH;
     REFUSED(linestereo_run(matcher, &wrong, &right, 0), OK);
     REFUSED(linestereo_run_areas(matcher, &left, &right, 0, 0, 1), NULL);
-    REFUSED(linestereo_health(matcher, &health), OK); /* of the last pair: what is refused changes nothing */
+    /* Results of the pair before would pass for those of one that was refused. */
+    REFUSED(linestereo_health(matcher, &health), NO_PAIR);
+    REFUSED(linestereo_run(matcher, &left, &right, 0), PAIR_UNFIT); /* frozen */
+    REFUSED(linestereo_health(matcher, &health), OK);
+    REFUSED(linestereo_run(matcher, &left, 0, 0), NULL);
+    REFUSED(linestereo_health(matcher, &health), NO_PAIR);
 
     /* Results; of another matcher, which has not seen these images: they would be frozen. */
     REFUSED(linestereo_init(memory, size, &config, &matcher), OK);
@@ -225,6 +230,7 @@ int main(void) {
     REFUSED(linestereo_run(matcher, &left, &right, times_us), PAIR_UNFIT);
     REFUSED(linestereo_obstacles_update(&obstacles, matcher, 1100000), PAIR_UNFIT);
     REFUSED(linestereo_run(matcher, &left, 0, 0), NULL);
+    REFUSED(linestereo_obstacles_update(&obstacles, matcher, 1100000), NO_PAIR);
     REFUSED(linestereo_init(memory, size, &config, &matcher), OK);
     REFUSED(linestereo_obstacles_update(&obstacles, matcher, 1100000), NO_PAIR);
     REFUSED(linestereo_sector(&obstacles, 0, 1200000, &sector), OK);

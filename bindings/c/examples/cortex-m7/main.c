@@ -82,7 +82,7 @@ __attribute__((noinline)) static void run(void) {
     output = host_open(":tt", 4 /* w */);
     LinestereoConfig config = linestereo_config(0, 0);
     char *disparities = word(&rest), *focal = word(&rest), *baseline = word(&rest);
-    if (*disparities) config.max_disparity = (uint16_t)number_read(disparities);
+    if (*disparities) config.max_disparity = (uint16_t)(int32_t)number_read(disparities);
     if (*focal) config.focal_px = number_read(focal), config.baseline_m = number_read(baseline);
     LinestereoStatus status = pair_print(write_output, images, bytes, &config, memory_of);
     if (status != LINESTEREO_STATUS_OK) {
