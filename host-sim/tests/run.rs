@@ -20,6 +20,21 @@ fn cards() -> TempDir {
 const PAIR: &str = "run cards/left.png cards/right.png --scene cards/scene.json";
 
 #[test]
+fn the_summary_tells_the_depths_of_all_points_and_the_near_limit() {
+    let folder = cards();
+    let at = folder.path();
+    let rig = "--focal-px 200 --baseline-m 0.05 --max-disparity 24";
+    let listing = json(at, &format!("{PAIR} {rig} --json -"));
+    let points = listing["points"].as_array().unwrap().iter();
+    let disparities = || points.clone().map(|point| point[2].as_f64().unwrap());
+    let nearest = 10.0 / disparities().fold(0.0, f64::max);
+    let farthest = 10.0 / disparities().fold(f64::INFINITY, f64::min);
+    let depths = format!("depths from {nearest:.2} m to {farthest:.2} m\n");
+    // 10 px m / 22.5 px; not 23 px, which are 0.43 m.
+    tells(at, &format!("{PAIR} {rig}"), &[&depths, "nothing nearer than 0.44 m is measured"]);
+}
+
+#[test]
 fn the_scene_file_beside_a_pair_is_used_and_named() {
     let folder = cards();
     let at = folder.path();

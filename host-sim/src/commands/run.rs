@@ -16,7 +16,7 @@ use crate::results::listing::{self, Answers, Query};
 use crate::results::{self, PngMap};
 use anyhow::{Result, anyhow, bail};
 use core::fmt::Write;
-use linestereo::{Params, results::Rejection, units::Disparity};
+use linestereo::{Params, results::Rejection};
 use linestereo_frames::{PairFiles, StoredPair};
 use linestereo_recordings::Footage;
 use std::path::PathBuf;
@@ -182,10 +182,10 @@ fn export_files(
     Ok(notes)
 }
 
-/// Depth at the end of the disparity range, m; `None` without a rig.
+/// Depth of the largest disparity that is found, m; `None` without a rig.
 fn nearest_metres(params: &Params) -> Option<f64> {
-    let last = Disparity::from_num(params.max_disparity - 1);
-    params.rig.and_then(|rig| listing::finite_metres(rig.depth(last)))
+    let largest = Params::largest_disparity(params.max_disparity);
+    params.rig.and_then(|rig| listing::finite_metres(rig.depth(largest)))
 }
 
 fn summary(setup: &Setup<'_>, result: &FrameResult, seconds: f64) -> String {
@@ -206,12 +206,15 @@ fn summary(setup: &Setup<'_>, result: &FrameResult, seconds: f64) -> String {
         format!("  p >= {least:.2}: {segments:4} segments, {points:6} points\n")
     });
     text.push_str(&shares.concat());
-    let depths = || result.matches.iter().filter_map(|found| found.depth).flatten();
-    if let (Some(nearest), Some(farthest)) = (depths().min(), depths().max()) {
+    let disparities = || result.points.iter().map(|point| point.disparity);
+    if let (Some(rig), Some(most), Some(least)) =
+        (params.rig, disparities().max(), disparities().min())
+    {
         let metres = |depth| {
             listing::finite_metres(depth).map_or("infinity".to_owned(), |m| format!("{m:.2} m"))
         };
-        let _ = writeln!(text, "depths from {} to {}", metres(nearest), metres(farthest));
+        let [nearest, farthest] = [most, least].map(|disparity| metres(rig.depth(disparity)));
+        let _ = writeln!(text, "depths from {nearest} to {farthest}");
     }
     if let Some(nearest) = nearest_metres(params) {
         let _ = writeln!(
