@@ -336,6 +336,11 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
     steps.push(json!({"files": [notes, written[0][0]]}));
     steps.push(json!({"files": [written[0][0], written[0][1], notes]}));
     steps.push(json!({"files": written[0], "text": true}));
+    // The focal length is that of the files: half of it holds for images of half the width.
+    let focal = 2.0 * RIG[0].parse::<f64>().unwrap();
+    let width = pairs[0].1[0].dims.width / 2;
+    steps
+        .push(json!({"settings": {"focal": focal, "width": width}, "changes": true, "text": true}));
     steps.push(json!({"settings": {"baseline": ""}, "changes": true}));
     // 65600 is 64 in 16 bits.
     steps.push(json!({"settings": {"max-disparity": "65600"}, "changes": true}));
@@ -348,7 +353,8 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
         assert!(step[2]["summary"].as_str().unwrap().contains(" segments matched, "), "{name}");
         assert_eq!((&step[2]["error"], &step[2]["wide"]), (&json!(""), &json!(false)), "{name}");
     }
-    let [text_file, three, again, half_a_rig, too_many] = &found[1 + 3 * pairs.len()..] else {
+    let [text_file, three, again, reduced, half_a_rig, too_many] = &found[1 + 3 * pairs.len()..]
+    else {
         panic!("{found:?}")
     };
     let refused = "notes.txt: not an image that is read; give PNG, PGM, or what this browser shows, such as JPEG";
@@ -358,6 +364,8 @@ fn a_visitor_sees_the_bytes_of_the_program_and_the_depth_of_a_box() {
         "3 files were given; give left and right, or one with both side by side"
     );
     assert_equal("again", again, &expected(&pairs[0].1));
+    let halves = pairs[0].1.each_ref().map(|image| area_average(image, width).unwrap());
+    assert_equal("reduced", reduced, &expected(&halves));
     assert_eq!(
         half_a_rig["error"],
         "metres need both, focal length and baseline; give the other one, or neither"

@@ -185,12 +185,13 @@ export class Images {
   }
 
   /// The images added, as a pair: one image is both side by side, which is to be said of those that
-  /// are not twice as wide as high. `width` reduces them, 0 does not.
+  /// are not twice as wide as high. `width` reduces them, 0 does not: by `scale`, and so a focal
+  /// length in px.
   pair(width, holdsBoth = false) {
     this.call("pair", width, holdsBoth);
     const size = { width: this.code.width(), height: this.code.height() }, bytes = size.width * size.height;
     const [left, right] = [0, 1].map(side => new Uint8Array(this.code.memory.buffer, this.code.pixels(side), bytes).slice());
-    return { ...size, left, right };
+    return { ...size, scale: size.width / this.code.full_width(), left, right };
   }
 }
 

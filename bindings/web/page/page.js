@@ -103,8 +103,9 @@ async function loadFiles() {
 
 /// `anew`: the pair is no next one of a sequence.
 async function match(anew) {
-  const { max_disparity, rig } = settings(), { width, height } = pair;
+  const { max_disparity, rig: given } = settings(), { width, height, scale } = pair;
   if (Math.max(width, height) > LARGEST) throw new Refused(`${width}x${height} is more than ${LARGEST}x${LARGEST}; reduce it to a width below`);
+  const rig = given && { ...given, focal_px: given.focal_px * scale };
   const key = JSON.stringify([width, height, max_disparity, rig]);
   if (anew || matcher?.key !== key) {
     matcher = null;

@@ -26,6 +26,8 @@ struct State {
     room: Vec<u8>,
     added: Vec<StoredGray>,
     pair: Option<[GrayImage; 2]>,
+    /// Width of the pair before it was reduced, px.
+    full_width: u16,
     reason: String,
 }
 
@@ -109,6 +111,7 @@ pub extern "C" fn pair(width: u32, holds_both: bool) -> bool {
                 "the left image is {left} but the right one is {right}; give two images of one size"
             ));
         }
+        state.full_width = left.dims.width;
         let width =
             if width == 0 { left.dims.width } else { u16::try_from(width).unwrap_or(u16::MAX) };
         let reduced = |image| {
@@ -132,6 +135,12 @@ pub extern "C" fn pixels(side: usize) -> *const u8 {
 #[unsafe(no_mangle)]
 pub extern "C" fn width() -> u32 {
     with(|state| state.pair.as_ref().map_or(0, |[left, _]| left.dims.width.into()))
+}
+
+/// Its width before it was reduced, px.
+#[unsafe(no_mangle)]
+pub extern "C" fn full_width() -> u32 {
+    with(|state| state.full_width.into())
 }
 
 /// Height of the pair, px.
