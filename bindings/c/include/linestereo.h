@@ -448,7 +448,7 @@ typedef struct {
 // Called with every point; `context` is what the caller gave.
 typedef void (*LinestereoPointCallback)(void *context, const LinestereoPoint *point);
 
-// The depth of an object or of a pixel; where it has none, numbers are 0.
+// The depth of an object or of a pixel; where it has none, all numbers but `support` are 0.
 typedef struct {
   // Disparity, 1/64 px: of an object at its centre.
   int16_t disparity_q6;

@@ -2,7 +2,6 @@
 
 use crate::status::Status;
 use crate::types::{Bar, Camera, Config, Depth, Health, Owner, Point, Segment};
-use core::mem::MaybeUninit;
 use linestereo::health::{CameraHealth, HealthLimits};
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use linestereo::params::{Margin, Parts};
@@ -177,23 +176,24 @@ impl Engine {
         Ok(())
     }
 
-    /// Writes the depth of one region, or why there is none. Its numbers are there in either case.
-    pub fn object(&mut self, region: &Region<'_>, room: &mut MaybeUninit<Depth>) -> Result<(), Status> {
+    /// Writes the depth of one region; where it has none, what supports it.
+    pub fn object(&mut self, region: &Region<'_>, depth: &mut Depth) -> Result<(), Status> {
         match self.matched()?.object(region) {
             Ok(found) => {
-                room.write(Depth::of_object(&found));
+                *depth = Depth::of_object(&found);
                 Ok(())
             }
             Err(why) => {
-                room.write(Depth { support: why.support, ..Depth::NONE });
+                depth.support = why.support;
                 Err(why.reason.into())
             }
         }
     }
 
-    pub fn pixel(&mut self, pixel: (u16, u16)) -> Result<Depth, Status> {
+    /// Writes the depth of a pixel.
+    pub fn pixel(&mut self, pixel: (u16, u16), depth: &mut Depth) -> Result<(), Status> {
         let found = self.matched()?.pixel(pixel)?;
-        Ok(Depth {
+        *depth = Depth {
             disparity_q6: found.disparity.to_bits(),
             sigma_q6: found.sigma.to_bits(),
             confidence_q16: found.confidence.to_bits(),
@@ -201,7 +201,8 @@ impl Engine {
             depth_q16: metres(found.depth),
             depth_sigma_q16: metres(found.depth_sigma),
             nearest_q16: 0,
-        })
+        };
+        Ok(())
     }
 
     /// Position in space, 1/65536 m.
@@ -223,7 +224,7 @@ fn metres_of_ends(ends: Option<[linestereo::units::Depth; 2]>) -> [i32; 2] {
 }
 
 impl Depth {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         disparity_q6: 0,
         sigma_q6: 0,
         confidence_q16: 0,

@@ -153,6 +153,26 @@ unsafe fn with_room<T>(
     }
 }
 
+/// The same, for a depth: its numbers are 0 where there is none, whatever the reason.
+///
+/// # Safety
+/// As [`with_room`].
+unsafe fn with_depth(
+    matcher: *mut Handle,
+    depth: *mut Depth,
+    work: impl FnOnce(&mut Engine, &mut Depth) -> Result<(), Status>,
+) -> Status {
+    // SAFETY: as this function's.
+    match unsafe { room(depth) } {
+        Ok(room) => {
+            let depth = room.write(Depth::NONE);
+            // SAFETY: as this function's.
+            unsafe { with(matcher, |engine| work(engine, depth)) }
+        }
+        Err(status) => status,
+    }
+}
+
 /// A view of an image.
 ///
 /// # Safety
@@ -348,13 +368,13 @@ pub unsafe extern "C" fn linestereo_point_list(
 /// The depth of what lies in a box of the left image, or from 100 on why there is none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_box(matcher: *mut Handle, area: *const Area, depth: *mut Depth) -> Status {
-    let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
+    let work = |engine: &mut Engine, depth: &mut Depth| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let area = *unsafe { read(area.cast::<CoreArea>())? };
-        engine.object(&Region::boxed(0, area, engine.dims())?, room)
+        engine.object(&Region::boxed(0, area, engine.dims())?, depth)
     };
     // SAFETY: as this function's.
-    unsafe { with_room(matcher, depth, work) }
+    unsafe { with_depth(matcher, depth, work) }
 }
 
 /// The same of the runs with this label, sorted by row and column.
@@ -366,20 +386,20 @@ pub unsafe extern "C" fn linestereo_mask(
     count: usize,
     depth: *mut Depth,
 ) -> Status {
-    let work = |engine: &mut Engine, room: &mut MaybeUninit<Depth>| {
+    let work = |engine: &mut Engine, depth: &mut Depth| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let runs = unsafe { list(runs.cast::<CoreRun>(), count)? };
-        engine.object(&Region::masked(label, runs, engine.dims())?, room)
+        engine.object(&Region::masked(label, runs, engine.dims())?, depth)
     };
     // SAFETY: as this function's.
-    unsafe { with_room(matcher, depth, work) }
+    unsafe { with_depth(matcher, depth, work) }
 }
 
 /// The depth of a pixel of the left image, on a segment or not, or from 100 on why there is none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Handle, x: u16, y: u16, depth: *mut Depth) -> Status {
     // SAFETY: as this function's.
-    unsafe { with_room(matcher, depth, |engine, room| engine.pixel((x, y)).map(|found| _ = room.write(found))) }
+    unsafe { with_depth(matcher, depth, |engine, depth| engine.pixel((x, y), depth)) }
 }
 
 /// Position in space of what is seen at `x_q5`, `y_q5` (1/32 px) of the left image with this

@@ -180,7 +180,7 @@ pub struct Point {
     pub segment: i32,
 }
 
-/// The depth of an object or of a pixel; where it has none, numbers are 0.
+/// The depth of an object or of a pixel; where it has none, all numbers but `support` are 0.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Depth {

@@ -152,6 +152,7 @@ int main(void) {
     REFUSED(linestereo_point_list(matcher, listed, 8, &count), OK);
     CHECK(count == seen.points && listed[7].confidence_q16 > 0 && listed[8].confidence_q16 == 0);
     LinestereoDepth depth;
+    const LinestereoDepth none = {0, 0, 0, 0, 0, 0, 0};
     LinestereoArea area = {9, 9, 9, 20};
     REFUSED(linestereo_box(matcher, &area, &depth), REGION_EMPTY);
     area.left = 500, area.right = 600;
@@ -159,7 +160,13 @@ int main(void) {
     LinestereoRun runs[2] = {{1, 20, {10, 50}}, {1, 20, {40, 60}}};
     REFUSED(linestereo_mask(matcher, 1, runs, 2, &depth), REGION_RUN);
     REFUSED(linestereo_mask(matcher, 1, 0, 0, &depth), REGION_EMPTY);
+    /* No number of a depth before stays. */
+    memset(&depth, 0xa5, sizeof depth);
+    REFUSED(linestereo_box(matcher, &area, &depth), REGION_OUTSIDE);
+    CHECK(memcmp(&depth, &none, sizeof depth) == 0);
+    memset(&depth, 0xa5, sizeof depth);
     REFUSED(linestereo_pixel(matcher, WIDTH, 3, &depth), PIXEL_OUTSIDE);
+    CHECK(memcmp(&depth, &none, sizeof depth) == 0);
     int32_t xyz[3];
     REFUSED(linestereo_position(matcher, 0, 0, 64, xyz), NO_RIG);
     LinestereoObstacleConfig wanted = linestereo_obstacle_config(), odd = wanted;
