@@ -385,18 +385,12 @@ def test_other_threads_run_meanwhile():
     assert after - before > 100
 
 
-def test_threads_share_a_result_and_not_a_matcher(pair, result):
-    large = wall(0, 1280, 1280), wall(12, 1280, 1280)
-    matcher, boxes = linestereo.Matcher(128), [[60, 30, 120, 90]] * 500
-    answers, refusals, start = [], [], threading.Barrier(4)
+def test_threads_share_a_result(result):
+    boxes, answers, start = [[60, 30, 120, 90]] * 500, [], threading.Barrier(4)
 
     def ask():
         start.wait()
         answers.append(result.objects(boxes=boxes))
-        try:
-            matcher.match(*large)
-        except RuntimeError as error:
-            refusals.append(str(error))
 
     threads = [threading.Thread(target=ask) for _ in range(4)]
     for thread in threads:
@@ -404,7 +398,28 @@ def test_threads_share_a_result_and_not_a_matcher(pair, result):
     for thread in threads:
         thread.join()
     assert answers == [result.objects(boxes=boxes)] * 4
-    assert refusals and all("the Matcher is in use" in text and "one of its own" in text for text in refusals)
+
+
+def test_a_matcher_in_use_says_so(pair):
+    large = wall(0, 1280, 1280), wall(12, 1280, 1280)
+    matcher, stop = linestereo.Matcher(128), threading.Event()
+
+    def match():
+        while not stop.is_set():
+            try:
+                matcher.match(*large)
+            except RuntimeError:
+                pass  # the other thread came first
+
+    thread = threading.Thread(target=match)
+    thread.start()
+    try:
+        with pytest.raises(RuntimeError, match="the Matcher is in use .* give each thread one of its own"):
+            for _ in range(1000):
+                matcher.match(*pair)
+    finally:
+        stop.set()
+        thread.join()
 
 
 def test_what_is_asked_for_at_a_prompt_is_said():
