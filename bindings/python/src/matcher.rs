@@ -304,7 +304,7 @@ fn nearest_area(borders: [f64; 4], dims: Dims) -> Result<Area, &'static str> {
 }
 
 impl PyMatched {
-    /// Who has it must not wait for the GIL.
+    /// The pair, for one thread at a time, which must not wait for the GIL while it has it.
     pub(crate) fn pair(&self) -> MutexGuard<'_, MatchedPair> {
         self.pair.lock().unwrap_or_else(PoisonError::into_inner)
     }

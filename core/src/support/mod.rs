@@ -270,7 +270,7 @@ pub(crate) struct Matching<'a> {
     pub(crate) half: Option<Grid>,
     /// Row of the right image that matches row 0 of the left one.
     pub(crate) row_offset: i32,
-    /// Of the noisier image.
+    /// The larger numbers of both images.
     pub(crate) noise: Noise,
     pub(crate) plane: Option<GroundPlane>,
     pub(crate) models: &'a SupportModels,

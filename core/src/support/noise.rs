@@ -46,14 +46,13 @@ const STEP: u32 = 4;
 /// Steps of the histogram: up to 8.4 grey levels.
 const STEPS: usize = 64;
 
-/// Sum of second differences of a run with a standard deviation of 1/16 grey level, times 160.
-const SUM_OF_Q4: u32 = 306;
+/// Sum of second differences of a run per grey level of standard deviation, 1/10.
+const TENTHS_PER_LEVEL: u32 = 306;
 /// Changes of codes along a window below which it may show steps alone, per thousandth of the runs
 /// that are without noise. With less blank surfaces still match, with more textured ones do not.
 const CHANGES_PER_PERMILLE: u16 = 3;
 /// The most of these changes.
 const MOST_CHANGES: u16 = 800;
-
 /// Grey levels by which a window differs where an edge is seen, whatever the noise: steps that
 /// compression makes are smaller.
 const EDGE: u8 = 48;
@@ -170,7 +169,7 @@ fn of_image<'a>(image: Gray<'a>, apart: usize) -> Noise {
     });
     let sum = at.map_or(STEPS as u32 * STEP, |step| step as u32 * STEP + STEP / 2);
     Noise {
-        deviation_q4: (160 * sum / SUM_OF_Q4) as u8, // at most 133
+        deviation_q4: (16 * 10 * sum / TENTHS_PER_LEVEL) as u8, // at most 133
         noiseless_permille: quotient(1000 * i32::from(noiseless), all as i32) as u16,
     }
 }
