@@ -16,9 +16,10 @@ use linestereo_wire::{
     ObjectRecord, Objects, Outcome, PairHead, Pixels, Refusal, Regions, Request, send_objects,
 };
 use serde_json::{Value, json};
+use std::env::temp_dir;
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 use std::thread;
@@ -48,6 +49,10 @@ impl View {
             panic!("{address:?} {}", stderr(&child.wait_with_output().unwrap()));
         };
         Self { child, stdout, port: port.parse().unwrap(), token: token.to_owned() }
+    }
+
+    fn address(&self) -> String {
+        format!("http://127.0.0.1:{}/?token={}", self.port, self.token)
     }
 
     fn connect(&self) -> TcpStream {
@@ -319,27 +324,39 @@ fn events_of_a_board_are_the_lines_of_monitor() {
     assert_eq!(summary, String::from_utf8(monitored.stderr).unwrap().split_once('\n').unwrap().1);
 }
 
-/// The program's connection to the board.
-fn accepted(listener: &TcpListener) -> TcpStream {
-    let board = listener.accept().unwrap().0;
-    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-    board
-}
+/// A board behind the program's connection.
+struct Board(TcpStream, Decoder<BoardCommand, MAX_COMMAND>);
 
-/// The next command, which is accepted.
-fn command(board: &mut TcpStream, decoder: &mut Decoder<BoardCommand, MAX_COMMAND>) -> Request {
-    answered(board, decoder, Outcome::Accepted)
-}
+impl Board {
+    /// One that the program, called in this folder with these options besides, has connected to.
+    fn shown(folder: &Path, args: &str) -> (View, Self) {
+        let (listener, address) = listening();
+        let view = View::start(folder, &format!("--tcp {address} {args}"));
+        let board = listener.accept().unwrap().0;
+        board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        (view, Self(board, Decoder::new()))
+    }
 
-/// The next command, which has this outcome.
-fn answered(
-    board: &mut TcpStream,
-    decoder: &mut Decoder<BoardCommand, MAX_COMMAND>,
-    outcome: Outcome,
-) -> Request {
-    let BoardCommand { id, request } = next_command(board, decoder).expect("no command in 20 s");
-    board.write_all(&packet(&Message::Answer(Answer { command: id, outcome }))).unwrap();
-    request
+    fn send(&mut self, bytes: &[u8]) {
+        self.0.write_all(bytes).unwrap();
+    }
+
+    fn say(&mut self, message: &Message) {
+        self.send(&packet(message));
+    }
+
+    /// The next command, which is accepted.
+    fn command(&mut self) -> Request {
+        self.answered(Outcome::Accepted)
+    }
+
+    /// The next command, which has this outcome.
+    fn answered(&mut self, outcome: Outcome) -> Request {
+        let BoardCommand { id, request } =
+            next_command(&mut self.0, &mut self.1).expect("no command in 20 s");
+        self.say(&Message::Answer(Answer { command: id, outcome }));
+        request
+    }
 }
 
 fn record(label: u16) -> ObjectRecord {
@@ -357,30 +374,24 @@ fn record(label: u16) -> ObjectRecord {
 
 #[test]
 fn boxes_of_the_page_are_asked_of_the_board() {
-    let folder = TempDir::new().unwrap();
-    let (listener, address) = listening();
-    let mut view = View::start(folder.path(), &format!("--tcp {address} --send start"));
-    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
-    assert_eq!(command(&mut board, &mut decoder), Request::Describe);
-    assert_eq!(command(&mut board, &mut decoder), Request::Start);
-    board.write_all(&frame(1, 3).concat()).unwrap();
+    let (mut view, mut board) = Board::shown(&temp_dir(), "--send start");
+    assert_eq!(board.command(), Request::Describe);
+    assert_eq!(board.command(), Request::Start);
+    board.send(&frame(1, 3).concat());
     let mut events = view.events();
     assert_eq!(events.json("frame")["sequence"], 1);
     assert_eq!(view.post("[[10,20,30,40]]"), 200);
-    let Request::SetRegions(Regions { boxes, only: false }) = command(&mut board, &mut decoder)
-    else {
-        panic!()
-    };
+    let Request::SetRegions(Regions { boxes, only: false }) = board.command() else { panic!() };
     assert_eq!((boxes.len(), boxes[0].label, boxes[0].left, boxes[0].bottom), (1, 0, 10, 40));
     let list = [record(0)].into_iter().collect();
-    board.write_all(&packet(&Message::Objects(Objects { sequence: 1, list }))).unwrap();
+    board.say(&Message::Objects(Objects { sequence: 1, list }));
     let found = events.json("objects");
     assert_eq!(
         (&found["boxes"], &found["objects"][0]["depth_m"]),
         (&json!([[10, 20, 30, 40]]), &json!(2.5))
     );
     // Directions that it sends are drawn among all of the turn.
-    board.write_all(&packet(&sectors())).unwrap();
+    board.say(&sectors());
     let found = events.json("sectors");
     assert_eq!((found.as_array().unwrap().len(), &found[70]["distance_m"]), (72, &json!(1.25)));
     assert_eq!((&found[0]["drop_off_m"], &found[2]["state"]), (&json!(0.8), &json!("unknown")));
@@ -396,15 +407,12 @@ fn boxes_of_the_page_are_asked_of_the_board() {
 
 #[test]
 fn a_board_that_matches_boxes_alone_sees_no_directions() {
-    let folder = TempDir::new().unwrap();
-    let (listener, address) = listening();
     let box_alone = "--send only_box=3:1,2,30,40 --focal-px 300 --baseline-m 0.1";
-    let view = View::start(folder.path(), &format!("--tcp {address} {box_alone}"));
-    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
-    while !matches!(command(&mut board, &mut decoder), Request::SetRegions(_)) {}
+    let (view, mut board) = Board::shown(&temp_dir(), box_alone);
+    while !matches!(board.command(), Request::SetRegions(_)) {}
     let mut events = view.events();
     events.of("note");
-    board.write_all(&frame(1, 3).concat()).unwrap();
+    board.send(&frame(1, 3).concat());
     events.of("frame");
     let is_next = |(name, _): &(String, String)| name != "link";
     let names: Vec<String> =
@@ -417,10 +425,7 @@ fn a_board_that_matches_boxes_alone_sees_no_directions() {
 
 #[test]
 fn depths_are_of_the_boxes_that_the_board_last_accepted() {
-    let folder = TempDir::new().unwrap();
-    let (listener, address) = listening();
-    let view = View::start(folder.path(), &format!("--tcp {address}"));
-    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
+    let (view, mut board) = Board::shown(&temp_dir(), "");
     let mut events = view.events();
     let nine: Vec<[u16; 4]> = (0..9).map(|at| [at, 0, at + 9, 9]).collect();
     let records: Vec<ObjectRecord> = (0..10).map(record).collect();
@@ -431,11 +436,11 @@ fn depths_are_of_the_boxes_that_the_board_last_accepted() {
     {
         let is_refused = outcome != Outcome::Accepted;
         assert_eq!(view.post(&boxes.to_string()), 200);
-        answered(&mut board, &mut decoder, outcome);
+        board.answered(outcome);
         let note = events.of("note");
         assert!(note.contains("refused the boxes of the page: ") == is_refused, "{note}");
         // Two packets: of nine boxes and of one that nobody drew.
-        send_objects(sequence, &records, &mut |packet| board.write_all(packet)).unwrap();
+        send_objects(sequence, &records, &mut |packet| board.0.write_all(packet)).unwrap();
         assert_eq!(events.json("objects")["objects"].as_array().unwrap().len(), 8);
         let found = events.json("objects");
         assert_eq!(found["boxes"], json!(nine));
@@ -491,74 +496,64 @@ fn a_pair_that_the_board_missed_is_told_and_ends_nothing() {
 
 /// Sends a photograph of 64x2 pixels whose left image has this grey; the first of its pixels that
 /// are not lost.
-fn photo(board: &mut TcpStream, grey: u8, first: u32) {
+fn photo(board: &mut Board, grey: u8, first: u32) {
     let head = PairHead { width: 64, height: 2, capture_time_us: 1, right_capture_time_us: None };
-    board.write_all(&packet(&Message::Photo(head))).unwrap();
+    board.say(&Message::Photo(head));
     for (is_right, grey) in [(false, grey), (true, 0)] {
         let list = [grey; 128].into_iter().collect();
-        board.write_all(&packet(&Message::Pixels(Pixels { is_right, first, list }))).unwrap();
+        board.say(&Message::Pixels(Pixels { is_right, first, list }));
     }
 }
 
 #[test]
 fn photographs_of_a_board_lie_under_its_segments() {
-    let folder = TempDir::new().unwrap();
-    let (listener, address) = listening();
-    let view = View::start(folder.path(), &format!("--tcp {address} --photograph 1"));
-    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
+    let (view, mut board) = Board::shown(&temp_dir(), "--photograph 1");
     let mut events = view.events();
     // None, since the cameras delivered no pair: another one is asked for a second later.
     let none = Outcome::Refused(Refusal::NoPair);
-    assert_eq!(answered(&mut board, &mut decoder, none), Request::Photograph);
+    assert_eq!(board.answered(none), Request::Photograph);
     assert!(events.of("note").contains("refused photograph"));
-    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    assert_eq!(board.command(), Request::Photograph);
     photo(&mut board, 77, 0);
     let expected = json!({"size": [64, 2], "grey": BASE64_STANDARD.encode([77; 128])});
     assert_eq!(events.json("picture"), expected);
     // Another one is asked for a second later. One that lacks pixels is said, and not shown.
-    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    assert_eq!(board.command(), Request::Photograph);
     photo(&mut board, 78, 5);
     assert!(events.of("note").contains("accepted: photograph"));
     assert!(events.of("note").contains("pixels were lost"));
-    let (code, _, _) = view.interrupt();
-    assert_eq!(code, Some(0));
+    assert_eq!(view.interrupt().0, Some(0));
 }
 
 #[test]
 fn a_photograph_that_takes_longer_than_the_interval_is_not_begun_anew() {
-    let folder = TempDir::new().unwrap();
-    let (listener, address) = listening();
-    let _view = View::start(folder.path(), &format!("--tcp {address} --photograph 1"));
-    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
-    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    let (_view, mut board) = Board::shown(&temp_dir(), "--photograph 1");
+    assert_eq!(board.command(), Request::Photograph);
     let head = PairHead { width: 64, height: 2, capture_time_us: 1, right_capture_time_us: None };
-    board.write_all(&packet(&Message::Photo(head))).unwrap();
-    board.set_read_timeout(Some(Duration::from_millis(300))).unwrap();
+    board.say(&Message::Photo(head));
+    board.0.set_read_timeout(Some(Duration::from_millis(300))).unwrap();
     for place in 0..8 {
         let list = [5; 16].into_iter().collect();
         let pixels = Pixels { is_right: false, first: 16 * place, list };
-        board.write_all(&packet(&Message::Pixels(pixels))).unwrap();
-        let asked = board.read(&mut [0]).unwrap_or(0);
+        board.say(&Message::Pixels(pixels));
+        let asked = board.0.read(&mut [0]).unwrap_or(0);
         assert_eq!(asked, 0, "asked for another one at piece {place}");
     }
     let (is_right, first) = (true, 0);
     let list = [5; 128].into_iter().collect();
-    board.write_all(&packet(&Message::Pixels(Pixels { is_right, first, list }))).unwrap();
-    board.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-    assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+    board.say(&Message::Pixels(Pixels { is_right, first, list }));
+    board.0.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    assert_eq!(board.command(), Request::Photograph);
 }
 
 #[test]
 fn a_photograph_of_another_size_than_the_rig_is_left_out() {
     let folder = with_rig(RIG);
-    let (listener, address) = listening();
-    let view =
-        View::start(folder.path(), &format!("--tcp {address} --photograph 1 --rig rig.toml"));
-    let (mut board, mut decoder) = (accepted(&listener), Decoder::new());
+    let (view, mut board) = Board::shown(folder.path(), "--photograph 1 --rig rig.toml");
     let mut events = view.events();
     // The second one is asked for by a program that goes on.
     for _ in 0..2 {
-        assert_eq!(command(&mut board, &mut decoder), Request::Photograph);
+        assert_eq!(board.command(), Request::Photograph);
         photo(&mut board, 77, 0);
         let mut note = events.of("note");
         while note.contains("accepted") {
@@ -569,8 +564,7 @@ fn a_photograph_of_another_size_than_the_rig_is_left_out() {
             "{note}"
         );
     }
-    let (code, _, _) = view.interrupt();
-    assert_eq!(code, Some(0));
+    assert_eq!(view.interrupt().0, Some(0));
 }
 
 #[test]
@@ -599,10 +593,10 @@ fn what_cannot_be_shown_is_refused() {
     says(&stderr(&output), &["image.png holds nothing that a board sent, in 3000 bytes"]);
 }
 
-/// Visits a page; `None` without browser or Node.
-fn visit(page: &str, steps: &Value) -> Option<Visit> {
+/// Visits its page; `None` without browser or Node.
+fn visit(view: &View, steps: &Value) -> Option<Visit> {
     let browser = browser().filter(|_| has("node"))?;
-    Some(linestereo_tests::browser::visit(&browser, page.as_ref(), &[], steps))
+    Some(linestereo_tests::browser::visit(&browser, view.address().as_ref(), &[], steps))
 }
 
 #[test]
@@ -619,14 +613,13 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
         ["disparity_px", "sigma_px", "depth_m", "sigma_m", "nearest_m", "confidence"]
             .map(|name| answered["objects"][0][name].as_f64().unwrap());
     let (view, same) = (View::start(at, "rec --rate 100"), View::start(at, "same"));
-    let address = |view: &View| format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
     let is_answered = "/ m ± /.test(document.getElementById('objects').innerText)";
     let steps = json!([
         {"until": "linestereo.line().name === '3'"},
         {"box": [50, 50, 150, 150]},
         {"until": is_answered},
     ]);
-    let Some(Visit { found, logged }) = visit(&address(&view), &steps) else { return };
+    let Some(Visit { found, logged }) = visit(&view, &steps) else { return };
     let expected = format!(
         "{z:.3} m ± {z_sigma:.3} m, nearest {nearest:.3} m; {d:.2} ± {sigma:.2} px, within 1 px \
          with {:.1} %",
@@ -647,11 +640,9 @@ fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
         places[0] == own("/") && logged.iter().any(|url| url.starts_with(&own("/boxes"))),
         "{logged:?}"
     );
-    let Visit { found, .. } = visit(
-        &address(&same),
-        &json!([{"until": "linestereo.line().name === '1'"}, {"until": "true"}]),
-    )
-    .unwrap();
+    let Visit { found, .. } =
+        visit(&same, &json!([{"until": "linestereo.line().name === '1'"}, {"until": "true"}]))
+            .unwrap();
     let health = found[1]["health"].as_str().unwrap();
     assert!(health.contains("check that they come from two cameras"), "{found:?}");
 }
@@ -680,8 +671,7 @@ fn a_visitor_sees_bars() {
         {"until": coloured}, click("bars"), {"until": format!("!{coloured}")}
     ]);
     let view = View::start(folder.path(), "rec");
-    let address = format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
-    let Some(Visit { found, logged }) = visit(&address, &steps) else { return };
+    let Some(Visit { found, logged }) = visit(&view, &steps) else { return };
     let summary = found[3]["summary"].as_str().unwrap();
     assert!(summary.contains(&format!(" points, {} bars", bars.len())), "{summary}");
     assert!(logged.iter().all(|line| !line.starts_with("exception")), "{logged:?}");
@@ -694,7 +684,6 @@ fn a_visitor_sees_obstacles_without_points_and_asks_for_sixteen_boxes_at_most() 
     view.shown();
     let boxes: Vec<[u16; 4]> = (0..16).map(|at| [at, 0, at + 9, 9]).collect();
     assert_eq!(view.post(&json!(boxes).to_string()), 200);
-    let address = format!("http://127.0.0.1:{}/?token={}", view.port, view.token);
     let has_obstacle = "document.getElementById('top').getContext('2d') \
                         .getImageData(0, 0, 640, 480).data.some(value => value > 0)";
     let steps = json!([
@@ -704,7 +693,7 @@ fn a_visitor_sees_obstacles_without_points_and_asks_for_sixteen_boxes_at_most() 
         {"box": [50, 50, 150, 150]},
         {"until": "document.getElementById('notes').innerText.includes('at most 16 boxes')"},
     ]);
-    let Some(Visit { found, logged }) = visit(&address, &steps) else { return };
+    let Some(Visit { found, logged }) = visit(&view, &steps) else { return };
     assert_eq!(found[4]["objects"].as_array().unwrap().len(), 16, "{found:?}");
     assert!(logged.iter().all(|line| !line.starts_with("exception")), "{logged:?}");
 }
@@ -720,19 +709,15 @@ fn resident(process: u32) -> u64 {
 /// memory stays.
 #[test]
 fn thirty_frames_a_second_arrive_whole() {
-    let folder = TempDir::new().unwrap();
-    let (listener, address) = listening();
     let frames = 120;
-    let options = format!("--tcp {address} --focal-px 300 --baseline-m 0.1");
-    let view = View::start(folder.path(), &options);
-    let mut board = listener.accept().unwrap().0;
+    let (view, mut board) = Board::shown(&temp_dir(), "--focal-px 300 --baseline-m 0.1");
     let mut events = view.events();
     let sending = thread::spawn(move || {
         let begin = Instant::now();
         for sequence in 0..frames {
             let due = Duration::from_secs(sequence.into()) / 30;
             thread::sleep(due.saturating_sub(begin.elapsed()));
-            board.write_all(&frame(sequence, 60).concat()).unwrap();
+            board.send(&frame(sequence, 60).concat());
         }
         board
     });
