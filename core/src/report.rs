@@ -353,9 +353,7 @@ impl Iterator for Points<'_> {
 }
 
 /// Probability of a pixel that is listed as a side's: that of the side, or, below
-/// [`LEFT_OVER_Q16`], half as far again below it. Chosen on `qvga` and `robot_world`, whose pixels
-/// of 0.5 and more are right at most 1.5 points less often than is said. Sets that did not choose
-/// it: `middlebury2006_half` 0, `middlebury2005_half` 6, a ramp 12 points.
+/// [`LEFT_OVER_Q16`], half as far again below it.
 fn as_listed(probability_q16: u16) -> u16 {
     probability_q16.saturating_sub(LEFT_OVER_Q16.saturating_sub(probability_q16) / 2)
 }

@@ -3,12 +3,9 @@
 //!
 //! Work is counted on the PC: what a run did, each step with its instructions on a Cortex-M7. The
 //! weights are least squares of relative errors over 38 drawn and captured pairs, whole and in both
-//! parts, that `cargo xtask bench --board mps2-an500 --frames FOLDER` has counted under QEMU. Of
-//! whole pairs they say 0.84 to 1.19 of what they cost (gratings least, pictures without a match
-//! most), of captured ones 0.88 to 1.12, of three boxes 0.92 to 1.07, of one 0.89 to 1.07.
-//! `nothing_is_left_out_of_a_scene` holds them to the committed numbers. The costliest of these
-//! pairs takes 1.14 of the median whole, 1.16 around three boxes and 1.15 around one. The search
-//! for a ground plane, in each fourth pair without one, is not in.
+//! parts, that `cargo xtask bench --board mps2-an500 --frames FOLDER` has counted under QEMU;
+//! `nothing_is_left_out_of_a_scene` holds them to the committed numbers. The search for a ground
+//! plane, in each fourth pair without one, is not in.
 
 use core::f64::consts::TAU;
 use core::time::Duration;

@@ -100,12 +100,7 @@ const WIDE_Q5: i32 = 128;
 const WIDE_INNER_Q5: i32 = 24;
 
 /// Fewest rows of a bar level with what is around it, for all of its pixels to be points and for it
-/// to be grown. Chosen on `robot_world` and `qvga`, by models fitted on `qvga` alone: with all of
-/// them, from 10, 14 and 20 rows on, and with none 41.6, 41.5, 41.4, 41.0 and 38.4 % of the cells
-/// of thin things are seen, 2.4, 2.4, 2.2, 2.3 and 1.9 % of these wrong, and 1.46, 1.44, 1.41, 1.39
-/// and 1.42 % of the answers on `qvga`. Rooms that did not choose it (`robot_sequences`,
-/// `robot_world_640`), from 14 rows on and with none: 56.0 and 50.0 % of the thin cells seen, 1.3
-/// and 1.3 % of these wrong.
+/// to be grown; `docs/experiments.md` has others.
 const LEAST_LEVEL_ROWS: i32 = 14;
 
 /// A thin thing of the left image, between two edges.

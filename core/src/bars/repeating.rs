@@ -24,13 +24,7 @@ use crate::places::Places;
 use crate::support::{Grid, SupportPoint};
 use heapless::Vec;
 
-/// Bars in a row that repeat. Chosen with the numbers of bars that are found and matched and with
-/// the rows of an area, on fences that `linestereo-lab thin` draws before `middlebury2006_third`,
-/// `middlebury2003` and `oakd_agreed_320` (seed 901): wrong pixels 5706 without the areas, 1564
-/// with them, 1361 with those of four bars. Of the first 80 % of the cells of `robot_world` 14.85,
-/// 14.9 and 15.4 % are wrong. Fences that chose nothing, before `qvga` (seed 1301), rooms (1302)
-/// and the three above (1303): wrong pixels 4391, 3527 and 5090 without, 2761, 1394 and 2106 with
-/// them. Cells of captured sets are the same to 0.1 %.
+/// Bars in a row that repeat; `docs/experiments.md` has four.
 const RUN: i32 = 5;
 /// Deviation from equal distances, px.
 const TOLERANCE: i32 = 1;

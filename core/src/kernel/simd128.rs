@@ -1,10 +1,6 @@
 //! Cost curves, and codes, costs and paths of support points, with the vectors of WebAssembly.
 //!
 //! In and out as the [`portable`](super::portable) versions, the same bits.
-//!
-//! # Cost
-//! A captured QVGA pair in Node 20, median of 14, an x86-64 PC: 6.7 ms, 9.1 without `code_columns`,
-//! and 16.5 ms of the portable versions as vectorised for the same target.
 
 use super::portable::support::{CODED_AT_ONCE, flat_but_coded};
 use super::portable::{CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip};

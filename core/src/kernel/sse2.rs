@@ -2,10 +2,6 @@
 //! support points with its saturating sums of bytes.
 //!
 //! In and out as the [`portable`](super::portable) versions, the same bits.
-//!
-//! # Cost
-//! 12 strips over 64 disparities: 0.19 us against 0.41 us of the portable version as vectorised for
-//! x86-64.
 
 use super::portable::support::{CODED_AT_ONCE, flat_but_coded};
 use super::portable::{CODE_ROWS, CodeColumn, JUMP_PENALTY, LANES, STEP_PENALTY, STRIP, Strip};

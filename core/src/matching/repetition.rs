@@ -32,12 +32,7 @@ const ROWS: i32 = 3;
 const FIRST_COLUMN: i32 = -4;
 /// Largest cost of a place that is alike, of the edge's own gradients, Q8, and the number of these
 /// places at equal distances that repeat: bars whose edges are alike, and bars before texture that
-/// differs from gap to gap. The second was chosen on fences and wallpaper drawn into
-/// `middlebury2006_third` (seed 77): wrong pixels 5734 without it and 2381 with it, on wallpaper
-/// 558 and 169. Sets that did not choose it: seeds 4711 and 8151 5202 and 3245, 1268 and 831, on
-/// wallpaper 1263 and 122, 537 and 541; fences before `oakd_agreed_320` 1588 and 891. Rows of poles
-/// and answers on `qvga` are the same; thin things of `robot_world` are seen 39.2 and 39.1 %,
-/// furniture of `robot_sequences/sill_doorway` 22.7 and 21.8 %.
+/// differs from gap to gap. `docs/experiments.md` has others.
 const REPEATING: [(u32, i32); 2] = [(102, 4), (204, 6)];
 /// Deviation from equal distances, px.
 const TOLERANCE: i32 = 2;

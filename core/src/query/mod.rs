@@ -19,16 +19,6 @@
 //! on a Cortex-M7 (means of the built-in pairs, QEMU), at most 65 000 where segments are dense;
 //! 6000 where there is no texture.
 //!
-//! # Measured
-//! The model was fitted on `qvga` and `robot_world`. Of visible pixels of sets that did not choose
-//! it, answered with a probability of 0.9 and more, and more than 1 px off:
-//!
-//! | set | answered | off |
-//! |---|---|---|
-//! | `middlebury2006_third`, `middlebury2005_half` | 75, 68 % | 0.7, 2.7 % |
-//! | `kitti2012_640` | 49 % | 2.8 % |
-//! | `robot_sequences`, `robot_world_640` | 20, 52 % | 3.5, 0.6 % |
-//!
 //! # Source
 //! The chapter's future work: a pixel described by the closest features, dislocated kernels.
 
