@@ -184,14 +184,8 @@ unsafe fn words_of_codes(state: &mut State, flags: u32, columns: *mut CodeColumn
             left = out(reg) _,
             columns = inout(reg) columns => _,
             flags = in(reg) flags,
-            a0 = out(reg) _,
-            a1 = out(reg) _,
-            b0 = out(reg) _,
-            b1 = out(reg) _,
-            c0 = out(reg) _,
-            c1 = out(reg) _,
-            p = out(reg) _,
-            q = out(reg) _,
+            a0 = out(reg) _, a1 = out(reg) _, b0 = out(reg) _, b1 = out(reg) _, c0 = out(reg) _,
+            c1 = out(reg) _, p = out(reg) _, q = out(reg) _,
         );
     }
 }

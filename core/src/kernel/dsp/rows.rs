@@ -100,9 +100,7 @@ unsafe fn gradient_words(rows: [*const u8; 3], out: *mut u8, here: u32, count: u
             out = inout(reg) out => _,
             here = inout(reg) here => _,
             count = inout(reg) count => _,
-            next = out(reg) _,
-            right = out(reg) _,
-            t = out(reg) _,
+            next = out(reg) _, right = out(reg) _, t = out(reg) _,
             clip = in(reg) CLIP,
             zero = in(reg) ZERO,
             options(nostack),
@@ -223,9 +221,7 @@ unsafe fn census_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
             top_left = inout(reg) word(top) => _,
             left = inout(reg) word(row) => _,
             bottom_left = inout(reg) word(bottom) => _,
-            centre = out(reg) _,
-            other = out(reg) _,
-            code = out(reg) _,
+            centre = out(reg) _, other = out(reg) _, code = out(reg) _,
             zero = in(reg) 0_u32,
             ones = in(reg) 0x0101_0101_u32,
             options(nostack),
@@ -298,8 +294,7 @@ pub fn census_code(pixels: &[u8], first: usize, stride: usize) -> Option<u8> {
             row = in(reg) row,
             bottom = in(reg) bottom,
             code = inout(reg) lighter,
-            centre = out(reg) _,
-            other = out(reg) _,
+            centre = out(reg) _, other = out(reg) _,
             options(pure, readonly, nostack),
         );
     }
@@ -328,8 +323,7 @@ pub fn reverse_row(row: &mut [u8]) {
             head = inout(reg) words.as_mut_ptr() => _,
             tail = inout(reg) words.as_mut_ptr_range().end => _,
             pairs = inout(reg) pairs => _,
-            a = out(reg) _,
-            b = out(reg) _,
+            a = out(reg) _, b = out(reg) _,
             options(nostack),
         );
     }

@@ -85,9 +85,7 @@ unsafe fn fours(window: *const u8, columns: *const u8, costs: *mut u8, rounds: u
             costs = inout(reg) costs => _,
             inout("lr") rounds => _,
             s0 = inout(reg) 0xa << 16 => _, // `sel` takes every second byte from the first operand
-            s1 = out(reg) _,
-            s2 = out(reg) _,
-            s3 = out(reg) _,
+            s1 = out(reg) _, s2 = out(reg) _, s3 = out(reg) _,
             penalty = const 0x0101_0101_u32 * JUMP_PENALTY as u32,
             out("d0") _, out("d1") _, out("d2") _, out("d3") _,
             out("d4") _, out("d5") _, out("d6") _, out("d7") _,

@@ -112,11 +112,7 @@ unsafe fn sobel_words(rows: [*const u8; 3], out: *mut u8, count: usize) {
             inout("r2") below => _,
             inout("r3") out => _,
             inout("r4") count => _,
-            out("r5") _,
-            out("r8") _,
-            out("r9") _,
-            out("r10") _,
-            out("r11") _,
+            out("r5") _, out("r8") _, out("r9") _, out("r10") _, out("r11") _,
             inout("r12") 0x0080_0080 => _,
             out("lr") _,
         );
@@ -151,8 +147,7 @@ pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
             at = inout(reg) start => first,
             turns = inout(reg) turns => _,
             above = in(reg) above,
-            a = out(reg) _,
-            b = out(reg) _,
+            a = out(reg) _, b = out(reg) _,
             options(nostack, readonly),
         );
         if first.is_null() {
@@ -167,8 +162,7 @@ pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
             "beq 2b",
             at = inout(reg) costs.as_ptr_range().end => last,
             above = in(reg) above,
-            a = out(reg) _,
-            b = out(reg) _,
+            a = out(reg) _, b = out(reg) _,
             options(nostack, readonly),
         );
     }
@@ -178,7 +172,6 @@ pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
 
 /// See [`portable::places_within`].
 #[inline]
-#[must_use]
 pub(crate) fn places_within(group: Group, bound: u16) -> u32 {
     let Group([a, c, b, d]) = group;
     let places: u32;
@@ -248,12 +241,7 @@ pub(crate) fn columns_of_four(rows: [&[u8]; 4], out: &mut [u32]) {
             inout("r2") c => _,
             inout("r3") d => _,
             inout("r4") out.as_mut_ptr() => _,
-            out("r5") _,
-            out("r8") _,
-            out("r9") _,
-            out("r10") _,
-            out("r11") _,
-            out("r12") _,
+            out("r5") _, out("r8") _, out("r9") _, out("r10") _, out("r11") _, out("r12") _,
             inout("lr") width / 4 => _,
         );
     }
@@ -308,14 +296,8 @@ pub(crate) fn block_costs(left: &[u32; 4], right: &[u32], out: &mut [Group]) {
             inout("r1") out.as_mut_ptr() => _,
             inout("r2") out.len() => _,
             inout("r3") left.as_ptr() => _,
-            out("r4") _,
-            out("r5") _,
-            out("r8") _,
-            out("r9") _,
-            out("r10") _,
-            out("r11") _,
-            out("r12") _,
-            out("lr") _,
+            out("r4") _, out("r5") _, out("r8") _, out("r9") _, out("r10") _, out("r11") _,
+            out("r12") _, out("lr") _,
         );
     }
 }
@@ -367,10 +349,7 @@ pub(crate) fn add_block(blocks: &mut Blocks<'_>, costs: &mut [Group]) -> Group {
             inout("r4") costs.as_mut_ptr() => _,
             inout("r5") low,
             inout("r8") high,
-            out("r9") _,
-            out("r10") _,
-            out("r11") _,
-            out("r12") _,
+            out("r9") _, out("r10") _, out("r11") _, out("r12") _,
             inout("lr") count / UNROLLED => _,
             options(nostack),
         );
