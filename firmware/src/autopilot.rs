@@ -30,7 +30,6 @@ pub struct Autopilot {
 
 impl Autopilot {
     /// Nothing seen, no rig.
-    #[must_use]
     pub const fn new(vehicle: Vehicle) -> Self {
         let sender = Sender {
             system: vehicle.system,
@@ -99,7 +98,6 @@ impl Autopilot {
     }
 
     /// Is it known how pairs are seen?
-    #[must_use]
     pub fn has_view(&self) -> bool {
         self.view.is_some()
     }

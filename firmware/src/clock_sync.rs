@@ -50,7 +50,6 @@ impl ClockSync {
     }
 
     /// A time of the board's clock in the clock that counts then, and whose that is.
-    #[must_use]
     pub fn stamp(&self, time_us: u64) -> (u64, TimeSource) {
         let Self { source, offset_us, .. } = self.at(time_us);
         (time_us.saturating_add_signed(offset_us), source)

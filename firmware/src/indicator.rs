@@ -30,7 +30,6 @@ pub enum Status {
 
 impl Status {
     /// Of a frame with this health.
-    #[must_use]
     pub fn of(health: Health) -> Self {
         if health.contains(Health::PAIR_MISSING) {
             Self::Missing
@@ -49,7 +48,6 @@ const FLASH_MS: u32 = 250;
 
 /// True when the light is on, so many milliseconds after the start. They may wrap: the cause is
 /// told again after 49 days.
-#[must_use]
 pub fn is_lit(reset: Option<ResetCause>, status: Status, time_ms: u32) -> bool {
     let flashes = reset.map_or(0, flashes);
     if flashes > 0 && time_ms < CAUSE_MS {

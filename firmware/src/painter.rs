@@ -14,7 +14,6 @@ pub struct Painter {
 
 impl Painter {
     /// A camera of this size.
-    #[must_use]
     pub const fn new(dims: Dims) -> Self {
         Self { dims, next: 0 }
     }

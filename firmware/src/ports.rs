@@ -255,7 +255,6 @@ pub struct CapturedPair {
 
 impl CapturedPair {
     /// One of which nothing else is known.
-    #[must_use]
     pub const fn of(dims: Dims) -> Self {
         Self { dims, times_us: None, frame_start: None }
     }

@@ -64,7 +64,6 @@ impl File {
     }
 
     /// Bytes in it; 0 when the PC does not know.
-    #[must_use]
     pub fn length(&self) -> u32 {
         // SAFETY: a handle of an open file.
         let length = unsafe { call(operation::FLEN, [self.0].as_ptr()) };
@@ -114,7 +113,6 @@ pub struct Arguments {
 
 impl Arguments {
     /// The PC's command line; no words when it has none or more than fit.
-    #[must_use]
     pub fn read() -> Self {
         let mut text = [0_u8; LONGEST];
         let mut block = [text.as_mut_ptr().expose_provenance() as u32, text.len() as u32];
@@ -125,7 +123,6 @@ impl Arguments {
     }
 
     /// Word number `n`, counted from 0.
-    #[must_use]
     pub fn get(&self, n: usize) -> Option<&[u8]> {
         let text = self.text.get(..self.length).unwrap_or(&[]);
         let words = text.split(|&byte| byte == b' ' || byte == 0).filter(|word| !word.is_empty());
@@ -133,7 +130,6 @@ impl Arguments {
     }
 
     /// The file that word number `n` names; `None` when it cannot be opened.
-    #[must_use]
     pub fn open(&self, n: usize, mode: Mode) -> Option<File> {
         File::open(self.get(n)?, mode).ok()
     }

@@ -81,7 +81,6 @@ pub enum Reply {
 
 impl<'a> Session<'a> {
     /// The state after a reset of a board without flash.
-    #[must_use]
     pub const fn new(board: Board) -> Self {
         Self {
             board,
@@ -157,7 +156,6 @@ impl<'a> Session<'a> {
     }
 
     /// Name, version and limits of the board.
-    #[must_use]
     pub fn hello(&self) -> Hello {
         let mut board = linestereo_wire::BoardName::new();
         let _ = board.push_str(self.board.name); // names are short
@@ -214,7 +212,6 @@ impl<'a> Session<'a> {
     }
 
     /// Values of all settings.
-    #[must_use]
     pub fn values(&self) -> SettingValues {
         settings::values(&self.params, &self.vehicle)
     }
@@ -276,7 +273,6 @@ impl<'a> Session<'a> {
     }
 
     /// State of the stored settings.
-    #[must_use]
     pub fn kept(&self) -> KeptReport {
         KeptReport { is_kept: self.is_kept, slots: self.settings_slots }
     }
@@ -302,7 +298,6 @@ impl<'a> Session<'a> {
     }
 
     /// The parts of a pair that are to be matched; `None` is all of it.
-    #[must_use]
     pub fn areas(&self) -> Option<Vec<Area, MAX_REGIONS>> {
         (self.regions.only && !self.regions.boxes.is_empty()).then(|| {
             let mut areas = Vec::new();
@@ -396,7 +391,6 @@ impl<'a> Session<'a> {
     }
 
     /// The size that the rig in use rectifies to.
-    #[must_use]
     pub fn rig_dims(&self) -> Option<Dims> {
         self.report.in_use.map(|RigInUse { rectified: [width, height], .. }| Dims { width, height })
     }
@@ -408,7 +402,6 @@ impl<'a> Session<'a> {
     }
 
     /// Is there a rig, so that distances are known?
-    #[must_use]
     pub fn has_rig(&self) -> bool {
         self.params.rig.is_some()
     }
@@ -460,13 +453,11 @@ impl<'a> Session<'a> {
 const NO_REGIONS: Regions = Regions { boxes: Vec::new(), only: false };
 
 /// The head of a frame that could not be matched.
-#[must_use]
 pub fn failed_frame(sequence: u32, capture_time_us: u64, dims: Dims, health: Health) -> FrameHead {
     FrameHead::new(sequence, capture_time_us, dims, health, &Counts::default())
 }
 
 /// Answer for a pair that cannot be matched.
-#[must_use]
 pub fn refusal(error: PairError) -> Refusal {
     match error {
         PairError::Size(dims) => out_of_range(

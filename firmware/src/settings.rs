@@ -26,13 +26,11 @@ use linestereo_wire::{MAX_REGIONS, RegionBox, Regions, SETTINGS, SettingValues};
 pub const OF_RIG: usize = 2;
 
 /// Settings as this program was built.
-#[must_use]
 pub fn built() -> SettingValues {
     values(&Params::DEFAULT, &VEHICLE)
 }
 
 /// Parameters and vehicle as values.
-#[must_use]
 pub fn values(params: &Params, vehicle: &Vehicle) -> SettingValues {
     let mut values = [0.0; SETTINGS];
     let of_params = [
@@ -57,7 +55,6 @@ const ONE: f32 = 65_536.0;
 
 /// `params` with the values that they have settings for, and the vehicle. The values are in their
 /// ranges ([`linestereo_wire::Setting::check`]).
-#[must_use]
 pub fn with_values(params: Params, values: &SettingValues) -> (Params, Vehicle) {
     let [
         min_disparity,

@@ -13,13 +13,11 @@ unsafe extern "C" {
 }
 
 /// Lowest address of the program's stack.
-#[must_use]
 pub fn bottom() -> usize {
     (&raw const _stack_end).addr()
 }
 
 /// Where the program's stack begins to grow down.
-#[must_use]
 pub fn top() -> usize {
     (&raw const _program_stack_start).addr()
 }
@@ -33,7 +31,6 @@ pub(crate) fn paint(stack: Range<usize>) {
 }
 
 /// The largest depth so far in bytes.
-#[must_use]
 pub fn depth() -> usize {
     // SAFETY: addresses of the stack, which is always readable.
     let painted = |address: &usize| unsafe { ptr::with_exposed_provenance::<u32>(*address).read_volatile() } == PAINT;

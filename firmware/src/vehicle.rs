@@ -52,14 +52,12 @@ impl Vehicle {
     };
 
     /// How the view is cut into directions.
-    #[must_use]
     pub fn directions(&self) -> ObstacleParams {
         let Self { yaw_deg, range_m, heights_m, drop_m, .. } = *self;
         ObstacleParams { yaw_deg, range_m, heights_m, drop_m, ..ObstacleParams::DEFAULT }
     }
 
     /// Parameters of the stream to its autopilot, for these directions.
-    #[must_use]
     pub fn autopilot(&self, plan: &ObstaclePlan) -> AutopilotParams {
         let Self { system, rate_hz, policy, block_cm, distance_sensor, .. } = *self;
         let near = AutopilotParams::of(plan);
@@ -69,7 +67,6 @@ impl Vehicle {
     }
 
     /// Its settings, in the order of [`Setting::ALL`].
-    #[must_use]
     pub const fn values(&self) -> [f32; SETTINGS - Setting::VEHICLE] {
         let Self { yaw_deg, range_m, heights_m: [lowest, highest], rate_hz, .. } = *self;
         let block_cm = match self.block_cm {

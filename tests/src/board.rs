@@ -46,13 +46,11 @@ pub fn measured() -> impl Iterator<Item = Board> {
 }
 
 /// The ELF file of a program that boards are tested with, or none where boards cannot be built.
-#[must_use]
 pub fn image(board: &Board, program: &str) -> Option<PathBuf> {
     or_skip(firmware::image(board, program))
 }
 
 /// A board's program `replay`, or none where boards cannot be built.
-#[must_use]
 pub fn machine(board: Board) -> Option<Machine> {
     image(&board, "replay")?;
     or_skip(Machine::new(board))
@@ -71,7 +69,6 @@ impl Twin {
     ///
     /// # Panics
     /// When the board has no memory known here.
-    #[must_use]
     pub fn of(board: &Board) -> Self {
         if *board == mps2_an500::BOARD {
             return Self::An500(Box::new(mps2_an500::BoardMemory::CLEARED));

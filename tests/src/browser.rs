@@ -16,14 +16,12 @@ pub struct Visit {
 }
 
 /// Says so where a tool is missing; the test ends there.
-#[must_use]
 pub fn has(tool: &str) -> bool {
     let output = Command::new(tool).arg("--version").output();
     or_skipped(output.is_ok_and(|output| output.status.success()), tool)
 }
 
 /// The browser that is there; says so where none is.
-#[must_use]
 pub fn browser() -> Option<Browser> {
     let browser = Browser::find();
     let name = format!("a browser (install chromium, or name one in {VARIABLE})");

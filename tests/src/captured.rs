@@ -9,7 +9,6 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// A folder of captured frames; without them the test that asks says so and passes.
-#[must_use]
 pub fn folder(name: &str) -> Option<PathBuf> {
     let root = std::env::var_os("LINESTEREO_FRAMES").map_or_else(
         || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/frames"),
@@ -29,7 +28,6 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 ///
 /// # Panics
 /// When one of them cannot be loaded.
-#[must_use]
 pub fn qvga() -> Option<Vec<Scene>> {
     scenes("qvga")
 }
@@ -38,7 +36,6 @@ pub fn qvga() -> Option<Vec<Scene>> {
 ///
 /// # Panics
 /// When one of them cannot be loaded.
-#[must_use]
 pub fn scenes(set: &str) -> Option<Vec<Scene>> {
     let load =
         |folder: &PathBuf| load_scene(folder, None).unwrap_or_else(|error| panic!("{error}"));
@@ -50,13 +47,11 @@ pub fn scenes(set: &str) -> Option<Vec<Scene>> {
 ///
 /// # Panics
 /// When a scene cannot be matched.
-#[must_use]
 pub fn engine(scene: &Scene) -> Engine {
     Engine::new(&params(scene), scene.left.dims).unwrap()
 }
 
 /// Default parameters with the range and the rig of a scene.
-#[must_use]
 pub fn params(scene: &Scene) -> Params {
     Params { max_disparity: scene.max_disparity, rig: scene.rig, ..Params::default() }
 }

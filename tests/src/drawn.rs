@@ -16,13 +16,11 @@ pub fn painted(width: u16, height: u16, mut grey: impl FnMut(u16, u16) -> u8) ->
 
 /// A built-in scene as both cameras see it: the seed is that of places, textures and of noise with
 /// this standard deviation.
-#[must_use]
 pub fn rendered(kind: Kind, dims: Dims, noise: f64, seed: u64) -> Rendering {
     rendered_by(kind, dims, seed, &Sensor { noise, seed, ..Sensor::default() })
 }
 
 /// The same by this sensor: the seed is that of places and textures.
-#[must_use]
 pub fn rendered_by(kind: Kind, dims: Dims, seed: u64, sensor: &Sensor) -> Rendering {
     scene::render(&scene::build(kind, dims, seed), dims, sensor)
 }
@@ -35,7 +33,6 @@ pub fn scenes(dims: Dims) -> impl Iterator<Item = Rendering> {
 }
 
 /// A rendered pair as one with truth, without a rig, whose range is 64 px.
-#[must_use]
 pub fn with_truth(pair: Rendering) -> Scene {
     Scene {
         name: "drawn".to_owned(),
@@ -58,14 +55,12 @@ impl Texture {
     const SIDE: usize = 256;
 
     /// Of the generator with this seed.
-    #[must_use]
     pub fn new(seed: u64) -> Self {
         let mut random = Random(seed);
         Self((0..Self::SIDE * Self::SIDE).map(|_| f64::from(random.grey())).collect())
     }
 
     /// The grey level at a position, px.
-    #[must_use]
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let (u, v) = (x / 3.0 + 40.0, y / 3.0 + 40.0);
         let (i, j) = (u.floor(), v.floor());
@@ -99,7 +94,6 @@ pub fn surface(
 
 /// Names and images of what is hard on a matcher: noise, checkerboards, columns and rows of these
 /// widths, diagonals, no texture at all.
-#[must_use]
 pub fn hard_images(dims: Dims, widths: &[u16]) -> Vec<(String, GrayImage)> {
     let Dims { width, height } = dims;
     let mut random = Random(6);
@@ -122,7 +116,6 @@ pub fn hard_images(dims: Dims, widths: &[u16]) -> Vec<(String, GrayImage)> {
 
 /// The pixels with `padding` bytes after every row, filled with `fill`, and the distance between
 /// rows.
-#[must_use]
 pub fn with_padding(image: &GrayImage, padding: usize, fill: u8) -> (Vec<u8>, usize) {
     let width = usize::from(image.dims.width);
     let rows = image.pixels.chunks(width.max(1));

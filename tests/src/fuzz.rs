@@ -61,7 +61,6 @@ const EXTREMES: [u64; 8] =
 ///
 /// # Panics
 /// Without its folder.
-#[must_use]
 pub fn corpus(name: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus").join(name);
     let mut files: Vec<_> =
@@ -146,7 +145,6 @@ fn record_again<T: Record, const N: usize>(record: &[u8]) -> Option<T> {
 }
 
 /// Bytes whose last four are the checksum of those before it.
-#[must_use]
 pub fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     if let Some((content, crc)) = bytes.split_last_chunk_mut::<4>() {
         *crc = CRC_32.checksum(content).to_le_bytes();

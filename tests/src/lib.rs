@@ -16,7 +16,6 @@ use linestereo_sim::engine::{Engine, FrameResult};
 ///
 /// # Panics
 /// If the parameters or the images are refused.
-#[must_use]
 pub fn matched(params: &Params, pair: [&GrayImage; 2]) -> (Engine, FrameResult) {
     let mut engine = Engine::new(params, pair[0].dims).unwrap();
     let result = run(&mut engine, pair);

@@ -4,7 +4,6 @@
 use linestereo_frames::GrayImage;
 
 /// The pixel, or the nearest one of the image.
-#[must_use]
 pub fn at(image: &GrayImage, x: i32, y: i32) -> i32 {
     let (width, height) = (i32::from(image.dims.width), i32::from(image.dims.height));
     let index = y.clamp(0, height - 1) * width + x.clamp(0, width - 1);
@@ -12,7 +11,6 @@ pub fn at(image: &GrayImage, x: i32, y: i32) -> i32 {
 }
 
 /// Grey level at a position between pixels: bilinear.
-#[must_use]
 pub fn bilinear(image: &GrayImage, [x, y]: [f64; 2]) -> f64 {
     let (column, row) = (x.floor() as i32, y.floor() as i32);
     let grey = |dx: i32, dy: i32| at(image, column + dx, row + dy);
@@ -20,14 +18,12 @@ pub fn bilinear(image: &GrayImage, [x, y]: [f64; 2]) -> f64 {
 }
 
 /// Between four grey levels, two in each row, by the fractions across and down.
-#[must_use]
 pub fn between(rows: [[i32; 2]; 2], across: f64, down: f64) -> f64 {
     let [above, below] = rows.map(|[a, b]| f64::from(a) * (1.0 - across) + f64::from(b) * across);
     above * (1.0 - down) + below * down
 }
 
 /// 3x3 Sobel: eight times the grey step per pixel to the right, and downwards.
-#[must_use]
 pub fn sobel(image: &GrayImage, x: i32, y: i32) -> (i32, i32) {
     let mut gradient = (0, 0);
     for (dy, row) in (-1..=1).zip([1, 2, 1]) {
@@ -52,7 +48,6 @@ pub struct Line {
 }
 
 /// The line of least squared distances.
-#[must_use]
 pub fn fit_line(points: &[[f64; 2]]) -> Line {
     let count = points.len() as f64;
     let centre = [0, 1].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
@@ -69,13 +64,11 @@ pub fn fit_line(points: &[[f64; 2]]) -> Line {
 }
 
 /// Depth of a disparity (Eqs. 5, 12), infinite where `disparity + offset` is zero or less.
-#[must_use]
 pub fn depth(focal_baseline: f64, offset: f64, disparity: f64) -> f64 {
     if disparity + offset > 0.0 { focal_baseline / (disparity + offset) } else { f64::INFINITY }
 }
 
 /// Disparities of everything from `nearer` m in front of `depth` to `farther` m behind it (Eq. 13).
-#[must_use]
 pub fn disparity_interval(
     focal_baseline: f64,
     offset: f64,

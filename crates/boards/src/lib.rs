@@ -149,7 +149,6 @@ impl Board {
     pub const MEASURED: [Self; 2] = [Self::MPS2_AN500, Self::MPS2_AN386];
 
     /// The board of this name.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|board| board.name == name)
     }
@@ -160,19 +159,16 @@ impl Board {
     }
 
     /// Does QEMU run it?
-    #[must_use]
     pub const fn is_emulated(&self) -> bool {
         matches!(self.device, Device::Qemu { .. })
     }
 
     /// Pixels of its largest image.
-    #[must_use]
     pub const fn pixels(&self) -> usize {
         pixels(self.largest)
     }
 
     /// Does it hold pairs of this size?
-    #[must_use]
     pub fn fits(&self, dims: Dims) -> bool {
         dims.width <= self.largest.width && pixels(dims) <= self.pixels()
     }

@@ -99,7 +99,6 @@ impl PairRectifier {
     }
 
     /// The numbers of a camera's mesh.
-    #[must_use]
     pub fn facts(&self, eye: CameraSide) -> MeshFacts {
         match &self.meshes {
             Meshes::Board(meshes) => facts(&meshes[eye as usize]),

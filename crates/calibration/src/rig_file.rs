@@ -132,7 +132,6 @@ impl RigFile {
     }
 
     /// The file as text; numbers are read back as the same bits, but for the last of the rotation.
-    #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
             "# A stereo rig: two cameras and the pose between them. Pixels: whole numbers are pixel centres.\n\
@@ -201,7 +200,6 @@ fn camera_text(eye: CameraSide, camera: &Camera) -> String {
 
 /// A rotation vector (axis times angle, radians) as a unit quaternion. By the `libm` crate: the
 /// same bits on every machine.
-#[must_use]
 pub fn quaternion(vector: [f64; 3]) -> [f64; 4] {
     let angle = libm::sqrt(vector.iter().map(|v| v * v).sum());
     let scale = if angle > 1e-12 { libm::sin(angle / 2.0) / angle } else { 0.5 };
@@ -210,7 +208,6 @@ pub fn quaternion(vector: [f64; 3]) -> [f64; 4] {
 }
 
 /// The inverse of [`quaternion`].
-#[must_use]
 pub fn rotation_vector([w, x, y, z]: [f64; 4]) -> [f64; 3] {
     let sine = libm::sqrt(x * x + y * y + z * z);
     let scale = if sine > 1e-12 { 2.0 * libm::atan2(sine, w) / sine } else { 2.0 };

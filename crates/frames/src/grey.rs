@@ -45,7 +45,6 @@ pub enum Values {
 
 impl StoredGray {
     /// Bits of a value, told from the largest one: 8, 10, 12 or 16.
-    #[must_use]
     pub fn bits(&self) -> u32 {
         let largest = self.largest();
         SENSOR_BITS.into_iter().find(|&bits| u32::from(largest) < 1 << bits).unwrap_or(16)
@@ -110,7 +109,6 @@ fn smoothed<T: Copy + Into<u32>>(values: &[T], dims: Dims, value: impl Fn(u32) -
 }
 
 /// BT.601 in thousandths, rounded; for 8 or 16-bit channels alike.
-#[must_use]
 pub fn luma(rgb: [u32; 3]) -> u16 {
     let [red, green, blue] = rgb;
     ((299 * red + 587 * green + 114 * blue + 500) / 1000) as u16

@@ -25,7 +25,6 @@ pub struct PairBuffers {
 
 impl PairBuffers {
     /// Buffers for these images.
-    #[must_use]
     pub fn new(images: [GrayImage; 2], usable: [Vec<Span>; 2]) -> Self {
         Self { images, usable, words: Vec::new() }
     }
@@ -102,7 +101,6 @@ impl MatchedPair {
     }
 
     /// The results of the pair.
-    #[must_use]
     pub fn get(&self) -> &Matched<'_> {
         self.0.borrow_dependent()
     }

@@ -47,7 +47,6 @@ impl Perturbation {
     ];
 
     /// The perturbed pair.
-    #[must_use]
     pub fn apply(&self, left: &GrayImage, right: &GrayImage) -> (GrayImage, GrayImage) {
         let (mut left, mut right) = (left.clone(), right.clone());
         if self.blur > 0.0 {

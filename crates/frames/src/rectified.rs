@@ -336,7 +336,6 @@ impl SentWindow {
     }
 
     /// True where the full image is sent.
-    #[must_use]
     pub fn is_full(&self) -> bool {
         let [x, y, width, height] = self.roi;
         let is_whole = x == 0

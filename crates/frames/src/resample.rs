@@ -17,7 +17,6 @@ pub struct WidthError {
 }
 
 /// Height that goes with `width` when the aspect ratio is kept, rounded, at least 1.
-#[must_use]
 pub fn resampled_height(dims: Dims, width: u16) -> u16 {
     let (from_width, from_height) = (u32::from(dims.width).max(1), u32::from(dims.height));
     let height = (from_height * u32::from(width) + from_width / 2) / from_width;
@@ -70,7 +69,6 @@ fn spans(from: u16, to: u16) -> Vec<Vec<(usize, u64)>> {
 }
 
 /// Left and right half; a column in the middle belongs to neither.
-#[must_use]
 pub fn halves(image: &GrayImage) -> [GrayImage; 2] {
     let (width, half) = (usize::from(image.dims.width), usize::from(image.dims.width / 2));
     [0, width - half].map(|from| GrayImage {

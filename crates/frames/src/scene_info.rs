@@ -92,7 +92,6 @@ struct RectifiedInfo {
 
 impl SceneInfo {
     /// The information in a data set's calibration.
-    #[must_use]
     pub fn of_rig(rig: &RectifiedRig, max_disparity: Option<f64>) -> Self {
         let rectified = RectifiedInfo {
             focal_px: rig.numbers.focal_px,
@@ -105,7 +104,6 @@ impl SceneInfo {
     }
 
     /// True when pairs of both are matched with the same parameters.
-    #[must_use]
     pub fn matches_like(&self, other: &Self) -> bool {
         let of = |info: &Self| {
             (info.size, info.max_disparity, info.disparity_zero_px, info.rectified.clone())
@@ -166,14 +164,12 @@ impl SceneInfo {
 
     /// How the left camera stands above the ground, where height and pitch are said: rolled
     /// clockwise, the file counter-clockwise.
-    #[must_use]
     pub fn pose(&self) -> Option<CameraPose> {
         let CameraInfo { height_m, pitch_deg, roll_deg } = self.camera?;
         Some(CameraPose { height_m: height_m?, pitch_deg: pitch_deg?, roll_deg: -roll_deg })
     }
 
     /// Of height and pitch one alone is said, which is no pose.
-    #[must_use]
     pub fn has_half_pose(&self) -> bool {
         self.camera.is_some_and(|camera| camera.height_m.is_some() != camera.pitch_deg.is_some())
     }
@@ -192,7 +188,6 @@ impl SceneInfo {
     }
 
     /// Of each row of a left image of this size the pixels with content; `None` when all have.
-    #[must_use]
     pub fn left_content(&self, dims: Dims) -> Option<Vec<Span>> {
         let [left, top, right, bottom] = self.rectified.as_ref()?.left_valid_normalized?;
         let [width, height] = [dims.width, dims.height].map(f64::from);
@@ -210,7 +205,6 @@ impl SceneInfo {
     }
 
     /// Principal point of the left image reduced by `scale`, px.
-    #[must_use]
     pub fn principal_point(&self, scale: f64) -> Option<[f64; 2]> {
         let stored = self.rectified.as_ref()?.principal_point_px?;
         Some(stored.map(|value| (value + 0.5) * scale - 0.5))
@@ -223,7 +217,6 @@ impl SceneInfo {
     }
 
     /// The numbers behind [`SceneInfo::rig`], for a board.
-    #[must_use]
     pub fn rig_numbers(&self, scale: f64) -> Option<RigUpdate> {
         self.rectified.as_ref().map(|rectified| RigUpdate {
             focal_px: rectified.focal_px * scale,

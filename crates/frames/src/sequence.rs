@@ -59,7 +59,6 @@ pub enum PairFiles {
 
 impl PairFiles {
     /// The files, left first: of both views in one file that one twice.
-    #[must_use]
     pub fn paths(&self) -> [&Path; 2] {
         match self {
             Self::Two([left, right]) => [left, right],
@@ -69,7 +68,6 @@ impl PairFiles {
     }
 
     /// A frame of a video or a camera holds both views.
-    #[must_use]
     pub fn is_one_video(&self) -> bool {
         let Self::Source(pair) = self else { return false };
         let [left, right] = pair.paths();
@@ -77,7 +75,6 @@ impl PairFiles {
     }
 
     /// When the images were captured, where both names or their messages say so.
-    #[must_use]
     pub fn times_us(&self) -> Option<[u64; 2]> {
         if let Self::Source(pair) = self {
             return pair.times_us();
@@ -87,7 +84,6 @@ impl PairFiles {
     }
 
     /// When the left image was captured, ns, where its name, its message or its video says so.
-    #[must_use]
     pub fn time_ns(&self) -> Option<u64> {
         match self {
             Self::Source(pair) => pair.time_ns(),

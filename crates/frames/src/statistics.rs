@@ -30,7 +30,6 @@ pub fn median<T: Copy + Add<Output = T> + Mul<Output = T> + From<f32>>(
 }
 
 /// Straight between the two nearest of sorted values; `None` of nothing.
-#[must_use]
 pub fn interpolated_quantile(sorted: &[f32], share: f64) -> Option<f32> {
     let place = share * sorted.len().checked_sub(1)? as f64;
     let (low, part) = (place.floor() as usize, place.fract() as f32);
@@ -39,7 +38,6 @@ pub fn interpolated_quantile(sorted: &[f32], share: f64) -> Option<f32> {
 }
 
 /// As NumPy has it: straight between the two nearest of sorted values; `None` of nothing.
-#[must_use]
 pub fn numpy_quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let at = sorted.len().checked_sub(1)? as f64 * share;
     let (low, fraction) = (at.floor() as usize, at.fract());

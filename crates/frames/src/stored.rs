@@ -126,7 +126,6 @@ pub(crate) enum Visibility {
 
 impl StoredPair {
     /// Two images that stand alone.
-    #[must_use]
     pub fn alone(name: String, images: PairFiles) -> Self {
         let layout = match images {
             PairFiles::Two(_) => Layout::PairFolder,
@@ -139,13 +138,11 @@ impl StoredPair {
     }
 
     /// The file with the left image.
-    #[must_use]
     pub fn left(&self) -> &Path {
         self.images.paths()[0]
     }
 
     /// There is ground truth.
-    #[must_use]
     pub fn has_truth(&self) -> bool {
         self.truth.is_some()
     }
@@ -173,7 +170,6 @@ impl StoredPair {
     }
 
     /// The calibration of its cameras, where it is raw.
-    #[must_use]
     pub fn raw_rig(&self) -> Option<&[RigText]> {
         if let StoredRig::Raw(files) = &self.rig { Some(files) } else { None }
     }
@@ -286,7 +282,6 @@ impl StoredTruth {
 }
 
 /// A disparity range for images reduced by `scale`: rounded up to a multiple of 16.
-#[must_use]
 pub fn scaled_max_disparity(range: f64, scale: f64) -> u16 {
     let steps = (range * scale / f64::from(RANGE_STEP)).ceil().max(1.0);
     (steps as u16).saturating_mul(RANGE_STEP)

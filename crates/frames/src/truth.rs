@@ -21,7 +21,6 @@ impl Truth {
     ///
     /// # Panics
     /// When a list's length is not `width * height`.
-    #[must_use]
     pub fn new(dims: Dims, disparity: Vec<f32>, visible: Vec<bool>) -> Self {
         let count = usize::from(dims.width) * usize::from(dims.height);
         assert!(
@@ -33,7 +32,6 @@ impl Truth {
 
     /// Truth whose visibility follows from the disparities alone: hidden is what a nearer surface
     /// of the same row covers in the right image, and what lies outside it.
-    #[must_use]
     pub fn with_reprojected_visibility(dims: Dims, disparity: Vec<f32>) -> Self {
         let width = usize::from(dims.width);
         let mut visible = Vec::with_capacity(disparity.len());
@@ -49,7 +47,6 @@ impl Truth {
 
     /// Truth whose visibility follows from the right image's truth: visible is what the right image
     /// sees at the same disparity.
-    #[must_use]
     pub fn with_right_truth(dims: Dims, disparity: Vec<f32>, right: &[f32]) -> Self {
         let width = usize::from(dims.width);
         let visible = disparity
@@ -65,13 +62,11 @@ impl Truth {
     }
 
     /// Width and height.
-    #[must_use]
     pub fn dims(&self) -> Dims {
         self.dims
     }
 
     /// True disparity at a pixel in px, `None` where it is unknown or outside.
-    #[must_use]
     pub fn disparity(&self, x: i32, y: i32) -> Option<f32> {
         let value = *self.disparity.get(self.index(x, y)?)?;
         value.is_finite().then_some(value)
@@ -87,20 +82,17 @@ impl Truth {
     }
 
     /// The true match of a pixel is known and visible in the right image.
-    #[must_use]
     pub fn is_visible(&self, x: i32, y: i32) -> bool {
         self.disparity(x, y).is_some() && self.index(x, y).is_some_and(|index| self.visible[index])
     }
 
     /// Largest known disparity, `None` when none is known.
-    #[must_use]
     pub fn largest(&self) -> Option<f32> {
         self.disparity.iter().copied().filter(|d| d.is_finite()).reduce(f32::max)
     }
 
     /// The truth of an image reduced to `width`: each pixel takes the value at its centre,
     /// disparities shrink in proportion.
-    #[must_use]
     pub fn resampled(&self, width: u16) -> Self {
         let dims = Dims { width, height: resampled_height(self.dims, width) };
         let scale = f32::from(dims.width) / f32::from(self.dims.width);

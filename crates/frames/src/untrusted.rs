@@ -120,7 +120,6 @@ pub fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
 
 /// Text for a terminal: what moves its cursor, turns its direction or sets anything of it becomes
 /// U+FFFD. Ends of lines and tabs stay.
-#[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     if text.chars().any(is_order) {
         text.chars()

@@ -16,7 +16,6 @@ pub struct CycleCounter {
 
 impl CycleCounter {
     /// Starts the counter of a core of this frequency.
-    #[must_use]
     pub fn start(core_hz: u32) -> Self {
         // SAFETY: bits of debug registers that nothing else in a program uses.
         unsafe {
@@ -48,7 +47,6 @@ impl Clock for CycleCounter {
 }
 
 /// CPUID: the processor and its revision.
-#[must_use]
 pub fn processor_id() -> u32 {
     // SAFETY: reading it changes nothing.
     unsafe { (*CPUID::PTR).base.read() }

@@ -19,7 +19,6 @@ impl<const ADDRESS: usize, const MHZ: u32> Timer<ADDRESS, MHZ> {
     const REGISTERS: *mut u32 = ptr::without_provenance_mut(ADDRESS);
 
     /// Starts the timer.
-    #[must_use]
     pub fn start() -> Self {
         // SAFETY: the registers of a timer that nothing else uses, at the address that the board's
         // file gives.

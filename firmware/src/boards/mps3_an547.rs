@@ -41,7 +41,6 @@ mod on_board {
 
     impl InstructionClock {
         /// Starts the counter.
-        #[must_use]
         pub fn start() -> Self {
             // SAFETY: the register of a counter that nothing else uses.
             unsafe { COUNTER.write_volatile(1) };

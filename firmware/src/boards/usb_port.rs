@@ -122,7 +122,6 @@ async fn watch(control: &ControlChanged<'_>) {
 pub type UsbPort = HostLine<UsbLine, fn() -> u64>;
 
 /// The program's end of the port, with this clock.
-#[must_use]
 pub const fn port(now_us: fn() -> u64) -> UsbPort {
     HostLine::new(UsbLine(()), now_us, PATIENCE_US)
 }

@@ -62,7 +62,6 @@ pub struct Config {
 
 impl Config {
     /// A mode in which the sensor chooses its exposure, and no test pattern.
-    #[must_use]
     pub const fn new(dims: Dims, binning: Binning, start: FrameStart) -> Self {
         Self { dims, binning, start, exposure: ExposureControl::Auto, test_pattern: false }
     }

@@ -69,19 +69,16 @@ pub struct Step {
 
 impl Step {
     /// Writes, and expects to read the same.
-    #[must_use]
     pub const fn set(register: u16, value: u16) -> Self {
         Self { register, value, kept: u16::MAX, is_written: true, pause_us: 0 }
     }
 
     /// Writes what does not stay: a command, or a value that the chip changes.
-    #[must_use]
     pub const fn command(register: u16, value: u16) -> Self {
         Self { kept: 0, ..Self::set(register, value) }
     }
 
     /// Only reads.
-    #[must_use]
     pub const fn expect(register: u16, value: u16) -> Self {
         Self { is_written: false, ..Self::set(register, value) }
     }

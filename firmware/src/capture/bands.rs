@@ -45,7 +45,6 @@ pub struct RingLayout {
 
 impl RingLayout {
     /// Bytes of the ring.
-    #[must_use]
     pub const fn bytes(&self) -> u32 {
         self.rows * self.row_bytes
     }
@@ -105,7 +104,6 @@ enum Phase {
 
 impl<const QUEUE: usize> Bands<QUEUE> {
     /// A DMA at the start of its ring.
-    #[must_use]
     pub const fn new(layout: RingLayout) -> Self {
         Self {
             layout,
@@ -120,13 +118,11 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     }
 
     /// The shape of its ring.
-    #[must_use]
     pub const fn layout(&self) -> RingLayout {
         self.layout
     }
 
     /// Has a frame started that has not ended?
-    #[must_use]
     pub fn is_in_frame(&self) -> bool {
         self.phase != Phase::Pause
     }
@@ -214,7 +210,6 @@ impl<const QUEUE: usize> Bands<QUEUE> {
     }
 
     /// Number of the row that a DMA at this offset is writing.
-    #[must_use]
     pub fn written(&self, offset: u32) -> u32 {
         self.row.wrapping_add(self.distance(offset) / self.layout.row_bytes)
     }

@@ -72,7 +72,6 @@ struct Hand {
 impl Capture {
     /// Nothing seen yet. `start` is what the cameras were started with: a pair of free-running ones
     /// says that it is one.
-    #[must_use]
     pub fn new(limits: Limits, start: FrameStart) -> Self {
         Self {
             limits,
@@ -92,14 +91,12 @@ impl Capture {
     }
 
     /// Faults and losses so far.
-    #[must_use]
     pub const fn losses(&self) -> &CaptureReport {
         &self.losses
     }
 
     /// After all signals of now: can this shot give no pair any more, because a triggered frame has
     /// ended early?
-    #[must_use]
     pub fn has_failed(&self, now_us: u64) -> bool {
         let has_ended = |camera: &Camera| {
             camera.has_started && camera.tracker.has_ended_early(&self.limits, now_us)
@@ -109,7 +106,6 @@ impl Capture {
 
     /// Time after a fault at which no row of the same shot comes any more, microseconds; `None`
     /// where frames come without being triggered.
-    #[must_use]
     pub fn end_of_shot(&self, now_us: u64) -> Option<u64> {
         (self.start == FrameStart::Triggered)
             .then(|| now_us.saturating_add(self.limits.readout_us.into()))

@@ -16,7 +16,6 @@ use linestereo_boards::Board;
 use linestereo_rig::{CameraSide, Remap, RowError};
 
 /// Capacity of the core's memory on a board.
-#[must_use]
 pub const fn capacity(board: &Board) -> Capacity {
     assert!(board.largest.width <= MAX_WIDTH, "wide frames need the feature `linestereo/wide`");
     Capacity {

@@ -170,7 +170,6 @@ impl<C: Clock, P: ByteSource + ByteSink, A: ByteSource + ByteSink> Live<'_, C, P
     }
 
     /// Is the board's light on?
-    #[must_use]
     pub fn is_lit(&self) -> bool {
         indicator::is_lit(
             self.session.reset.map(|reset| reset.cause),

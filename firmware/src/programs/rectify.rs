@@ -36,7 +36,6 @@ impl Default for RectifyMemory {
 
 impl RectifyMemory {
     /// Cleared memory.
-    #[must_use]
     pub const fn new() -> Self {
         Self {
             meshes: [Mesh::new(), Mesh::new()],

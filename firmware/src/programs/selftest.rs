@@ -26,7 +26,6 @@ pub struct Outcome {
 impl Outcome {
     /// The name of the first stage that differs, or
     /// [`AUTOPILOT`](linestereo_boards::built_in::AUTOPILOT).
-    #[must_use]
     pub fn differs_in(&self) -> Option<&'static str> {
         match (&self.found, &self.expected) {
             (Some(found), Some(expected)) => first_difference(found, expected),

@@ -29,7 +29,6 @@ pub enum Logs {
 }
 
 impl Logs {
-    #[must_use]
     pub const fn of(board: &Board) -> Self {
         if board.is_emulated() { Self::Semihosting } else { Self::Rtt }
     }
@@ -47,7 +46,6 @@ pub struct Images<'a> {
 
 impl<'a> Images<'a> {
     /// Programs of the firmware without further features.
-    #[must_use]
     pub const fn of_firmware(programs: &'a [&'a str], logs: Logs) -> Self {
         Self { package: FIRMWARE, programs, logs, features: &[] }
     }
@@ -154,7 +152,6 @@ fn features(board: &Board) -> &'static [&'static str] {
 ///
 /// Emulated boards report by log what they check themselves; the rest is measured, and so without
 /// logs.
-#[must_use]
 pub fn images(board: &Board) -> Vec<Images<'static>> {
     let of = |programs, logs| Images {
         features: features(board),

@@ -138,7 +138,6 @@ impl BoardNumbers {
     }
 
     /// Doubts about the costs, a line each.
-    #[must_use]
     pub fn doubts(&self) -> Vec<String> {
         let mut doubts = Vec::new();
         if self.pairs.values().any(|pair| pair.total == 0) {
@@ -160,7 +159,6 @@ impl BoardNumbers {
     }
 
     /// For people.
-    #[must_use]
     pub fn table(&self) -> String {
         let mut text = format!("{} ({}), firmware {}\n", self.board, self.processor, self.firmware);
         if let Some(silicon) = &self.silicon {

@@ -69,7 +69,6 @@ impl Server {
         Ok(Self { shared, acceptor: Some(acceptor) })
     }
 
-    #[must_use]
     pub fn address(&self) -> String {
         let Door { port, token } = &self.shared.door;
         format!("http://127.0.0.1:{port}/?token={token}")
@@ -85,7 +84,6 @@ impl Server {
     }
 
     /// Boxes that visitors want the depths of; the last list counts, whoever sent it.
-    #[must_use]
     pub fn boxes(&self) -> Vec<AskedBox> {
         self.shared.boxes.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

@@ -45,7 +45,6 @@ impl Case {
     }
 
     /// How it is matched.
-    #[must_use]
     pub const fn params(&self) -> Params {
         if self.worst_case { WORST_CASE } else { Params::DEFAULT }
     }
@@ -55,7 +54,6 @@ impl Case {
 pub const AUTOPILOT: &str = "autopilot";
 
 /// The name of the first stage whose digest differs, or [`AUTOPILOT`].
-#[must_use]
 pub fn first_difference(found: &Digests, expected: &Digests) -> Option<&'static str> {
     let names = Stage::ALL.into_iter().map(Stage::name).chain([AUTOPILOT]);
     let mut pairs = names.zip(found.iter().zip(expected));

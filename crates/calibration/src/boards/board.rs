@@ -118,37 +118,31 @@ impl Board {
     }
 
     /// Squares and markers that are printed on it.
-    #[must_use]
     pub fn pattern(&self) -> Pattern {
         self.pattern
     }
 
     /// Side of a square, of an AprilGrid of a tag, m.
-    #[must_use]
     pub fn square(&self) -> f64 {
         self.square_m
     }
 
     /// Corners in a row.
-    #[must_use]
     pub fn cols(&self) -> usize {
         self.cols.into()
     }
 
     /// Corners in a column.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.rows.into()
     }
 
     /// All corners.
-    #[must_use]
     pub fn corners(&self) -> usize {
         self.cols() * self.rows()
     }
 
     /// Places of the corners on the board, row by row, in metres from the first.
-    #[must_use]
     pub fn points(&self) -> Vec<[f64; 2]> {
         let steps = |step: usize| match self.pattern {
             Pattern::AprilGrid { spacing } => {
@@ -188,7 +182,6 @@ pub struct BoardCorners {
 impl BoardCorners {
     /// Corners of a board in any of its numberings, as they stand in `image`; `None` unless there
     /// are `cols * rows` of them.
-    #[must_use]
     pub fn new(
         image: &GrayImage,
         cols: usize,
@@ -218,7 +211,6 @@ impl BoardCorners {
 
     /// Corners that are seen.
     #[expect(clippy::len_without_is_empty, reason = "without corners there are none of these")]
-    #[must_use]
     pub fn len(&self) -> usize {
         self.corners.len()
     }

@@ -27,7 +27,6 @@ const MOVED: f64 = 1e-3;
 
 /// The corner near `start` whose next corner is `spacing` px away; `None` where the image shows
 /// none.
-#[must_use]
 pub(super) fn refine(
     image: &GrayImage,
     start: [f64; 2],
@@ -39,7 +38,6 @@ pub(super) fn refine(
 
 /// The corner near `start` from a window that reaches so many px; `None` where the image shows
 /// none.
-#[must_use]
 pub(super) fn refine_within(image: &GrayImage, start: [f64; 2], reach: f64) -> Option<[f64; 2]> {
     let widest = reach.clamp(REACH.0, REACH.1);
     let reaches = [1.0, 0.6, 0.4].map(|part| (part * widest).max(REACH.0));

@@ -25,19 +25,16 @@ pub struct Dictionary(calib_targets_aruco::Dictionary);
 
 impl Dictionary {
     /// By its name, `DICT_5X5_100` or `5X5_100`; `None` where there is no such.
-    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         calib_targets_aruco::resolve_dictionary(name).map(Self)
     }
 
     /// All names.
-    #[must_use]
     pub fn names() -> &'static [&'static str] {
         BUILTIN_DICTIONARY_NAMES
     }
 
     /// OpenCV's name.
-    #[must_use]
     pub fn name(&self) -> &'static str {
         self.0.name()
     }

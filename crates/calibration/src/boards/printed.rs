@@ -35,7 +35,6 @@ impl Board {
     }
 
     /// The printed board, without a white rim: left, top, width, height in m from the first corner.
-    #[must_use]
     pub fn extent(&self) -> Rectangle {
         let side = self.square();
         match self.pattern() {
@@ -49,7 +48,6 @@ impl Board {
     }
 
     /// Everything black on it; rectangles touch, and do not overlap.
-    #[must_use]
     pub fn black(&self) -> Vec<Rectangle> {
         let side = self.square();
         let place = |at: usize| (at as f64 - 1.0) * side;

@@ -126,7 +126,6 @@ pub struct Assessment {
 }
 
 /// Judges an estimate; the disparity range decides how near is seen.
-#[must_use]
 pub fn assess(estimate: &Estimate, max_disparity: u16) -> Assessment {
     let dims = estimate.calibration.camera(CameraSide::Left).dims();
     let coverage = [0, 1].map(|eye| covered(dims, &estimate.errors[eye]));

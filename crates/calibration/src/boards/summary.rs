@@ -7,7 +7,6 @@ use linestereo_rig::CameraSide;
 use serde_json::{Value, json};
 
 /// Numbers that decide about trust in it.
-#[must_use]
 pub fn summary(estimate: &Estimate, assessment: &Assessment, max_disparity: u16) -> String {
     let used = estimate.views.iter().filter(|view| view.dropped.is_none()).count();
     let baseline = estimate.calibration.baseline();
@@ -122,7 +121,6 @@ fn view_table(text: &mut String, estimate: &Estimate, rectified: Option<&Rectifi
 }
 
 /// The same and all parameters for programs.
-#[must_use]
 pub fn json(estimate: &Estimate, assessment: &Assessment) -> Value {
     let vertical = |index: usize| {
         assessment.rectified.as_ref().and_then(|rectified| rectified.view_vertical[index])

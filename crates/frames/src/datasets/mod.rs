@@ -96,7 +96,6 @@ impl Dataset {
 }
 
 /// Number of pairs of each layout.
-#[must_use]
 pub fn layouts(pairs: &[StoredPair]) -> Vec<(Layout, usize)> {
     let mut counts = std::collections::BTreeMap::new();
     for pair in pairs {

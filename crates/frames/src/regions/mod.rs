@@ -162,13 +162,11 @@ impl Skipped {
     }
 
     /// Number of objects that were left out.
-    #[must_use]
     pub fn objects(&self) -> usize {
         self.reasons().iter().map(|(count, _)| count).sum()
     }
 
     /// One line that says what was left out and why; empty when nothing was.
-    #[must_use]
     pub fn summary(&self) -> String {
         let reasons = self.reasons().into_iter().filter(|(count, _)| *count > 0);
         let list: Vec<String> = reasons.map(|(count, why)| format!("{count} {why}")).collect();

@@ -36,7 +36,6 @@ impl Matcher {
     pub const BYTES: usize = size_of::<Grid>();
 
     /// Cleared memory.
-    #[must_use]
     #[expect(
         clippy::new_without_default,
         reason = "it is too large to be made but in a static or a box"

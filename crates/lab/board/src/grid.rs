@@ -35,7 +35,6 @@ const BLOCKS: usize = 4;
 const SIDE: usize = BLOCKS * BLOCK;
 
 /// Groups that [`GridMemory`] needs for the costs of images of this width.
-#[must_use]
 pub const fn grid_groups(width: usize, disparities: usize) -> usize {
     (width / BLOCK + 1).saturating_sub((disparities - 1).div_ceil(BLOCK) + BLOCKS) * disparities / 4
 }
@@ -62,7 +61,6 @@ impl<const ROW: usize, const COSTS: usize> GridMemory<ROW, COSTS> {
     pub const BYTES: usize = size_of::<Self>();
 
     /// Cleared memory, all zero.
-    #[must_use]
     #[expect(
         clippy::new_without_default,
         reason = "it is too large to be made but in a static or a box"

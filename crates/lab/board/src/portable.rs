@@ -21,14 +21,12 @@ impl Group {
     }
 
     /// Of costs in the order of disparities.
-    #[must_use]
     pub(crate) fn of([a, b, c, d]: [u16; 4]) -> Self {
         Self([a, c, b, d])
     }
 
     /// The cost of disparity `d % 4`.
     #[inline]
-    #[must_use]
     pub(crate) fn at(&self, d: usize) -> u16 {
         let Self(costs) = self;
         costs.get((d & 1) << 1 | d >> 1 & 1).copied().unwrap_or(0)
@@ -70,14 +68,12 @@ pub(crate) fn sobel_row(above: &[u8], row: &[u8], below: &[u8], out: &mut [u8]) 
 }
 
 /// First and last group with a cost of at most `bound`.
-#[must_use]
 pub(crate) fn groups_within(costs: &[Group], bound: u16) -> Option<[usize; 2]> {
     let is_within = |group: &Group| group.0.iter().any(|&cost| cost <= bound);
     Some([costs.iter().position(is_within)?, costs.iter().rposition(is_within)?])
 }
 
 /// Which costs of a group are at most `bound`: bit d for disparity d.
-#[must_use]
 pub(crate) fn places_within(group: Group, bound: u16) -> u32 {
     group.in_order().iter().rev().fold(0, |places, &cost| places << 1 | u32::from(cost <= bound))
 }

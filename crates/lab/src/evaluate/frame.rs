@@ -44,7 +44,6 @@ pub struct FrameScore {
 
 impl FrameScore {
     /// Scores one result.
-    #[must_use]
     pub fn new(truth: &Truth, result: &FrameResult) -> Self {
         let scored_points = result
             .points

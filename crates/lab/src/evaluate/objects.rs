@@ -98,19 +98,16 @@ impl ObjectCase {
     }
 
     /// Region given to the core; `None` where erosion left nothing.
-    #[must_use]
     pub fn region(&self) -> Option<Region<'_>> {
         self.given.region(self.dims).ok()
     }
 
     /// Its true pixels.
-    #[must_use]
     pub fn mask(&self) -> &Mask {
         &self.mask
     }
 
     /// Scores what the core reports of it.
-    #[must_use]
     pub fn score(&self, found: &Result<ObjectDepth, NoDepth>) -> ObjectScore {
         let (low, high) = self.range;
         let object = found.as_ref().ok();
@@ -180,7 +177,6 @@ pub struct ObjectSummary {
 
 impl ObjectSummary {
     /// Of those scores that are of this kind.
-    #[must_use]
     pub fn pool(outline: Outline, scores: &[ObjectScore]) -> Self {
         let all: Vec<&ObjectScore> =
             scores.iter().filter(|score| score.outline == outline).collect();
@@ -210,13 +206,11 @@ impl ObjectSummary {
     }
 
     /// Wrong answers in percent of all answers; 0 without any.
-    #[must_use]
     pub fn wrong_percent(&self) -> f64 {
         100.0 * self.wrong as f64 / self.covered.max(1) as f64
     }
 
     /// Objects with an answer in percent.
-    #[must_use]
     pub fn covered_percent(&self) -> f64 {
         100.0 * self.covered as f64 / self.objects.max(1) as f64
     }

@@ -21,7 +21,6 @@ pub struct OwnedMiddle {
 
 impl OwnedMiddle {
     /// The middle of this segment.
-    #[must_use]
     pub fn new(segment: &Match) -> Self {
         let [[x0, y0], [x1, y1]] =
             segment.ends.map(|end| [end.x.to_num::<f64>(), end.y.to_num::<f64>()]);
@@ -38,7 +37,6 @@ impl OwnedMiddle {
     }
 
     /// Disparity minus that of the owner's surface, px; `None` without truth there.
-    #[must_use]
     pub fn error(&self, truth: &Truth) -> Option<f64> {
         let (x, y) = self.pixel;
         truth.disparity(x, y).map(|d| self.disparity - f64::from(d))

@@ -65,7 +65,6 @@ pub struct PixelScore {
 
 impl PixelScore {
     /// Rates what was queried of a scene.
-    #[must_use]
     pub fn new(queried: &[QueriedPixel], model: &Model<PIXEL_EVIDENCE>) -> Self {
         let visible = || queried.iter().filter(|pixel| pixel.is_visible);
         let rate = |pixel: &QueriedPixel| {
@@ -80,7 +79,6 @@ impl PixelScore {
     }
 
     /// All scenes together.
-    #[must_use]
     pub fn pool(scores: &[Self]) -> Self {
         Self {
             rated: scores.iter().flat_map(|score| score.rated.iter().copied()).collect(),
@@ -90,7 +88,6 @@ impl PixelScore {
 
     /// Visible pixels answered with at least this probability, %, and how many of them are more
     /// than 1 and 2 px off, %.
-    #[must_use]
     pub fn answered(&self, least: Confidence) -> Option<(f64, [f64; 2])> {
         let least: f64 = least.to_num();
         let answers = || self.rated.iter().filter(|rated| rated.probability >= least);

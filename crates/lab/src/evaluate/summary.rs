@@ -113,7 +113,6 @@ pub struct Summary {
 
 impl Summary {
     /// Pools the scores of frames: points with points, segments with segments, cells with cells.
-    #[must_use]
     pub fn pool<'a>(scores: impl IntoIterator<Item = &'a FrameScore>) -> Self {
         let scores: Vec<&FrameScore> = scores.into_iter().collect();
         let frames = scores.len();

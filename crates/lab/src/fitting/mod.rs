@@ -40,7 +40,6 @@ const SUPPORT_PENALTY: f64 = 3.0;
 
 /// Fits the models on these pairs. Tables are fitted on scores of each scene by a line fitted on
 /// the others.
-#[must_use]
 pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
     FittedModels {
         segments: Models {
@@ -60,7 +59,6 @@ pub fn fit(pairs: &[&SceneSamples]) -> FittedModels {
 
 /// Fits the model on the pixels that were asked for in each scene. Tables are fitted on scores of
 /// each scene by a line fitted on the others.
-#[must_use]
 pub fn fit_pixels(scenes: &[&[QueriedPixel]]) -> SigmaModel<PIXEL_EVIDENCE> {
     let sample = |pixel: &QueriedPixel| {
         let (disparity, evidence) = pixel.found.as_ref().ok()?;

@@ -75,7 +75,6 @@ pub struct SceneSamples {
 
 impl SceneSamples {
     /// Both are of the same scene.
-    #[must_use]
     pub fn shows(&self, name: &str) -> bool {
         self.scene == what_it_shows(name)
     }

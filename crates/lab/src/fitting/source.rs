@@ -49,7 +49,6 @@ pub(crate) fn support_source_text(models: &SupportModels, origin: &str) -> Strin
 }
 
 /// The text of the core's file of constants for the depth of pixels.
-#[must_use]
 pub fn pixel_source_text(model: &SigmaModel<PIXEL_EVIDENCE>, origin: &str) -> String {
     let uses = ["super::PIXEL_EVIDENCE", "crate::confidence::{Model, SigmaModel}"];
     let mut text = head("fit-confidence", origin, &uses);

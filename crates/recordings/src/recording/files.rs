@@ -16,7 +16,6 @@ const LISTED: usize = 4;
 
 /// Is this a recording, by its name? Bags of other formats are, too: what is to be done with them
 /// is said when they are opened.
-#[must_use]
 pub fn is_recording(path: &Path) -> bool {
     if !path.is_dir() {
         return is_mcap(path) || is_other_bag(path);
@@ -30,7 +29,6 @@ pub fn is_recording(path: &Path) -> bool {
 }
 
 /// The name of an MCAP file.
-#[must_use]
 pub fn is_mcap(path: &Path) -> bool {
     ends_in(path, "mcap")
 }

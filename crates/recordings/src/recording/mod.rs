@@ -351,7 +351,6 @@ impl RecordedPair {
 
 impl Recording {
     /// Topics, window and rig, in words.
-    #[must_use]
     pub fn summary(&self) -> String {
         let [left, right] = &self.topics;
         let text = format!("{left} and {right}, paired within {} ms; {}", self.window_ms, self.rig);
@@ -359,13 +358,11 @@ impl Recording {
     }
 
     /// Longest time between two messages of one pair, ms.
-    #[must_use]
     pub fn window_ms(&self) -> f64 {
         self.window_ms
     }
 
     /// Name of the left camera's frame.
-    #[must_use]
     pub fn frame_id(&self) -> &str {
         &self.frame_id
     }

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use std::io;
 
 /// Reads a message; `None` where it ends early or is encoded in another way.
-#[must_use]
 pub fn read<'a, T: Deserialize<'a>>(message: &'a [u8]) -> Option<T> {
     let read = match message.split_first_chunk()? {
         ([0, 0, _, _], values) => from_bytes::<_, BigEndian>(values),

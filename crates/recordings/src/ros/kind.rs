@@ -30,7 +30,6 @@ pub struct Kind {
 
 impl Kind {
     /// By the names of its schema and of its encoding; `None` for what is not read.
-    #[must_use]
     pub fn of(schema: &str, encoding: &str) -> Option<Self> {
         let (content, is_foxglove) = match (encoding, schema) {
             ("cdr", "sensor_msgs/msg/Image") => (Content::Image, false),

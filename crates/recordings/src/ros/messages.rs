@@ -21,7 +21,6 @@ pub struct Header {
 
 impl Header {
     /// Time of the exposure, ns; 0 where nobody set it.
-    #[must_use]
     pub fn stamp_ns(&self) -> i64 {
         i64::from(self.stamp.sec) * 1_000_000_000 + i64::from(self.stamp.nanosec)
     }

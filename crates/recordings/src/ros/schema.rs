@@ -13,7 +13,6 @@ const LINE: &str =
     "================================================================================";
 
 /// The definition of `package/Message`, and below it every other one that it needs, once.
-#[must_use]
 pub fn definition(name: &str) -> String {
     let mut names = vec![name];
     let mut text = String::new();

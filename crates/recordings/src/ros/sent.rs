@@ -119,7 +119,6 @@ impl From<Stamp<'_>> for Header {
 }
 
 /// 8-bit grey.
-#[must_use]
 pub fn image<'a>(stamp: Stamp<'_>, [width, height]: [u16; 2], pixels: &'a [u8]) -> Image<'a> {
     Image {
         header: stamp.into(),
@@ -133,7 +132,6 @@ pub fn image<'a>(stamp: Stamp<'_>, [width, height]: [u16; 2], pixels: &'a [u8]) 
 }
 
 /// Calibration of the left or the right rectified image.
-#[must_use]
 pub fn camera_info(
     stamp: Stamp<'_>,
     [width, height]: [u16; 2],
@@ -156,7 +154,6 @@ pub fn camera_info(
 }
 
 /// Points, each of them finite.
-#[must_use]
 pub fn point_cloud(stamp: Stamp<'_>, points: &[CloudPoint]) -> PointCloud2 {
     let (count, size) = (points.len() as u32, size_of::<CloudPoint>() as u32);
     let names = ["x", "y", "z", "confidence"].into_iter().zip((0..).step_by(size_of::<f32>()));
@@ -176,7 +173,6 @@ pub fn point_cloud(stamp: Stamp<'_>, points: &[CloudPoint]) -> PointCloud2 {
 }
 
 /// A list of lines, which replaces the one before.
-#[must_use]
 pub fn lines(stamp: Stamp<'_>, lines: &[Line]) -> Marker {
     Marker {
         ns: "segments",
@@ -188,7 +184,6 @@ pub fn lines(stamp: Stamp<'_>, lines: &[Line]) -> Marker {
 }
 
 /// A ball and a text for each, in place of those before.
-#[must_use]
 pub fn labels(stamp: Stamp<'_>, labels: &[Label]) -> MarkerArray {
     let mut markers =
         vec![Marker { action: DELETE_ALL, scale: [BALL; 3], ..marker(stamp, 0, SPHERE) }];
@@ -213,7 +208,6 @@ pub fn labels(stamp: Stamp<'_>, labels: &[Label]) -> MarkerArray {
 
 /// The same for other programs: boxes at the depths of their objects, which are 0 deep, since
 /// nobody knows how deep they are. The variance of z is in the covariance.
-#[must_use]
 pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
     let detection = |label: &Label| {
         let center = Pose { position: label.position, orientation: [0.0, 0.0, 0.0, 1.0] };
@@ -238,7 +232,6 @@ pub fn detections(stamp: Stamp<'_>, labels: &[Label]) -> Detection3DArray {
 
 /// Distances all around, from behind counter-clockwise as seen from above, in [`scan_frame`]; none
 /// is as large as `range_m`.
-#[must_use]
 pub fn scan(stamp: Stamp<'_>, range_m: f32, beams: &[Beam]) -> LaserScan {
     let increment = core::f32::consts::TAU / beams.len().max(1) as f32;
     LaserScan {
@@ -257,7 +250,6 @@ pub fn scan(stamp: Stamp<'_>, range_m: f32, beams: &[Beam]) -> LaserScan {
 
 /// Where the frame of scans lies: at the left camera, x forward along its optical axis, y left, z
 /// up.
-#[must_use]
 pub fn scan_frame(stamp: Stamp<'_>) -> TransformList {
     let transform = TransformStamped {
         header: stamp.into(),
@@ -293,7 +285,6 @@ fn colour(confidence: f32) -> [f32; 4] {
 }
 
 /// One state.
-#[must_use]
 pub fn diagnostics(
     stamp: Stamp<'_>,
     level: Level,

@@ -64,7 +64,6 @@ trait Source: Send {
 }
 
 /// Is this a video, by its name?
-#[must_use]
 pub fn is_video(path: &Path) -> bool {
     ending(path).is_some_and(|ending| ending == OWN || FFMPEG.contains(&&*ending))
 }

@@ -87,21 +87,18 @@ impl Video {
     }
 
     /// A camera: there is a next pair until somebody wants an end.
-    #[must_use]
     pub fn is_live(&self) -> bool {
         self.pairs.is_none()
     }
 
     /// It ended before its last pair, or will give none any more: the number of pairs that there
     /// were.
-    #[must_use]
     pub fn ended(&self) -> Option<usize> {
         let ended = self.with(|sources| sources.iter().filter_map(|source| source.ended()).min());
         ended.filter(|&frames| self.pairs.is_none_or(|pairs| frames < pairs))
     }
 
     /// Warnings for the summary, on one line; `None` where every frame was read without one.
-    #[must_use]
     pub fn summary(&self) -> Option<String> {
         let mut notes = Vec::new();
         if let Some(frames) = self.ended() {

@@ -8,7 +8,6 @@ use embassy_rp::pac::TIMER0;
 use embedded_hal::delay::DelayNs;
 
 /// Microseconds since the reset.
-#[must_use]
 pub fn time_us() -> u64 {
     loop {
         let high = TIMER0.timerawh().read();
@@ -26,7 +25,6 @@ pub struct Micros(());
 impl Micros {
     /// From now on SysTick also wakes a sleeping program every millisecond, of this frequency of
     /// the processor, Hz.
-    #[must_use]
     pub fn start(mut systick: SYST, frequency: u32) -> Self {
         systick.set_clock_source(cortex_m::peripheral::syst::SystClkSource::Core);
         systick.set_reload(frequency / 1000 - 1);

@@ -18,7 +18,6 @@ pub struct BoardFlash<const BYTES: usize>(Flash<'static, FLASH, Blocking, BYTES>
 pub type Kept<const BYTES: usize> = BoardStore<BoardFlash<BYTES>>;
 
 /// Two slots for each, the rig's in the last two sectors.
-#[must_use]
 pub fn keeper<const BYTES: usize>(flash: Peri<'static, FLASH>) -> Option<Kept<BYTES>> {
     let (end, sector) = (BYTES as u32, ERASE_SIZE as u32);
     let [settings, rig] =

@@ -83,7 +83,6 @@ const FRAME_WORDS: [u16; 4] =
     [wait(true, Wire::FrameValid), irq_relative(3), wait(false, Wire::FrameValid), irq_relative(0)];
 
 /// Nibbles of a row, by the word behind it.
-#[must_use]
 pub const fn nibbles(word: u32) -> u32 {
     !word
 }

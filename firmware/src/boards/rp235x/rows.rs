@@ -83,13 +83,11 @@ pub struct RowCounter {
 
 impl RowCounter {
     /// Row 0 is being written. All zero: it takes no flash.
-    #[must_use]
     pub const fn new() -> Self {
         Self { row: 0, of_frame: 0, started_us: None, is_overrun: false, signals: Deque::new() }
     }
 
     /// The row that is being written now: so many are complete.
-    #[must_use]
     pub const fn written(&self, next_slot: u32) -> u32 {
         let rows = next_slot.wrapping_sub(1).wrapping_sub(self.row) % RING_ROWS as u32;
         self.row.wrapping_add(rows)

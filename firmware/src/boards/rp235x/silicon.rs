@@ -11,7 +11,6 @@ use linestereo_wire::Silicon;
 
 /// The registers as they are now. The chip has one cache, before the flash, for code and tables
 /// alike.
-#[must_use]
 pub fn silicon() -> Silicon {
     let has_cache = XIP_CTRL.ctrl().read().en_secure();
     Silicon {

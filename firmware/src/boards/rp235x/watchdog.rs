@@ -46,7 +46,6 @@ impl Watchdog for FrameWatchdog {
 }
 
 /// Why the board was reset. Before the watchdog is started: starting it forgets.
-#[must_use]
 pub fn reset_cause() -> Reset {
     let words = ending::last_note();
     let (last, reason) = (POWMAN.chip_reset().read(), WATCHDOG.reason().read());

@@ -90,7 +90,6 @@ pub fn follow_usb_frames(source: FrameClock) {
 }
 
 /// Microseconds since the start.
-#[must_use]
 pub fn now_us() -> u64 {
     Instant::now().as_micros()
 }

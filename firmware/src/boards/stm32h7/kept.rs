@@ -39,7 +39,6 @@ pub struct KeptFlash(Flash<'static, Blocking>);
 
 impl KeptFlash {
     /// Two slots for each.
-    #[must_use]
     pub fn slots(peripheral: Peri<'static, peripherals::FLASH>) -> Option<BoardStore<Self>> {
         let [settings, rig] = [FIRST, FIRST + 2 * SECTOR].map(|first| [first, first + SECTOR]);
         BoardStore::new(Self(Flash::new_blocking(peripheral)), rig, settings).ok()

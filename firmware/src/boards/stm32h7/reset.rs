@@ -18,7 +18,6 @@ const WATCHDOG_US: u32 = 10_000_000;
 
 /// Cause of the reset by the flags and the note of the last run, once. Power on sets the
 /// brown-out's and the pin's flags as well, and every reset the pin's.
-#[must_use]
 pub fn cause() -> Option<Reset> {
     let flags = RCC.rsr().read();
     RCC.rsr().modify(|flags| flags.set_rmvf(true));
@@ -49,7 +48,6 @@ pub struct IndependentDog(IndependentWatchdog<'static, peripherals::IWDG1>);
 
 impl IndependentDog {
     /// Resets the chip when it is not fed for 10 s.
-    #[must_use]
     pub fn start(peripheral: Peri<'static, peripherals::IWDG1>) -> Self {
         DBGMCU.apb4fzr1().modify(|frozen| frozen.set_iwdg1(true)); // while a debugger has stopped the processor
         let mut dog = IndependentWatchdog::new(peripheral, WATCHDOG_US);

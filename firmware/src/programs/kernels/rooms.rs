@@ -58,7 +58,6 @@ impl Rooms {
     pub const FENCES: usize = 7;
 
     /// Empty rooms.
-    #[must_use]
     pub const fn new() -> Self {
         Self {
             rows: [const { Room::new(0) }; 3],
@@ -70,7 +69,6 @@ impl Rooms {
     }
 
     /// The fences around all rooms.
-    #[must_use]
     pub const fn fences(&self) -> [&Fence; Self::FENCES] {
         let [a, b, c] = &self.rows;
         [

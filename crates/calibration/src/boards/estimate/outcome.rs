@@ -23,7 +23,6 @@ pub struct BoardPair {
 
 impl BoardPair {
     /// From what was found in both photos.
-    #[must_use]
     pub fn new(name: String, left: BoardCorners, right: BoardCorners) -> Self {
         let right = right.turned_like(&left);
         let ((left_numbers, left), (right_numbers, right)) =
@@ -32,7 +31,6 @@ impl BoardPair {
     }
 
     /// All corners, row by row.
-    #[must_use]
     pub fn whole(name: String, corners: [Vec<[f64; 2]>; 2]) -> Self {
         Self {
             name,
