@@ -116,11 +116,13 @@ impl SlotImage for KeptSettings {
 }
 
 /// Why a slot holds no usable image.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SlotError {
     /// The image in the slot is refused.
+    #[error("{0}")]
     Image(RigImageError),
     /// The flash cannot be read.
+    #[error("the flash cannot be read: {0}")]
     Flash(NorFlashErrorKind),
 }
 
@@ -132,17 +134,6 @@ impl From<SlotError> for RigFault {
         }
     }
 }
-
-impl fmt::Display for SlotError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Image(error) => error.fmt(f),
-            Self::Flash(kind) => write!(f, "the flash cannot be read: {kind}"),
-        }
-    }
-}
-
-impl core::error::Error for SlotError {}
 
 /// Contents of both slots.
 #[derive(Clone, Copy, Debug, PartialEq)]

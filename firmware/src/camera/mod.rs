@@ -227,7 +227,8 @@ impl fmt::Display for Condition {
 }
 
 /// Why a sensor does not do what it should, and how it was left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{cause} (the camera is {left})")]
 pub struct CameraError<E> {
     /// The fault.
     pub cause: Cause<E>,
@@ -236,11 +237,13 @@ pub struct CameraError<E> {
 }
 
 /// The fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Cause<E> {
     /// Nothing answers at the sensor's address.
+    #[error("no camera answers: check power, clock and wires")]
     Missing,
     /// Another chip answers.
+    #[error("another chip answers: register {register:#06x} holds {found:#06x}")]
     Identity {
         /// Register of the identity.
         register: u16,
@@ -248,6 +251,7 @@ pub enum Cause<E> {
         found: u16,
     },
     /// The bus failed.
+    #[error("the bus failed at register {register:#06x}: {error:?}")]
     Bus {
         /// The register that was read or written.
         register: u16,
@@ -255,6 +259,7 @@ pub enum Cause<E> {
         error: E,
     },
     /// A register does not hold what was written.
+    #[error("register {register:#06x} holds {read:#06x} after {written:#06x} was written")]
     NotKept {
         /// Its address.
         register: u16,
@@ -264,65 +269,32 @@ pub enum Cause<E> {
         read: u16,
     },
     /// The reset pin failed.
+    #[error("the reset pin cannot be set")]
     Pin,
     /// The model has no such mode.
+    #[error("{0}")]
     Unsupported(Unsupported),
     /// The sensor does not run: start it first.
+    #[error("the camera does not run: start it first")]
     NotRunning,
 }
 
 /// Function that a model does not have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unsupported {
     /// Images of this size with this binning.
+    #[error(
+        "the sensor has no images of {0} with {pixels}x{pixels} pixels made one",
+        pixels = .1.pixels()
+    )]
     Size(Dims, Binning),
     /// An exposure of so many rows.
+    #[error("the sensor cannot be exposed for {0} rows")]
     Rows(u16),
     /// A gain of this register value.
+    #[error("the sensor has no gain {0:#x}")]
     Gain(u16),
 }
-
-impl fmt::Display for Unsupported {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Size(dims, binning) => {
-                let pixels = binning.pixels();
-                write!(
-                    f,
-                    "the sensor has no images of {dims} with {pixels}x{pixels} pixels made one"
-                )
-            }
-            Self::Rows(rows) => write!(f, "the sensor cannot be exposed for {rows} rows"),
-            Self::Gain(code) => write!(f, "the sensor has no gain {code:#x}"),
-        }
-    }
-}
-
-impl<E: fmt::Debug> fmt::Display for CameraError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.cause {
-            Cause::Missing => write!(f, "no camera answers: check power, clock and wires")?,
-            Cause::Identity { register, found } => {
-                write!(f, "another chip answers: register {register:#06x} holds {found:#06x}")?;
-            }
-            Cause::Bus { register, error } => {
-                write!(f, "the bus failed at register {register:#06x}: {error:?}")?
-            }
-            Cause::NotKept { register, written, read } => {
-                write!(
-                    f,
-                    "register {register:#06x} holds {read:#06x} after {written:#06x} was written"
-                )?;
-            }
-            Cause::Pin => write!(f, "the reset pin cannot be set")?,
-            Cause::Unsupported(what) => what.fmt(f)?,
-            Cause::NotRunning => write!(f, "the camera does not run: start it first")?,
-        }
-        write!(f, " (the camera is {})", self.left)
-    }
-}
-
-impl<E: fmt::Debug> core::error::Error for CameraError<E> {}
 
 /// The wire to a sensor's reset input, which resets while it is low; or none.
 pub trait ResetLine {

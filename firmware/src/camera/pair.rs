@@ -9,7 +9,6 @@
 //! A pair with one camera does not run: there is no depth to be had.
 
 use super::{CameraError, Chip, Condition, Config, Exposure, ExposureControl, Model, ResetLine};
-use core::fmt;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 use linestereo_rig::CameraSide;
@@ -35,7 +34,11 @@ pub enum PairExposure {
 }
 
 /// Why a pair does not do what it should.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{eye} camera: {error}; the {} one is {other}",
+    if *.eye == CameraSide::Left { "right" } else { "left" }
+)]
 pub struct PairError<E> {
     /// The camera that failed.
     pub eye: CameraSide,
@@ -44,18 +47,6 @@ pub struct PairError<E> {
     /// How the other one was left.
     pub other: Condition,
 }
-
-impl<E: fmt::Debug> fmt::Display for PairError<E> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (name, other) = match self.eye {
-            CameraSide::Left => ("left", "right"),
-            CameraSide::Right => ("right", "left"),
-        };
-        write!(f, "{name} camera: {}; the {other} one is {}", self.error, self.other)
-    }
-}
-
-impl<E: fmt::Debug> core::error::Error for PairError<E> {}
 
 impl<M, BL, RL, BR, RR> CameraPair<M, BL, RL, BR, RR>
 where

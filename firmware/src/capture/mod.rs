@@ -42,7 +42,6 @@ pub use sinks::{FrameRows, MemoryRows};
 pub use source::{CameraSource, FreeCameras};
 
 use crate::memory::of;
-use core::fmt;
 use linestereo::Dims;
 use linestereo_rig::{CameraSide, RowError};
 use linestereo_wire::CaptureReport;
@@ -149,21 +148,31 @@ pub struct Limits {
 }
 
 /// Fault of a camera's frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
     /// The peripheral lost bytes.
+    #[error("the peripheral lost bytes: its DMA needs a higher priority")]
     Overrun,
     /// Rows came after the end of a frame without the start of another one.
+    #[error("a frame did not start where it should: check VSYNC")]
     MissingVsync,
     /// A frame started before the last one was complete.
+    #[error("a frame started before the last one was complete: check VSYNC and the number of rows")]
     EarlyVsync,
     /// A row is not as long as it should be.
+    #[error("a row has the wrong length: check HREF, the pixel clock and the width")]
     ShortLine,
     /// A frame paused in the middle: what follows is of another one.
+    #[error("a frame paused in the middle: check power and clock of the camera")]
     TornFrame,
     /// The camera sends nothing.
+    #[error("the camera has stopped: start it again")]
     Stopped,
     /// Rows were overwritten, or signals lost, before they were fetched.
+    #[error(
+        "rows were overwritten before they were fetched: the ring is too small, or the frame \
+         rate too high"
+    )]
     TooSlow,
 }
 
@@ -184,22 +193,6 @@ impl Fault {
         if let Some(count) = of(eye, &mut losses.faults).get_mut(self as usize) {
             *count = count.saturating_add(1);
         }
-    }
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Overrun => "the peripheral lost bytes: its DMA needs a higher priority",
-            Self::MissingVsync => "a frame did not start where it should: check VSYNC",
-            Self::EarlyVsync => "a frame started before the last one was complete: check VSYNC and the number of rows",
-            Self::ShortLine => "a row has the wrong length: check HREF, the pixel clock and the width",
-            Self::TornFrame => "a frame paused in the middle: check power and clock of the camera",
-            Self::Stopped => "the camera has stopped: start it again",
-            Self::TooSlow => {
-                "rows were overwritten before they were fetched: the ring is too small, or the frame rate too high"
-            }
-        })
     }
 }
 
