@@ -40,7 +40,6 @@ pub use decision::{MOST_UNIQUE, NO_DISPARITY};
 pub use file::{BOARD, METHODS, Matcher};
 pub use grid::{GridMemory, grid_groups};
 
-use core::fmt;
 use linestereo::{Dims, Gray};
 
 /// The kernels of this machine.
@@ -98,16 +97,9 @@ impl Settings {
 
 /// A pair that cannot be matched: too small for a window at every disparity, too large for the
 /// memory, of two sizes, or with another number of disparities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a pair does not fit the matcher: its size, or its number of disparities")]
 pub struct Misfit;
-
-impl fmt::Display for Misfit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a pair does not fit the matcher: its size, or its number of disparities")
-    }
-}
-
-impl core::error::Error for Misfit {}
 
 /// The values of row `y` of an image, as in OpenCV: borders are mirrored, and an odd last row is
 /// left alone.
