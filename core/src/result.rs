@@ -196,9 +196,7 @@ impl Counts {
     #[must_use]
     pub fn is_cut(&self) -> bool {
         [
-            self.segments_left_dropped,
-            self.segments_right_dropped,
-            self.edges_cut,
+            self.segments_left_dropped, self.segments_right_dropped, self.edges_cut,
             self.comparisons_cut,
         ] != [0; 4]
     }

@@ -80,17 +80,8 @@ impl Vehicle {
         let (system, policy, distance_sensor) =
             (self.system as f32, self.policy as u8, self.distance_sensor as u8);
         [
-            yaw_deg,
-            range_m,
-            lowest,
-            highest,
-            system,
-            rate_hz as f32,
-            policy as f32,
-            block_cm,
-            distance_sensor as f32,
-            drop_m,
-            self.sectors as u8 as f32,
+            yaw_deg, range_m, lowest, highest, system, rate_hz as f32, policy as f32, block_cm,
+            distance_sensor as f32, drop_m, self.sectors as u8 as f32,
         ]
     }
 

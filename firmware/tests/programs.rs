@@ -341,11 +341,8 @@ fn what_is_no_rig_for_this_board_is_refused_and_the_old_one_stays() {
     assert_eq!(
         texts[..6],
         [
-            "accepted",
-            "the rig image is refused: damaged",
-            "the rig image is refused: truncated",
-            "the rig image is refused: foreign",
-            "the rig image is refused: truncated",
+            "accepted", "the rig image is refused: damaged", "the rig image is refused: truncated",
+            "the rig image is refused: foreign", "the rig image is refused: truncated",
             "width is 192 but must be 16 to 160",
         ]
     );

@@ -151,14 +151,8 @@ impl Package {
 
     fn pip(&self, folder: &Path) -> Result<()> {
         let arguments = [
-            "download",
-            "--quiet",
-            "--disable-pip-version-check",
-            "--no-deps",
-            "--only-binary=:all:",
-            "--retries=1",
-            "--timeout=20",
-            "--dest",
+            "download", "--quiet", "--disable-pip-version-check", "--no-deps",
+            "--only-binary=:all:", "--retries=1", "--timeout=20", "--dest",
         ];
         let mut reason = None;
         for (program, first) in [("python3", &["-m", "pip"][..]), ("pip3", &[]), ("pip", &[])] {

@@ -189,11 +189,8 @@ fn prepared() -> TempDir {
     }
     fs::write(path("rig.toml"), RIG).unwrap();
     for format in [
-        "opencv-xml --out calib.xml",
-        "opencv-yaml --out stereo.yml",
-        "kalibr --out camchain.yaml",
-        "ros --out left.yaml --out right.yaml",
-        "euroc --out cam0.yaml --out cam1.yaml",
+        "opencv-xml --out calib.xml", "opencv-yaml --out stereo.yml", "kalibr --out camchain.yaml",
+        "ros --out left.yaml --out right.yaml", "euroc --out cam0.yaml --out cam1.yaml",
     ] {
         succeed(at, &format!("convert-rig rig.toml --to {format}"));
     }

@@ -247,11 +247,8 @@ fn words_and_picture_of_a_bar() {
     let line = "explain rec/1/left.png rec/1/right.png 152,120 --picture why.png --focal-px 300 \
                 --baseline-m 0.1";
     let words = [
-        "bar, left edge (1",
-        "second-best (cost ",
-        "in front          passed",
-        "lies on one at 24.",
-        " m\n",
+        "bar, left edge (1", "second-best (cost ", "in front          passed",
+        "lies on one at 24.", " m\n",
     ];
     tells(folder.path(), line, &words);
     let picture = image::open(folder.path().join("why.png")).unwrap().to_rgb8();
@@ -265,13 +262,8 @@ fn words_and_picture() {
     let pair = "explain demo/left.png demo/right.png";
     let scene = "--scene demo/scene.json";
     let words = [
-        "near-horizontal",
-        "window",
-        "census",
-        "second-best",
-        "support point at",
-        "left-right check",
-        "wrote why.png",
+        "near-horizontal", "window", "census", "second-best", "support point at",
+        "left-right check", "wrote why.png",
     ];
     tells(folder.path(), &format!("{pair} 60,60 --picture why.png {scene}"), &words);
     assert!(image::open(folder.path().join("why.png")).unwrap().width() > 1000);

@@ -94,8 +94,7 @@ fn files_that_a_command_finds_are_not_replaced_either() {
         fs::copy(at.join(format!("0001_{side}.png")), at.join(format!("raw/{side}.png"))).unwrap();
     }
     for line in [
-        "sequence . --out scene.json",
-        "report . -o scene.json",
+        "sequence . --out scene.json", "report . -o scene.json",
         "rectify raw --rig rig.toml --out raw",
     ] {
         refused(at, line, &["one of the files that are read"]);

@@ -356,15 +356,13 @@ fn formats() -> Vec<Format> {
                 ("image_width", "image_width: 640", "image_width: 320"),
                 ("binning_x", "binning_x: 0\nbinning_y: 0", "binning_x: 2\nbinning_y: 2"),
                 (
-                    "roi",
-                    "x_offset: 0, y_offset: 0, width: 640",
+                    "roi", "x_offset: 0, y_offset: 0, width: 640",
                     "x_offset: 1, y_offset: 0, width: 639",
                 ),
                 ("camera_matrix", "[510,", "[511,"),
                 ("distortion_coefficients", "0.003]", "0.004]"),
                 (
-                    "rectification_matrix",
-                    "[0.8, 0, -0.6, 0, 1, 0, 0.6, 0, 0.8]",
+                    "rectification_matrix", "[0.8, 0, -0.6, 0, 1, 0, 0.6, 0, 0.8]",
                     "[1, 0, 0, 0, 1, 0, 0, 0, 1]",
                 ),
                 ("P[0]", "[400.0,", "[401.0,"),
@@ -395,8 +393,7 @@ fn formats() -> Vec<Format> {
             outcome: rig,
             changes: &[
                 (
-                    "image_width",
-                    "image_width: 640\nimage_height: 480",
+                    "image_width", "image_width: 640\nimage_height: 480",
                     "image_width: 320\nimage_height: 240",
                 ),
                 ("M1", "[ 500.,", "[ 501.,"),
@@ -461,8 +458,7 @@ fn formats() -> Vec<Format> {
             outcome: middlebury,
             changes: &[
                 (
-                    "cam0",
-                    "cam0=[994.978 0 311.193; 0 994.978",
+                    "cam0", "cam0=[994.978 0 311.193; 0 994.978",
                     "cam0=[994.978 0 311.193; 0 1094.978",
                 ),
                 ("cam1", "cam1=[994.978", "cam1=[1094.978"),

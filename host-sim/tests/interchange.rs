@@ -303,9 +303,7 @@ fn opencv_names_are_habits() {
         ["cameraMatrix1", "distCoeffs1", "cameraMatrix2", "distCoeffs2"],
         ["camera_matrix_left", "dist_coeffs_left", "camera_matrix_right", "dist_coeffs_right"],
         [
-            "left_camera_matrix",
-            "left_distortion_coefficients",
-            "right_camera_matrix",
+            "left_camera_matrix", "left_distortion_coefficients", "right_camera_matrix",
             "right_distortion_coefficients",
         ],
         ["LEFT.K", "LEFT.D", "RIGHT.K", "RIGHT.D"],

@@ -508,12 +508,7 @@ fn damaged_float_files_are_named() {
     }
     assert_eq!(fault(b"PF\n1 1\n-1\n000000000000"), DisparityFault::Coloured);
     for header in [
-        "P5\n1 1\n255\n0",
-        "Pf\n0 1\n-1\n",
-        "Pf\n99999999 99999999\n-1\n",
-        "Pf\n4",
-        "",
-        "Pf\n4 4\n",
+        "P5\n1 1\n255\n0", "Pf\n0 1\n-1\n", "Pf\n99999999 99999999\n-1\n", "Pf\n4", "", "Pf\n4 4\n",
     ] {
         assert!(matches!(fault(header.as_bytes()), DisparityFault::Header(_)), "{header}");
     }

@@ -102,10 +102,7 @@ fn what_cannot_be_had_is_said_with_what_to_change() {
     assert!(!found.within_range);
     let advice = found.advice.join("\n");
     for part in [
-        "disparity of 125 px",
-        "--max-disparity 128",
-        "nearer than 0.40 m",
-        "allow 10.0 % at 5 m",
+        "disparity of 125 px", "--max-disparity 128", "nearer than 0.40 m", "allow 10.0 % at 5 m",
         "to 2.50 m",
     ] {
         assert!(advice.contains(part), "{part} is not in\n{advice}");

@@ -203,13 +203,8 @@ fn what_is_wrong_with_one_object_skips_it() {
     says(&first("a.json", "[{\"bbox\": [1, 1, 0, 5]}]"), &["object 0: it has no area"]);
 
     let masks = [
-        r#"[62, 4, 16, 4, 713]"#,
-        r#"[62, 4, 9999]"#,
-        r#""~~""#,
-        r#"[-1, 801]"#,
-        r#"{}"#,
-        "[62, 4, 16, 4, 714]",
-        "[800]",
+        r#"[62, 4, 16, 4, 713]"#, r#"[62, 4, 9999]"#, r#""~~""#, r#"[-1, 801]"#, r#"{}"#,
+        "[62, 4, 16, 4, 714]", "[800]",
     ];
     let list: Vec<String> =
         masks.map(|counts| coco_mask(counts).trim_matches(['[', ']']).to_owned()).into();

@@ -175,9 +175,7 @@ fn the_page_is_for_this_computer_and_its_token_alone() {
         "{text}"
     );
     for field in [
-        "default-src 'none'",
-        "connect-src 'self'",
-        "Cache-Control: no-store",
+        "default-src 'none'", "connect-src 'self'", "Cache-Control: no-store",
         "Referrer-Policy: no-referrer",
     ] {
         assert!(text.contains(field), "{field}");
@@ -275,13 +273,7 @@ fn events_of_pairs_are_the_lines_of_a_sequence() {
     let [found, answered] = [&mut found, &mut answered].map(|of| of["objects"][0].take());
     assert!(found["depth_m"].is_number(), "{found}");
     for field in [
-        "disparity_px",
-        "sigma_px",
-        "depth_m",
-        "sigma_m",
-        "nearest_m",
-        "support",
-        "confidence",
+        "disparity_px", "sigma_px", "depth_m", "sigma_m", "nearest_m", "support", "confidence",
         "reason",
     ] {
         assert_eq!(found[field], answered[field], "{field}");

@@ -454,12 +454,8 @@ fn nothing_is_left_out_of_scenes_of_other_sizes() {
     let mut memory = Box::new(Large::new());
     let mut pairs = 0;
     for set in [
-        "middlebury2001",
-        "middlebury2003",
-        "middlebury2005_half",
-        "middlebury2006_third",
-        "middlebury2006_half",
-        "oakd_lite",
+        "middlebury2001", "middlebury2003", "middlebury2005_half", "middlebury2006_third",
+        "middlebury2006_half", "oakd_lite",
     ] {
         let Some(folder) = captured::folder(set) else { continue };
         for folder in find_scenes(&folder).unwrap() {

@@ -309,12 +309,7 @@ fn for_m7(toolchain: &Toolchain, package: &str) -> PathBuf {
 fn linked_for_m7(sources: &[PathBuf], library: &Path, elf: &Path) {
     let mut gcc = Command::new("arm-none-eabi-gcc");
     gcc.args([
-        "-mcpu=cortex-m7",
-        "-mthumb",
-        "-mfpu=fpv5-sp-d16",
-        "-mfloat-abi=hard",
-        "-std=c99",
-        "-Wall",
+        "-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-sp-d16", "-mfloat-abi=hard", "-std=c99", "-Wall",
         "-Wextra",
     ]);
     gcc.args(["-Werror", "-Os", "-ffreestanding", "-nostdlib", "-ffunction-sections"]);

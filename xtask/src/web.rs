@@ -55,12 +55,10 @@ pub fn module(
     arguments: &[&str],
 ) -> Result<PathBuf> {
     let mut cargo = cargo(top)?;
-    cargo.current_dir(top.join(package)).args(arguments).args([
-        "--release",
-        "--locked",
-        "--target",
-        TARGET,
-    ]);
+    cargo
+        .current_dir(top.join(package))
+        .args(arguments)
+        .args(["--release", "--locked", "--target", TARGET]);
     cargo.arg("--target-dir").arg(built).args(["--config", "profile.release.strip=true"]);
     let output = cargo.output().context("cannot start cargo")?;
     if !output.status.success() {

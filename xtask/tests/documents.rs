@@ -216,19 +216,8 @@ const ALLOWED: [(&str, &str); 6] = [
 /// Numbers with a unit of measured figures: shares, instructions, times, sizes.
 fn figures(line: &str) -> Vec<String> {
     const UNITS: [&str; 13] = [
-        "%",
-        "percent",
-        "instructions",
-        "M instructions",
-        "million instructions",
-        "ms",
-        "KB",
-        "kB",
-        "KiB",
-        "MB",
-        "MiB",
-        "fps",
-        "cycles",
+        "%", "percent", "instructions", "M instructions", "million instructions", "ms", "KB", "kB",
+        "KiB", "MB", "MiB", "fps", "cycles",
     ];
     let mut found = Vec::new();
     let words: Vec<&str> = line.split_whitespace().collect();
@@ -303,20 +292,9 @@ fn the_readme_can_be_skimmed() {
         lines.iter().position(|line| line.starts_with(part)).unwrap_or_else(|| panic!("{part}"))
     };
     let order = [
-        "# linestereo",
-        "![",
-        "- ",
-        "**Status",
-        "## Use it if",
-        "## Use something else if",
-        "## Quick start on a PC",
-        "cargo run ",
-        "cargo test --workspace",
-        "linestereo run ",
-        "## Quick start in firmware",
-        "```rust",
-        "## More",
-        "Licensed under",
+        "# linestereo", "![", "- ", "**Status", "## Use it if", "## Use something else if",
+        "## Quick start on a PC", "cargo run ", "cargo test --workspace", "linestereo run ",
+        "## Quick start in firmware", "```rust", "## More", "Licensed under",
     ];
     assert!(order.map(position).is_sorted(), "{:?}", order.map(position));
     let figures = results::readme_figures(top()).unwrap();

@@ -190,12 +190,10 @@ mod tests {
             warnings.contains(Flags::ROWS_OFF | Flags::ROWS_DRIFT)
                 && !warnings.contains(Flags::ROWS_OFF | Flags::ROWS_FAR)
         );
-        assert!(warnings.names().eq([
-            "left_exposure",
-            "right_view",
-            "exposures_differ",
-            "rows_off",
-            "rows_drift"
-        ]));
+        assert!(
+            warnings
+                .names()
+                .eq(["left_exposure", "right_view", "exposures_differ", "rows_off", "rows_drift"])
+        );
     }
 }

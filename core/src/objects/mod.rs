@@ -175,12 +175,7 @@ impl ObjectQuery<'_> {
             return Ok(of_bar(&bar, d_q6, self.rig.as_ref()));
         }
         let found = region_support::gather(
-            self.candidates,
-            self.support,
-            self.models,
-            &cover,
-            self.dims,
-            self.neighbours,
+            self.candidates, self.support, self.models, &cover, self.dims, self.neighbours,
         );
         let neighbours = self.neighbours.get(..found.hypotheses).unwrap_or(&[]);
         let all_q8 = i32::try_from(found.weight_q8).unwrap_or(i32::MAX / 8); // sums are below 2^22

@@ -34,11 +34,7 @@ const KEYS: [&str; 7] =
 const CAMERA_KEYS: [&str; 3] = ["height_m", "pitch_deg", "roll_deg"];
 const TRUTH_KEYS: [&str; 2] = ["file", "disparity_scale"];
 const RIG_KEYS: [&str; 5] = [
-    "focal_px",
-    "baseline_m",
-    "disparity_offset_px",
-    "principal_point_px",
-    "left_valid_normalized",
+    "focal_px", "baseline_m", "disparity_offset_px", "principal_point_px", "left_valid_normalized",
 ];
 /// Letters that a key may differ by from a known one to be that one, written wrongly; in keys of
 /// fewer than five letters that would be another word.

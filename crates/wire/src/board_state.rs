@@ -111,12 +111,7 @@ pub struct CaptureReport {
 impl CaptureReport {
     /// The kinds of faults.
     pub const KINDS: [&str; KINDS] = [
-        "overrun",
-        "missing_vsync",
-        "early_vsync",
-        "short_line",
-        "torn_frame",
-        "stopped",
+        "overrun", "missing_vsync", "early_vsync", "short_line", "torn_frame", "stopped",
         "too_slow",
     ];
 

@@ -19,21 +19,9 @@ use linestereo_wire::{
 
 /// Every name of a parameter that can stand before `=`; those of the vehicle are [`Setting`]s.
 pub const NAMES: [&str; 15] = [
-    "min_disparity",
-    "max_disparity",
-    "anchor_gradient",
-    "edge_gradient",
-    "min_extent",
-    "cell",
-    "reach",
-    "min_confidence",
-    "margin_px",
-    "margin_nearer_m",
-    "margin_farther_m",
-    "focal_px",
-    "baseline_m",
-    "offset_px",
-    "parts",
+    "min_disparity", "max_disparity", "anchor_gradient", "edge_gradient", "min_extent", "cell",
+    "reach", "min_confidence", "margin_px", "margin_nearer_m", "margin_farther_m", "focal_px",
+    "baseline_m", "offset_px", "parts",
 ];
 
 /// A request and how it was written.
@@ -336,11 +324,7 @@ mod tests {
     #[test]
     fn neighbouring_boxes_go_together_and_none_clears() {
         let list = requests(&[
-            "box=1:10,20,30,40",
-            "box=2:0,0,9,9",
-            "cell=8",
-            "only_box=3:1,2,3,4",
-            "box=none",
+            "box=1:10,20,30,40", "box=2:0,0,9,9", "cell=8", "only_box=3:1,2,3,4", "box=none",
         ])
         .unwrap();
         let boxes = |list: &[[u16; 5]], only| {

@@ -15,16 +15,9 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// Time of the page, not of the clock: it ends as soon as nothing is left to do.
 const PAGE_TIME: &str = "--virtual-time-budget=10000";
 const FLAGS: [&str; 10] = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-    "--window-size=1280,1400",
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--hide-scrollbars", "--window-size=1280,1400",
 ];
 
 #[derive(Clone, Debug)]

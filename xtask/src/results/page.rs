@@ -135,14 +135,9 @@ fn accuracy(stored: &Stored) -> String {
     let sectors =
         sets().filter(|(_, set)| set.metrics.contains_key("obstacles")).map(|(title, set)| {
             let outcomes = [
-                "obstacle: told right, %",
-                "obstacle: called free, %",
-                "obstacle: a ghost nearer, %",
-                "clear: free, %",
-                "clear: a ghost, %",
-                "drop-off: told right, %",
-                "drop-off: not told, %",
-                "no drop-off: one told, %",
+                "obstacle: told right, %", "obstacle: called free, %",
+                "obstacle: a ghost nearer, %", "clear: free, %", "clear: a ghost, %",
+                "drop-off: told right, %", "drop-off: not told, %", "no drop-off: one told, %",
             ];
             let of = |outcome: &str| shown(set.figure("obstacles", outcome)[0], 0);
             [vec![title.to_owned()], outcomes.map(of).to_vec()].concat()
@@ -279,15 +274,8 @@ const BOARDS: [(&str, &str, &str); 6] = [
 ];
 
 const STAGES: [&str; 9] = [
-    "lines_left",
-    "lines_right",
-    "selection",
-    "support",
-    "rows",
-    "matching",
-    "consistency",
-    "report",
-    "health",
+    "lines_left", "lines_right", "selection", "support", "rows", "matching", "consistency",
+    "report", "health",
 ];
 
 fn millions(value: Option<u64>) -> String {

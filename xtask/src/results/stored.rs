@@ -296,8 +296,7 @@ mod tests {
     #[test]
     fn metrics_have_short_names() {
         let names = [
-            "one hypothesis per 16x16 cell, noise5",
-            "seen by class: 8x8 cells",
+            "one hypothesis per 16x16 cell, noise5", "seen by class: 8x8 cells",
             "said against right",
         ];
         assert_eq!(names.map(metric), ["cells, noise5", "classes", "stated"]);

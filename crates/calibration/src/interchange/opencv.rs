@@ -29,54 +29,19 @@ use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use nalgebra::{Matrix3, Vector3};
 
 const CAMERA: &[&str] = &[
-    "cameramatrix",
-    "m",
-    "k",
-    "cm",
-    "mtx",
-    "matrix",
-    "intrinsic",
-    "intrinsics",
-    "intrinsicmatrix",
+    "cameramatrix", "m", "k", "cm", "mtx", "matrix", "intrinsic", "intrinsics", "intrinsicmatrix",
 ];
 const LENS: &[&str] = &[
-    "d",
-    "dist",
-    "distcoeff",
-    "distcoeffs",
-    "distcoef",
-    "distcoefs",
-    "distortion",
-    "distortioncoefficients",
-    "distortioncoeffs",
-    "dc",
-    "kc",
+    "d", "dist", "distcoeff", "distcoeffs", "distcoef", "distcoefs", "distortion",
+    "distortioncoefficients", "distortioncoeffs", "dc", "kc",
 ];
 const ROTATION: &[&str] = &[
-    "r",
-    "rmat",
-    "rotation",
-    "rotationmatrix",
-    "rot",
-    "rstereo",
-    "stereor",
-    "r12",
-    "rlr",
-    "om",
-    "rvec",
-    "rotationvector",
+    "r", "rmat", "rotation", "rotationmatrix", "rot", "rstereo", "stereor", "r12", "rlr", "om",
+    "rvec", "rotationvector",
 ];
 const TRANSLATION: &[&str] = &[
-    "t",
-    "translation",
-    "translationvector",
-    "translationmatrix",
-    "trans",
-    "tvec",
-    "tstereo",
-    "stereot",
-    "t12",
-    "tlr",
+    "t", "translation", "translationvector", "translationmatrix", "trans", "tvec", "tstereo",
+    "stereot", "t12", "tlr",
 ];
 const RECTIFICATION: &[&str] = &["r", "rect", "rectification", "rectificationmatrix"];
 const PROJECTION: &[&str] = &["p", "proj", "projection", "projectionmatrix"];

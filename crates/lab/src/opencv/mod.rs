@@ -22,11 +22,7 @@ pub(crate) const PYTHON_VARIABLE: &str = "LINESTEREO_PYTHON";
 /// OpenCV's methods, in the order of tables: BM with uniqueness 15, and with 90 and texture 3000;
 /// SGBM along five paths with uniqueness 10 and 80, along eight (`MODE_HH`) with 10 and 95.
 pub(crate) const OPENCV_METHODS: [&str; 6] = [
-    "opencv-bm",
-    "opencv-bm-strict",
-    "opencv-sgbm",
-    "opencv-sgbm-strict",
-    "opencv-sgbm8",
+    "opencv-bm", "opencv-bm-strict", "opencv-sgbm", "opencv-sgbm-strict", "opencv-sgbm8",
     "opencv-sgbm8-strict",
 ];
 

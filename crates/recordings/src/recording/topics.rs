@@ -298,15 +298,9 @@ mod tests {
             assert!(is_rectified(name), "{name}");
         }
         for name in [
-            "/direct_drive/left/image_raw",
-            "/left/image_not_rectified",
-            "/left/image_unrectified",
-            "/left/image_non_rect",
-            "/left/rectangle",
-            "/corrected/left/image",
-            "/rect_test/left/image_raw",
-            "/rectangular/left/image_mono",
-            "/left/image",
+            "/direct_drive/left/image_raw", "/left/image_not_rectified", "/left/image_unrectified",
+            "/left/image_non_rect", "/left/rectangle", "/corrected/left/image",
+            "/rect_test/left/image_raw", "/rectangular/left/image_mono", "/left/image",
         ] {
             assert!(!is_rectified(name), "{name}");
         }

@@ -44,12 +44,8 @@ const RAW: [&str; 2] = ["mjpeg", "mjpg"];
 const PACKET_BYTES: u64 = 1024;
 /// Decoders get no frames of more pixels, containers are these, files are files.
 const READ: [&str; 6] = [
-    "-protocol_whitelist",
-    "file",
-    "-format_whitelist",
-    "mov,matroska,webm,avi,mjpeg",
-    "-max_pixels",
-    PIXELS_TEXT,
+    "-protocol_whitelist", "file", "-format_whitelist", "mov,matroska,webm,avi,mjpeg",
+    "-max_pixels", PIXELS_TEXT,
 ];
 const PIXELS_TEXT: &str = "33554432";
 const _: () = assert!(PIXELS == 33_554_432);
@@ -181,14 +177,7 @@ fn packets(
     stop: Stop,
 ) -> Result<(Option<Vec<u64>>, usize, String), VideoFault> {
     args.extend(words([
-        "-c",
-        "copy",
-        "-copyinkf",
-        "-flush_packets",
-        "1",
-        "-f",
-        "framecrc",
-        "pipe:1",
+        "-c", "copy", "-copyinkf", "-flush_packets", "1", "-f", "framecrc", "pipe:1",
     ]));
     let (mut program, out) = Program::start(args)?;
     let (to, from) = sync_channel(1024);

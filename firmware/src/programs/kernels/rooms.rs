@@ -72,13 +72,8 @@ impl Rooms {
     pub const fn fences(&self) -> [&Fence; Self::FENCES] {
         let [a, b, c] = &self.rows;
         [
-            &a.before,
-            &b.before,
-            &c.before,
-            &self.out.before,
-            &self.curve.before,
-            &self.image.before,
-            &self.behind,
+            &a.before, &b.before, &c.before, &self.out.before, &self.curve.before,
+            &self.image.before, &self.behind,
         ]
     }
 }
