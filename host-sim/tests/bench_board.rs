@@ -1,7 +1,9 @@
 //! `linestereo bench-board` as a user types it: the board's own program behind a connection, with
 //! clocks that count looks at them, and the same program in QEMU.
 
-use crate::support::{failed, linestereo, listening, refused, says, stdout, succeed, tells};
+use crate::support::{
+    Folder, failed, linestereo, listening, refused, says, stdout, succeed, tells,
+};
 use core::cell::Cell;
 use linestereo::unstable::Stage;
 use linestereo_boards::Board;
@@ -18,7 +20,6 @@ use std::net::TcpStream;
 use std::process::Stdio;
 use std::rc::Rc;
 use std::thread::{self, JoinHandle};
-use tempfile::TempDir;
 
 /// 400 MHz, of which every look at the counter costs as many.
 const CORE_HZ: u32 = 400_000_000;
@@ -126,7 +127,7 @@ fn board(
 
 #[test]
 fn a_board_is_measured_and_its_file_holds_everything() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, thread) = board(Some);
     let said = succeed(folder.path(), &format!("bench-board --tcp {address}"));
     thread.join().unwrap();
@@ -190,7 +191,7 @@ fn wrong_digests_are_named_and_the_file_is_there() {
     for (version, says) in
         [(0, "results differ from a PC's: send the file"), (1, "is of another version")]
     {
-        let folder = TempDir::new().unwrap();
+        let folder = Folder::new();
         let (address, _) = board(move |message| with_wrong_pair(message, version));
         let output =
             linestereo(folder.path(), &format!("bench-board --tcp {address} --out mine.toml"));
@@ -210,7 +211,7 @@ fn wrong_digests_are_named_and_the_file_is_there() {
 
 #[test]
 fn a_wrong_clock_and_a_cache_that_is_off_are_doubtful() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, _) = board(|message| {
         Some(match message {
             Message::Machine(machine) => {
@@ -236,7 +237,7 @@ type Change = fn(Message) -> Option<Message>;
 
 #[test]
 fn what_fails_says_what_to_do_and_writes_nothing() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let changes: [(Change, &[&str]); 4] = [
         (
             |message| Some(message).filter(|message| !matches!(message, Message::Machine(_))),
@@ -276,7 +277,7 @@ fn an_emulated_board_has_the_digests_of_the_pc() {
     if or_skip(Toolchain::for_board(&board).and_then(|_| qemu::find(&board))).is_none() {
         return;
     }
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let mut command = qemu::command(&board, &elf, &["serve"], folder.path()).unwrap();
     let mut qemu = command.args(["-serial", "pty"]).stdout(Stdio::piped()).spawn().unwrap();
     let mut line = String::new();

@@ -1,6 +1,6 @@
 //! `linestereo calibrate` as a user meets it: files, messages, exit codes.
 
-use crate::support::{self, tells};
+use crate::support::{self, Folder, tells};
 use linestereo_tests::captured;
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ fn empty_photo(path: &Path, width: u32, height: u32) {
 const BOARD: &str = "--board 9x6 --square-mm 25";
 
 fn refused(prepare: impl Fn(&Path), words: &[&str]) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let photos = folder.path().join("photos");
     fs::create_dir(&photos).unwrap();
     prepare(&photos);
@@ -108,7 +108,7 @@ fn exif_in_some_of_the_photos_is_named() {
 
 #[test]
 fn a_pair_of_which_exif_turns_one_image_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for name in ["left.jpg", "right.jpg"] {
         image::GrayImage::from_fn(64, 64, |x, y| image::Luma([(x * y % 251) as u8]))
             .save(folder.path().join(name))
@@ -121,7 +121,7 @@ fn a_pair_of_which_exif_turns_one_image_is_refused() {
 
 #[test]
 fn options_that_are_slips() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let cases = [
         ("calibrate . --board 9 --square-mm 25", "COLSxROWS"),
         ("calibrate . --board 2x6 --square-mm 25", "3 to 60 inner corners"),
@@ -147,7 +147,7 @@ fn copied(from: &Path, to: &Path, name: impl Fn(&str) -> Option<String>) {
 #[test]
 fn photos_become_a_rig() {
     let Some(photos) = captured::folder("calibration_boards/sourishg_2") else { return };
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     copied(&photos, &folder.path().join("photos"), |name| Some(name.to_owned()));
     let line = "calibrate photos --board 9x6 --square-mm 24.23 --out rig.toml --json rig.json \
                 --report rig.png";
@@ -172,7 +172,7 @@ fn photos_become_a_rig() {
 #[test]
 fn photos_in_folders_swapped_and_of_another_board() {
     let Some(photos) = captured::folder("calibration_boards/opencv_chessboard") else { return };
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let side =
         |name: &str| name.strip_prefix("left").map_or(("right", "left"), |_| ("left", "right"));
     let number =

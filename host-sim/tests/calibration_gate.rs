@@ -6,7 +6,7 @@ use crate::interchange::{
     EUROC, KALIBR, ROS, USUAL, assert_is_the_example, bad, good, opencv, opencv_cameras,
     opencv_pose, read, written,
 };
-use crate::support::says;
+use crate::support::{Folder, says};
 use linestereo::Dims;
 use linestereo_calibration::interchange::{Format, Options, Problem, export};
 use linestereo_recordings::mcap::Writer;
@@ -19,7 +19,7 @@ use std::fs;
 
 /// A recording with these messages of the left and the right camera, and images of this size.
 pub(crate) fn recorded(infos: &[[CameraInfo; 2]], topics: [&str; 2], size: [u16; 2]) -> Outcome {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let mut file = Writer::new(Vec::new(), "test").unwrap();
     let pixels: Vec<u8> =
         (0..u32::from(size[0]) * u32::from(size[1])).map(|at| (at % 251) as u8).collect();

@@ -3,8 +3,8 @@
 
 use crate::rectify;
 use crate::support::{
-    all_refused, failed, json, json_lines, linestereo, program, refused, save, says, stderr,
-    stdout, succeed, tells, with_drawn_pairs,
+    Folder, all_refused, failed, json, json_lines, linestereo, program, refused, save, says,
+    stderr, stdout, succeed, tells, with_drawn_pairs,
 };
 use linestereo::Dims;
 use linestereo_sim::scene::Kind;
@@ -29,8 +29,7 @@ const RIG: &str = "--focal-px 300 --baseline-m 0.1";
 
 #[test]
 fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     recording(at, 4);
     fs::write(at.join("0002_right.png"), b"no image").unwrap();
     fs::create_dir(at.join("boxes")).unwrap();
@@ -87,8 +86,7 @@ fn a_sequence_is_a_line_per_frame_and_a_broken_frame_is_one_of_them() {
 
 #[test]
 fn broken_objects_cost_nothing_else() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     recording(at, 1);
     fs::write(at.join("broken.json"), "{\"annotations\": [").unwrap();
     let run = "run 0001_left.png 0001_right.png --objects broken.json --json out.json";
@@ -100,7 +98,7 @@ fn broken_objects_cost_nothing_else() {
 
 #[test]
 fn a_report_is_one_file() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let at = folder.path();
     recording(at, 3);
     tells(at, "report . -o page.html --max-frames 2", &["2 of 3 pairs"]);
@@ -111,8 +109,7 @@ fn a_report_is_one_file() {
 
 #[test]
 fn each_frame_of_a_report_has_its_own_rig() {
-    let folder = with_drawn_pairs();
-    let at = folder.path();
+    let at: &Path = &with_drawn_pairs();
     let scene = at.join("rec/2/scene.json");
     let mut other: Value = serde_json::from_slice(&fs::read(&scene).unwrap()).unwrap();
     other["rectified"]["focal_px"] = 777.into();
@@ -128,8 +125,7 @@ fn each_frame_of_a_report_has_its_own_rig() {
 
 #[test]
 fn quiet_hides_no_result() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     recording(at, 1);
     fs::write(at.join("rig.toml"), rectify::RIG).unwrap();
     for (line, word) in [
@@ -157,8 +153,7 @@ fn quiet_hides_no_result() {
 
 #[test]
 fn options_without_effect_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     recording(at, 1);
     let (run, sectors) = ("run 0001_left.png 0001_right.png", "--sectors, --fan or --mavlink");
     let cases: [(&str, &str); 6] = [
@@ -180,7 +175,7 @@ fn options_without_effect_are_refused() {
 #[cfg(unix)]
 #[test]
 fn notes_that_nobody_reads_are_dropped() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     recording(folder.path(), 1);
     for line in
         ["run 0001_left.png 0001_right.png -v --max-disparity 64", "sequence .", "monitor --help"]
@@ -195,8 +190,7 @@ fn notes_that_nobody_reads_are_dropped() {
 /// A skipped box is told with its line.
 #[test]
 fn lists_of_objects_come_before_label_images() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     recording(at, 1);
     fs::create_dir(at.join("boxes")).unwrap();
     fs::copy(at.join("0001_left.png"), at.join("boxes/0001_left.png")).unwrap();
@@ -209,8 +203,7 @@ fn lists_of_objects_come_before_label_images() {
 
 #[test]
 fn objects_alone_have_the_depths_of_the_whole_frame() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     recording(at, 2);
     fs::write(at.join("boxes.csv"), "x0,y0,x1,y1,name\n40,30,120,100,a\n180,120,260,200,b\n")
         .unwrap();

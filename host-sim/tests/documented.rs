@@ -4,7 +4,7 @@
 use crate::calibration::{Photographer, drawn_rig, in_right, photos, photos_of};
 use crate::interchange::{USUAL, opencv_cameras, opencv_pose};
 use crate::rectify::RIG;
-use crate::support::{save, succeed};
+use crate::support::{Folder, save, succeed};
 use linestereo_calibration::boards::{Board, Dictionary};
 use linestereo_frames::GrayImage;
 use linestereo_rig::{Calibration, CameraSide};
@@ -14,7 +14,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
-use tempfile::TempDir;
 
 /// Parts of command lines that are not run, and why.
 const NOT_RUN: [(&str, &str); 20] = [
@@ -142,8 +141,8 @@ fn saved(photos: &[[GrayImage; 2]], folder: &Path) {
 }
 
 /// Files of the names that the documentation uses: drawn pairs, recordings, rigs, photos, regions.
-fn prepared() -> TempDir {
-    let folder = TempDir::new().unwrap();
+fn prepared() -> Folder {
+    let folder = Folder::new();
     let at = folder.path();
     let path = |name: &str| at.join(name);
     let scene = |kind: &str, size: &str, name: &str| {
@@ -265,7 +264,7 @@ fn every_command_line_runs_or_is_listed() {
             scope.spawn(|| {
                 loop {
                     let Some((source, lines)) = sources.lock().unwrap().next() else { break };
-                    let folder = TempDir::new().unwrap();
+                    let folder = Folder::new();
                     copied(base.path(), folder.path());
                     let failed = lines.iter().filter_map(|line| failure(folder.path(), line));
                     let failed: Vec<String> =
@@ -287,8 +286,7 @@ const QUICKSTART: &str = "docs/quickstart-pc.md";
 #[test]
 #[cfg(unix)]
 fn the_quick_start_ends_with_the_depth_of_an_object() {
-    let folder = TempDir::new().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     let rig = photographed(&at.join("photos"));
     // A wall 0.6 m before the left camera, with a card 0.4 m before it.
     let texture = |size: f64, seed| {

@@ -4,8 +4,8 @@
 use crate::calibrate::with_exif;
 use crate::rectify::RIG;
 use crate::support::{
-    all_refused, failed, json, json_lines, json_of_any, linestereo, program, refused, save, says,
-    signal, stderr, succeed, tells,
+    Folder, all_refused, failed, json, json_lines, json_of_any, linestereo, program, refused, save,
+    says, signal, stderr, succeed, tells,
 };
 use core::time::Duration;
 use linestereo::Dims;
@@ -16,13 +16,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 use std::time::Instant;
-use tempfile::TempDir;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
 /// A folder with a pair of boxes, `l.png` and `r.png`.
-fn pair() -> TempDir {
-    let folder = TempDir::new().unwrap();
+fn pair() -> Folder {
+    let folder = Folder::new();
     let rendering = rendered(Kind::Boxes, DIMS, 1.0, 1);
     save(&rendering.left, &folder.path().join("l.png"));
     save(&rendering.right, &folder.path().join("r.png"));
@@ -35,7 +34,7 @@ fn images(at: &Path) -> [image::GrayImage; 2] {
 }
 
 /// A folder with one pair by many names: `0001_left.png`, `0001_right.png` and so on.
-fn recording(frames: u32) -> TempDir {
+fn recording(frames: u32) -> Folder {
     let folder = pair();
     for frame in 1..=frames {
         for (image, side) in [("l.png", "left"), ("r.png", "right")] {
@@ -51,8 +50,7 @@ fn recording(frames: u32) -> TempDir {
 
 #[test]
 fn no_output_replaces_an_input_or_another_output() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     fs::create_dir(at.join("sub")).unwrap();
     fs::write(at.join("boxes.csv"), "10,10,90,90\n").unwrap();
     #[cfg(unix)]
@@ -83,8 +81,7 @@ fn no_output_replaces_an_input_or_another_output() {
 
 #[test]
 fn files_that_a_command_finds_are_not_replaced_either() {
-    let folder = recording(2);
-    let at = folder.path();
+    let at: &Path = &recording(2);
     let before = fs::read(at.join("0001_left.png")).unwrap();
     fs::write(at.join("scene.json"), r#"{"rectified": {"focal_px": 300, "baseline_m": 0.1}}"#)
         .unwrap();
@@ -126,8 +123,7 @@ fn files_that_a_command_finds_are_not_replaced_either() {
 
 #[test]
 fn a_dash_is_stdout_for_every_output() {
-    let folder = recording(2);
-    let at = folder.path();
+    let at: &Path = &recording(2);
     let run = "run 0001_left.png 0001_right.png";
     let cases: [(&str, &[u8]); 4] = [
         (&format!("{run} --csv -"), b"id,"),
@@ -160,8 +156,7 @@ fn pictures_are_called_what_they_are() {
 #[cfg(unix)]
 #[test]
 fn what_is_finished_when_a_sequence_is_interrupted_stays() {
-    let folder = recording(400);
-    let at = folder.path();
+    let at: &Path = &recording(400);
     for name in ["-INT", "-TERM"] {
         let child = program(at, "sequence . --out results.jsonl")
             .stderr(Stdio::piped())
@@ -210,8 +205,7 @@ fn a_sequence_stops_when_its_reader_does() {
 
 #[test]
 fn what_is_wrong_with_frames_is_counted() {
-    let folder = recording(2);
-    let at = folder.path();
+    let at: &Path = &recording(2);
     for frame in 1..=2 {
         let name = |side| at.join(format!("{frame:04}_{side}.png"));
         fs::rename(name("left"), at.join("x.png")).unwrap();
@@ -256,8 +250,7 @@ fn nothing_that_was_asked_for_is_passed_over() {
 
 #[test]
 fn every_pair_has_the_scene_file_beside_it() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     for (name, focal) in [("rec/1", 300), ("rec/2", 600)] {
         fs::create_dir_all(at.join(name)).unwrap();
         for (from, to) in [("l.png", "left.png"), ("r.png", "right.png")] {
@@ -278,8 +271,7 @@ fn every_pair_has_the_scene_file_beside_it() {
 
 #[test]
 fn one_set_of_layouts_for_all_commands() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     let calib = "cam0=[300 0 160; 0 300 120; 0 0 1]\n\
                  cam1=[300 0 160; 0 300 120; 0 0 1]\ndoffs=0\nbaseline=100\nndisp=64\n";
     let stamped = [
@@ -336,8 +328,7 @@ fn one_set_of_layouts_for_all_commands() {
 
 #[test]
 fn keys_of_a_scene_that_mean_nothing_are_refused() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     let cases = [
         (r#"{"focal_px": 451}"#, "\"focal_px\" is misplaced; move it into \"rectified\""),
         (r#"{"scene": "a", "height_m": 0.2}"#, "move it into \"camera\""),
@@ -390,8 +381,7 @@ fn save_turned(image: &image::GrayImage, path: &Path, orientation: u8) {
 
 #[test]
 fn photos_are_read_as_they_are_meant() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     for (image, name) in images(at).iter().zip(["l", "r"]) {
         // Held upside down: the pixels lie turned by 180 degrees, and the tag says so.
         let turned = image::imageops::rotate180(image);
@@ -432,8 +422,7 @@ fn save_wide(image: &image::GrayImage, path: &Path, value: impl Fn(u8) -> u16) {
 
 #[test]
 fn sixteen_bit_files_hold_what_the_sensor_has() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     let expected = json(at, "run l.png r.png --json -");
     for bits in [8_u32, 10, 12, 16] {
         let white = (1_u32 << bits) - 1;
@@ -469,8 +458,7 @@ fn pixels_are_counted_before_the_width_as_objects_are() {
 
 #[test]
 fn both_views_in_one_file() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     let [left, right] = images(at);
     let mut both = image::GrayImage::new(640, 240);
     image::imageops::replace(&mut both, &left, 0, 0);
@@ -489,8 +477,7 @@ fn both_views_in_one_file() {
 
 #[test]
 fn depths_as_others_store_them() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     let rig = "--focal-px 300 --baseline-m 0.1 --principal-point 150,110";
     let files = "--json a.json --depth-png d.png --depth-npy d.npy --pcd p.pcd --ply p.ply";
     succeed(at, &format!("run l.png r.png {rig} {files}"));
@@ -536,8 +523,7 @@ fn depths_as_others_store_them() {
 
 #[test]
 fn quiet_verbose_and_what_shells_want() {
-    let folder = pair();
-    let at = folder.path();
+    let at: &Path = &pair();
     let output = linestereo(at, "run l.png r.png --quiet --csv a.csv");
     assert!(output.stdout.is_empty() && output.stderr.is_empty() && at.join("a.csv").is_file());
     let output = linestereo(at, "-q run l.png r.png --json -");

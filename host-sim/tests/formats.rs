@@ -4,7 +4,7 @@
 use crate::calibration_gate::{RECTIFIED, infos, recorded};
 use crate::interchange::{opencv_matrix, read};
 use crate::rig_commands;
-use crate::support::{json, refused, with_scene};
+use crate::support::{Folder, json, refused, with_scene};
 use core::fmt::Debug;
 use linestereo::Dims;
 use linestereo_calibration::interchange::Options;
@@ -97,7 +97,7 @@ pub(crate) fn known(pair: &StoredPair, images: [u16; 2]) -> Outcome {
 
 /// A folder whose texts lie at these places, with images of this size at those.
 fn folder(texts: &[String], at: &str, images: [&str; 2], size: [u16; 2]) -> Outcome {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     for name in [&[at][..], &images].concat() {
         fs::create_dir_all(folder.path().join(name).parent().unwrap()).unwrap();
     }

@@ -1,11 +1,10 @@
 //! `frames get` where packages cannot be brought: what it says, and what works without a network.
 
-use crate::support::{all_refused, failed, program, says};
+use crate::support::{Folder, all_refused, failed, program, says};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::Output;
-use tempfile::TempDir;
 
 /// `frames get` on a machine that has these programs alone.
 fn get(folder: &Path, programs: &[(&str, &str)]) -> Output {
@@ -21,7 +20,7 @@ fn get(folder: &Path, programs: &[(&str, &str)]) -> Output {
 
 #[test]
 fn without_a_network_it_says_what_to_do() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let output = get(
         folder.path(),
         &[("python3", "echo 'WARNING: retrying' >&2; echo 'ERROR: no route to host' >&2; exit 1")],
@@ -38,14 +37,14 @@ fn without_a_network_it_says_what_to_do() {
 
 #[test]
 fn without_clients_it_says_so() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let line = failed(&get(folder.path(), &[]));
     says(&line, &["no pip on this machine", "--from"]);
 }
 
 #[test]
 fn a_package_that_was_tampered_with_is_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     // A registry that serves something else under the right name.
     let serve = "for last; do :; done; while [ $# -gt 0 ]; do [ \"$1\" = --dest ] && to=$2; shift; done; echo evil > \"$to/x-1.whl\"";
     let output = get(folder.path(), &[("python3", serve)]);
@@ -56,7 +55,7 @@ fn a_package_that_was_tampered_with_is_refused() {
 
 #[test]
 fn package_files_are_told_by_their_names() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let cases = [
         ("frames get --from numpy-2.whl", "none of the packages scikit-image, stereodemo"),
         (

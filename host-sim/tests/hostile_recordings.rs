@@ -1,6 +1,6 @@
 //! Recordings that are cut off, foreign, changed or made to do harm: an error each, within 256 MiB.
 
-use crate::support::{says, stderr, stdout, succeed, with_drawn_pairs};
+use crate::support::{Folder, says, stderr, stdout, succeed, with_drawn_pairs};
 use crate::untrusted::within;
 use linestereo_recordings::ros::cdr;
 use linestereo_recordings::ros::messages::{CompressedImage, Image};
@@ -12,7 +12,6 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::Output;
-use tempfile::TempDir;
 
 /// Address space of a call, KiB.
 const MEMORY: usize = 256 << 10;
@@ -87,7 +86,7 @@ fn bounded(folder: &Path, recording: &[u8]) -> Output {
 
 #[test]
 fn what_is_cut_off_foreign_or_a_bomb_says_so() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let zeros = vec![0; 64 << 20];
     let topics = |kind: &str| {
         [schema(1, kind), channel(0, 1, "/left/image"), channel(1, 1, "/right/image")].concat()

@@ -4,7 +4,7 @@
 //! inwards by atan(3/4). Its axes in left coordinates are x (0.8, 0, 0.6), y (0, 1, 0), z (-0.6, 0,
 //! 0.8): the rows of R. So X = (0, 0, 1) m is at (0.52, 0, 0.86) in it.
 
-use crate::support::says;
+use crate::support::{Folder, says};
 use linestereo::Dims;
 use linestereo_calibration::interchange::{
     Format, Imported, InterchangeError, LensModel, Options, Problem, TranslationUnit, export,
@@ -14,12 +14,11 @@ use linestereo_calibration::rig_file::RigFile;
 use linestereo_rig::{Calibration, CameraSide, Lens, View};
 use linestereo_tests::captured;
 use std::path::PathBuf;
-use tempfile::TempDir;
 
 const SIZE: Dims = Dims { width: 640, height: 480 };
 
-fn files(texts: &[&str]) -> (TempDir, Vec<PathBuf>) {
-    let folder = tempfile::tempdir().unwrap();
+fn files(texts: &[&str]) -> (Folder, Vec<PathBuf>) {
+    let folder = Folder::new();
     let paths =
         (0..texts.len()).map(|i| folder.path().join(format!("file{i}.txt"))).collect::<Vec<_>>();
     for (path, text) in paths.iter().zip(texts) {

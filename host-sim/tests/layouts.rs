@@ -1,6 +1,7 @@
 //! Folders of pairs as data sets store them: tiny ones of every layout, real frames laid out anew,
 //! and everything that can be wrong.
 
+use crate::support::Folder;
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb};
 use linestereo::{Dims, Params, Rig, health::HealthFlags};
 use linestereo_calibration::rectify_raw;
@@ -12,7 +13,6 @@ use linestereo_sim::engine::Engine;
 use linestereo_tests::captured;
 use std::fs;
 use std::io::Write;
-use tempfile::TempDir;
 
 const WIDTH: u32 = 48;
 const HEIGHT: u32 = 20;
@@ -116,8 +116,8 @@ fn text(content: &str) -> File {
     File::Bytes(content.as_bytes().to_vec())
 }
 
-fn folder(files: &[(impl AsRef<str>, File)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
+fn folder(files: &[(impl AsRef<str>, File)]) -> Folder {
+    let folder = Folder::new();
     for (name, file) in files {
         let path = folder.path().join(name.as_ref());
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -135,7 +135,7 @@ const KITTI_2012: &str = "P0: 400 0 20 0 0 400 10 0 0 0 1 0\nP1: 400 0 20 -200 0
                           P2: 400 0 20 30 0 400 10 0 0 0 1 0\nP3: 400 0 20 -190 0 400 10 0 0 0 1 0\n";
 
 /// The only pair of a folder, loaded.
-fn only(folder: &TempDir, layout: Layout) -> Scene {
+fn only(folder: &Folder, layout: Layout) -> Scene {
     let set = Dataset::find(folder.path()).unwrap();
     assert_eq!(layouts(&set.pairs), [(layout, 1)], "{:?}", set.pairs);
     set.pairs[0].load(None, &rectify_raw).unwrap()
@@ -647,7 +647,7 @@ fn captured_scenes_in_their_own_layout() {
     ];
     for (name, layout, renamed, least) in cases {
         let Some(source) = captured::folder(name) else { return };
-        let set = tempfile::tempdir().unwrap();
+        let set = Folder::new();
         for (from, to) in renamed {
             for ending in ["png", "ppm", "jpg"] {
                 let from = source.join(format!("{from}.{ending}"));
@@ -710,7 +710,7 @@ fn captured_folders_are_recognised() {
 #[cfg_attr(not(captured), ignore = "no captured frames: LINESTEREO_FRAMES names them")]
 fn captured_euroc_pairs_are_rectified() {
     let Some(source) = captured::folder("euroc_micro") else { return };
-    let set = tempfile::tempdir().unwrap();
+    let set = Folder::new();
     for (camera, side) in [("cam0", "left"), ("cam1", "right")] {
         let data = set.path().join("mav0").join(camera).join("data");
         fs::create_dir_all(&data).unwrap();

@@ -2,7 +2,7 @@
 //! what is said of wrong ones.
 
 use crate::calibration::{Planes, drawn_rig, found, photos_of, scores};
-use crate::support::{self, says, succeed};
+use crate::support::{self, Folder, says, succeed};
 use linestereo_calibration::boards::{
     Board, BoardFinder, BoardPair, Dictionary, JunctionFinder, NotFound, Options, estimate,
 };
@@ -165,7 +165,7 @@ fn wrong_dictionaries_and_sizes_are_named() {
 
 #[test]
 fn the_command_says_what_to_do() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let photos = folder.path().join("photos");
     fs::create_dir(&photos).unwrap();
     for (number, side) in (1..=6).flat_map(|number| [(number, "left"), (number, "right")]) {
@@ -205,7 +205,7 @@ fn the_command_says_what_to_do() {
 
 #[test]
 fn boards_are_printed_in_their_size() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let print = |args: &str| {
         succeed(folder.path(), &format!("print-board {args} --out board.svg"));
         fs::read_to_string(folder.path().join("board.svg")).unwrap()

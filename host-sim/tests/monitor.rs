@@ -2,7 +2,7 @@
 //! port, and bad input.
 
 use crate::support::{
-    failed, json_lines, keys, linestereo, listening, refused, says, stderr, stdout, tells,
+    Folder, failed, json_lines, keys, linestereo, listening, refused, says, stderr, stdout, tells,
     with_file,
 };
 use linestereo::results::{ImagePosition, Match, Owner, Techniques};
@@ -15,7 +15,6 @@ use std::path::Path;
 use std::process::Output;
 use std::thread;
 use std::time::{SystemTime, UNIX_EPOCH};
-use tempfile::TempDir;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 
@@ -242,7 +241,7 @@ fn directions_are_a_line_behind_their_frame() {
 
 #[test]
 fn a_file_of_garbage_alone_or_of_nothing_is_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let image: Vec<u8> =
         (0..50_000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
     fs::write(folder.path().join("image.png"), &image).unwrap();
@@ -380,7 +379,7 @@ fn board(deaf: usize, frames: u32) -> (String, thread::JoinHandle<Memory>) {
 
 #[test]
 fn a_board_is_described_set_started_and_watched() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, thread) = board(0, 3);
     let send = "--send describe --send max_disparity=96 --send cell=24 --send start";
     let shown = stdout(&monitor(folder.path(), &format!("--tcp {address} --count 3 {send}")));
@@ -409,7 +408,7 @@ const BOARD_US: u64 = 3_000_000;
 
 #[test]
 fn settings_are_shown_and_the_board_follows_this_computers_clock() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, thread) = board(0, 1);
     let send = "--send range_m=6 --send settings --send sync --send start";
     let before = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_micros() as u64;
@@ -435,7 +434,7 @@ fn settings_are_shown_and_the_board_follows_this_computers_clock() {
 
 #[test]
 fn a_refused_parameter_is_named_and_changes_nothing() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let cases = [
         ("max_disparity=320", "max_disparity is 320 but must be 8 to 256"),
         ("min_confidence=0.05", "min_confidence (percent) is 5 but must be 10 to 99"),
@@ -457,7 +456,7 @@ fn a_refused_parameter_is_named_and_changes_nothing() {
 
 #[test]
 fn a_lost_command_is_sent_again() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, thread) = board(2, 0);
     let output = monitor(folder.path(), &format!("--tcp {address} --count 0 --send start"));
     let board = "board: a board, images up to 320x240, up to 512 segments; rig: none; no flash to keep one\n";
@@ -471,7 +470,7 @@ fn a_lost_command_is_sent_again() {
 
 #[test]
 fn a_board_that_never_answers_is_an_error() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, thread) = board(usize::MAX, 0);
     let output = monitor(folder.path(), &format!("--tcp {address} --count 0 --send stop"));
     says(&failed(&output), &["linestereo: no answer to stop in 5 s"]);
@@ -480,7 +479,7 @@ fn a_board_that_never_answers_is_an_error() {
 
 #[test]
 fn a_closed_connection_is_one_line_after_the_summary() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (address, thread) = board(0, 2);
     let output = monitor(folder.path(), &format!("--tcp {address} --send start"));
     thread.join().unwrap();
@@ -494,7 +493,7 @@ fn a_closed_connection_is_one_line_after_the_summary() {
 #[test]
 fn a_board_on_a_serial_port_is_watched() {
     use serialport::{SerialPort, TTYPort};
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (master, slave) = TTYPort::pair().unwrap();
     let name = slave.name().unwrap();
     let thread = thread::spawn(move || {
@@ -540,7 +539,7 @@ fn bad_input_gets_one_line() {
 
 #[test]
 fn help_shows_examples_and_names_every_parameter() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let shown =
         tells(folder.path(), "monitor --help", &["linestereo monitor --tcp localhost:4444"]);
     says(&shown, &linestereo_sim::monitor::requests::NAMES);

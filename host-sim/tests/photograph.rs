@@ -1,14 +1,13 @@
 //! `linestereo photograph` as a user types it, with boards behind a connection.
 
 use crate::monitor::{next_command, packet};
-use crate::support::{listening, refused, succeed};
+use crate::support::{Folder, listening, refused, succeed};
 use core::time::Duration;
 use linestereo_wire::*;
 use std::fs;
 use std::io::Write;
 use std::net::TcpStream;
 use std::thread::{self, JoinHandle};
-use tempfile::TempDir;
 
 const SIZE: [u16; 2] = [40, 30];
 const PIXELS: usize = 40 * 30;
@@ -59,7 +58,7 @@ fn board(act: impl Fn(&mut TcpStream, u16, u8) + Send + 'static) -> (String, Joi
 
 #[test]
 fn pairs_become_files_that_calibrate_reads_behind_those_that_are_there() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     fs::create_dir(folder.path().join("photos")).unwrap();
     fs::write(folder.path().join("photos/left07.png"), "an older one").unwrap();
     let (address, thread) = board(|stream, command, n| send_photo(stream, command, n, None));
@@ -77,7 +76,7 @@ fn pairs_become_files_that_calibrate_reads_behind_those_that_are_there() {
 
 #[test]
 fn what_fails_is_said_and_leaves_no_half_pair() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let no_pair = |stream: &mut TcpStream, command: u16, _: u8| {
         let outcome = Outcome::Refused(Refusal::NoPair);
         send(stream, &Message::Answer(Answer { command, outcome }));

@@ -1,7 +1,7 @@
 //! Depth quality on walls that are known: drawn ones through the command, planes with known errors
 //! through its arithmetic.
 
-use crate::support::{all_refused, json, tells};
+use crate::support::{Folder, all_refused, json, tells};
 use linestereo::results::{Point, Source};
 use linestereo::units::{Confidence, Disparity};
 use linestereo::{Area, Dims, Rig};
@@ -11,15 +11,14 @@ use linestereo_sim::scene_folder;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 const DIMS: Dims = Dims { width: 320, height: 240 };
 const DISTANCE: f64 = 1.5;
 
 /// A folder with pairs of a wall, turned about the vertical axis by an angle of this tangent, whose
 /// middle is 1.5 m away.
-fn wall(tangent: f64, texture: Texture, pairs: u64) -> TempDir {
-    let folder = TempDir::new().unwrap();
+fn wall(tangent: f64, texture: Texture, pairs: u64) -> Folder {
+    let folder = Folder::new();
     let pair = Pair::centred(DIMS, 288.0, 0.12);
     let across = [8.0, 0.0, 8.0 * tangent];
     let corner = [-4.0, -3.0, DISTANCE - 4.0 * tangent];

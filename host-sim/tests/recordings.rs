@@ -2,7 +2,7 @@
 //! knows the official definitions.
 
 use crate::support::{
-    all_refused, json, json_lines, linestereo, refused, says, stderr, stdout, succeed,
+    Folder, all_refused, json, json_lines, linestereo, refused, says, stderr, stdout, succeed,
     with_drawn_pairs,
 };
 use linestereo_frames::load_gray;
@@ -16,7 +16,6 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use tempfile::TempDir;
 
 const TOPICS: [&str; 2] = ["/stereo/left/image_rect", "/stereo/right/image_rect"];
 const MS: u64 = 1_000_000;
@@ -85,7 +84,7 @@ fn with_pgm(folder: &Path, names: &[&str]) {
 }
 
 /// Three drawn pairs in `rec/1` to `rec/3`.
-fn drawn() -> TempDir {
+fn drawn() -> Folder {
     let folder = with_drawn_pairs();
     with_pgm(folder.path(), &["rec/1", "rec/2", "rec/3"]);
     folder
@@ -107,8 +106,7 @@ fn rig() -> Value {
 
 #[test]
 fn a_bag_gives_what_its_files_give() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let known = "--max-disparity 48";
     let expected = recorded(at, &format!("sequence rec --focal-px 288 --baseline-m 0.12 {known}"));
     for (encoding, compression, scramble) in [
@@ -138,8 +136,7 @@ fn a_recording_of_foxglove_gives_what_its_files_give() {
     if !has("foxglove_schemas_protobuf") || !has("mcap_protobuf") {
         return;
     }
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let known = "--max-disparity 48";
     let expected = recorded(at, &format!("sequence rec --focal-px 288 --baseline-m 0.12 {known}"));
     for encoding in ["mono8", "mono16", "bgr8", "file"] {
@@ -166,8 +163,7 @@ fn a_recording_of_foxglove_gives_what_its_files_give() {
 #[test]
 fn captured_pairs_come_out_of_a_bag_as_they_went_in() {
     let Some(frames) = linestereo_tests::captured::folder("qvga") else { return };
-    let folder = TempDir::new().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     let names = ["dolls", "motorcycle", "tsukuba"];
     for name in names {
         fs::create_dir(at.join(name)).unwrap();
@@ -227,8 +223,7 @@ fn images_are_paired_by_their_times_and_the_rest_is_counted() {
 
 #[test]
 fn raw_images_are_rectified_by_their_own_calibration() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let mut rig = rig();
     rig["lens"] = json!([-0.05, 0.01, 0.001, 0, 0]);
     let job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "compression": "none", "rig": rig,
@@ -262,8 +257,7 @@ fn bag_folder(at: &Path) {
 
 #[test]
 fn a_folder_of_ros_is_one_recording() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     bag_folder(at);
     let expected = recorded(at, "sequence all.mcap --max-disparity 48");
     assert_eq!(expected.len(), 3);
@@ -284,8 +278,7 @@ fn a_folder_of_ros_is_one_recording() {
 
 #[test]
 fn other_bags_say_how_they_are_converted() {
-    let folder = TempDir::new().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     fs::write(at.join("x.db3"), [&b"SQLite format 3\0"[..], &[0; 100]].concat()).unwrap();
     fs::write(at.join("x.bag"), "#ROSBAG V2.0\n").unwrap();
     fs::write(at.join("x.mcap.zstd"), [0x28, 0xb5, 0x2f, 0xfd]).unwrap();
@@ -477,8 +470,7 @@ fn cloud_size(message: &[u8]) -> (u32, usize) {
 
 #[test]
 fn the_cloud_of_exchanged_images_has_no_points() {
-    let folder = with_drawn_pairs();
-    let at = folder.path();
+    let at: &Path = &with_drawn_pairs();
     fs::create_dir(at.join("exchanged")).unwrap();
     for (from, to) in [("left.png", "right.png"), ("right.png", "left.png")] {
         fs::copy(at.join("rec/1").join(from), at.join("exchanged").join(to)).unwrap();
@@ -499,8 +491,7 @@ fn the_cloud_of_exchanged_images_has_no_points() {
 
 #[test]
 fn a_topic_of_the_recording_itself_gives_its_objects() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let mut job = json!({"pairs": pairs(&DRAWN, "pgm.raw"), "encoding": "mono8", "compression": "none", "rig": rig(), "topics": TOPICS});
     job["detections"] = json!({"topic": "/boxes", "boxes": [[100, 80, 100, 80, "box"], [200, 160, 100, 80, "cup"]]});
     let Some(bag) = bag(at, &job) else { return };
@@ -518,8 +509,7 @@ fn a_topic_of_the_recording_itself_gives_its_objects() {
 
 #[test]
 fn what_is_written_is_read_again() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let known = "--max-disparity 48 --focal-px 288 --baseline-m 0.12 --disparity-offset-px 1.5";
     let expected = recorded(at, &format!("sequence rec {known}"));
     succeed(at, &format!("sequence rec --out a.mcap --with images {known}"));
@@ -533,8 +523,7 @@ fn what_is_written_is_read_again() {
 
 #[test]
 fn messages_hold_the_numbers_of_the_lines() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let args = "sequence rec/1 --max-disparity 48 --objects rec/1/objects.png";
     let line = json(at, args);
     succeed(at, &format!("{args} --out out.mcap --with images,disparity"));

@@ -1,9 +1,10 @@
 //! `linestereo rectify` and `run --rig` as a user types them.
 
-use crate::support::{all_refused, json_of_any, linestereo, refused, says, succeed, with_rig};
+use crate::support::{
+    Folder, all_refused, json_of_any, linestereo, refused, says, succeed, with_rig,
+};
 use std::fs;
 use std::path::Path;
-use tempfile::TempDir;
 
 /// Two equal cameras of which the right one is rolled by 2 degrees, at which rows differ by up to 6
 /// px.
@@ -25,7 +26,7 @@ translation_m = [-0.07, 0.0, 0.0]
 ";
 
 /// A folder with a rig and two scenes, whose images stand for raw ones.
-fn folder() -> TempDir {
+fn folder() -> Folder {
     let folder = with_rig(RIG);
     for kind in ["boxes", "cards"] {
         succeed(folder.path(), &format!("scene --kind {kind} --size 320x240 raw/{kind}"));

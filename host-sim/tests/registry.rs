@@ -1,7 +1,7 @@
 //! Packages with real pairs: what is checked of a package file before anything of it is laid out.
 //! The packages here are made up.
 
-use crate::support::says;
+use crate::support::{Folder, says};
 use linestereo_frames::SceneInfo;
 use linestereo_sim::registry::{Package, packages, parsed};
 use std::fs;
@@ -65,7 +65,7 @@ fn check_laid_out(package: &Package, out: &Path) {
 
 #[test]
 fn a_wheel_is_checked_and_laid_out() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
     let package = package();
     wheel(&file, &FILES);
@@ -81,7 +81,7 @@ fn a_wheel_is_checked_and_laid_out() {
 
 #[test]
 fn nothing_is_laid_out_that_is_not_what_it_should_be() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let (file, out) = (folder.path().join("pairs-1.whl"), folder.path().join("out"));
     let fails = |word: &str| {
         let error = package().lay_out(&file, &out).unwrap_err().to_string();
@@ -99,7 +99,7 @@ fn nothing_is_laid_out_that_is_not_what_it_should_be() {
 
 #[test]
 fn the_list_is_whole() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let all = packages();
     let counts: Vec<_> =
         all.iter().map(|package| (package.name.as_str(), package.scenes.len())).collect();

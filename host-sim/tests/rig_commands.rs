@@ -2,6 +2,7 @@
 
 use crate::support::{all_refused, json, succeed, tells, with_rig};
 use std::fs;
+use std::path::Path;
 
 pub(crate) const RIG: &str = "\
 version = 1
@@ -24,8 +25,7 @@ translation_m = [-0.1, 0.001, 0.002]
 
 #[test]
 fn a_rig_goes_through_every_format_and_comes_back() {
-    let folder = with_rig(RIG);
-    let at = folder.path();
+    let at: &Path = &with_rig(RIG);
     let words = ["rig.toml: 640x480, baseline 0.1000 m", "focal 500.00 501.00 px"];
     tells(at, "convert-rig rig.toml", &words);
     for line in [
@@ -57,8 +57,7 @@ fn a_rig_goes_through_every_format_and_comes_back() {
 
 #[test]
 fn wrong_conversions_leave_no_file_and_say_why() {
-    let folder = with_rig(RIG);
-    let at = folder.path();
+    let at: &Path = &with_rig(RIG);
     fs::write(at.join("bad.yml"), "%YAML:1.0\nM1: [1, 2\n").unwrap();
     let fisheye = "lens = { model = \"fisheye\", k = [0.0, 0.0, 0.0, 0.0] }\n[right]";
     let (left, right) = RIG.split_once("[right]").unwrap();
@@ -82,8 +81,7 @@ fn wrong_conversions_leave_no_file_and_say_why() {
 
 #[test]
 fn a_plan_is_printed_and_listed() {
-    let folder = with_rig(RIG);
-    let at = folder.path();
+    let at: &Path = &with_rig(RIG);
     let oak = "plan-rig --focal-px 451 --size 640x480 --baseline-m 0.075 --max-disparity 96";
     tells(at, oak, &["near limit 0.358 m", "below 5 % up to 6.76 m"]);
     let json = json(at, &format!("{oak} --json -"));

@@ -1,16 +1,16 @@
 //! `linestereo run` as a user types it: its files, and every kind of bad input.
 
 use crate::support::{
-    all_refused, failed, json, json_lines, json_of_any, keys, linestereo, refused, says, stderr,
-    stdout, succeed, tells, with_scene,
+    Folder, all_refused, failed, json, json_lines, json_of_any, keys, linestereo, refused, says,
+    stderr, stdout, succeed, tells, with_scene,
 };
 use linestereo_tests::captured;
 use serde_json::Value;
 use std::fs;
-use tempfile::TempDir;
+use std::path::Path;
 
 /// A folder with the scene `cards` in it.
-fn cards() -> TempDir {
+fn cards() -> Folder {
     let folder = with_scene("cards", "160x120", "cards");
     let scene = folder.path().join("cards");
     assert!(scene.is_dir(), "the scene has a folder of its own");
@@ -21,8 +21,7 @@ const PAIR: &str = "run cards/left.png cards/right.png --scene cards/scene.json"
 
 #[test]
 fn the_summary_tells_the_depths_of_all_points_and_the_near_limit() {
-    let folder = cards();
-    let at = folder.path();
+    let at: &Path = &cards();
     let rig = "--focal-px 200 --baseline-m 0.05 --max-disparity 24";
     let listing = json(at, &format!("{PAIR} {rig} --json -"));
     let points = listing["points"].as_array().unwrap().iter();
@@ -36,8 +35,7 @@ fn the_summary_tells_the_depths_of_all_points_and_the_near_limit() {
 
 #[test]
 fn the_scene_file_beside_a_pair_is_used_and_named() {
-    let folder = cards();
-    let at = folder.path();
+    let at: &Path = &cards();
     let pair = "run cards/left.png cards/right.png";
     let expected = json(at, &format!("{PAIR} --json -"));
     assert_eq!(json(at, &format!("{pair} --json -")), expected);
@@ -114,8 +112,7 @@ fn the_product_alone_gives_no_pose() {
 
 #[test]
 fn what_is_infinitely_far_has_minus_the_offset_as_its_disparity() {
-    let folder = cards();
-    let at = folder.path();
+    let at: &Path = &cards();
     // Exchanged images: every disparity is negative.
     fs::remove_file(at.join("cards/scene.json")).unwrap(); // it would be used
     let flags = |options: &str| {
@@ -236,7 +233,7 @@ fn bad_input_gets_one_line_and_leaves_no_file() {
 
 /// The pair of a scene as cameras deliver it that are exchanged or mirrored, of which one or both
 /// hang upside down; and one with nothing in it.
-fn with_bad_pairs() -> TempDir {
+fn with_bad_pairs() -> Folder {
     let folder = with_scene("demo", "320x240", "good");
     let at = folder.path();
     let open = |name: &str| image::open(at.join("good").join(name)).unwrap().into_luma8();
@@ -264,8 +261,7 @@ const BAD: [&str; 5] = ["exchanged", "mirrored", "turned", "upside_down", "empty
 
 #[test]
 fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
-    let folder = with_bad_pairs();
-    let at = folder.path();
+    let at: &Path = &with_bad_pairs();
     for name in BAD {
         let pair = format!("{name}/left.png {name}/right.png");
         let output = linestereo(at, &format!("run {pair} --json out.json"));
@@ -297,8 +293,7 @@ fn a_pair_of_which_nothing_is_to_be_used_ends_with_2() {
 /// Files of points are written all the same, and hold none.
 #[test]
 fn files_of_points_of_exchanged_images_are_empty() {
-    let folder = with_bad_pairs();
-    let at = folder.path();
+    let at: &Path = &with_bad_pairs();
     let options = "--focal-px 288 --baseline-m 0.12 --ply cloud.ply --pcd cloud.pcd";
     // Vertices of the PLY file, points of the PCD file, and lines after the head of the latter.
     let clouds = |name: &str| {
@@ -322,8 +317,7 @@ fn files_of_points_of_exchanged_images_are_empty() {
 
 #[test]
 fn a_narrow_pair_is_searched_as_far_as_it_can_be_and_that_is_said() {
-    let folder = with_scene("boxes", "64x48", "out");
-    let at = folder.path();
+    let at: &Path = &with_scene("boxes", "64x48", "out");
     fs::remove_file(at.join("out/scene.json")).unwrap(); // it says how far to search
     let run = "run out/left.png out/right.png";
     let output = linestereo(at, run);

@@ -1,5 +1,6 @@
 //! Synthetic scenes against closed forms: what the renderer says must follow from geometry alone.
 
+use crate::support::Folder;
 use linestereo::{Dims, results::Owner};
 use linestereo_frames::load_scene;
 use linestereo_sim::scene::{
@@ -244,7 +245,7 @@ repetition 594dd979ab673a5f
 
 #[test]
 fn a_folder_reads_back_as_it_was_rendered() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = Folder::new();
     let dims = Dims { width: 80, height: 60 };
     let built = scene::build(Kind::Demo, dims, 1);
     let rendering = scene::render(&built, dims, &Sensor::default());

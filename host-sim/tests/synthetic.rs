@@ -1,12 +1,11 @@
 //! The commands around synthetic scenes, as a user types them.
 
-use crate::support::{all_refused, succeed, tells};
+use crate::support::{Folder, all_refused, succeed, tells};
 use std::fs;
-use tempfile::TempDir;
 
 #[test]
 fn without_arguments_it_shows_a_room_and_writes_a_picture() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let words =
         ["probability", "near card", "Segments: ", "Points: ", "Picture: linestereo-demo.png"];
     let text = tells(folder.path(), "", &words);
@@ -16,7 +15,7 @@ fn without_arguments_it_shows_a_room_and_writes_a_picture() {
 
 #[test]
 fn every_kind_of_scene_is_rendered() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let list = succeed(folder.path(), "scene --list");
     succeed(folder.path(), "scene --kind all --size 160x120 --noise 2 out");
     for line in list.lines() {
@@ -30,7 +29,7 @@ fn every_kind_of_scene_is_rendered() {
 
 #[test]
 fn the_seed_decides_every_byte() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     for (name, seed) in [("a", "3"), ("b", "3"), ("c", "4")] {
         succeed(folder.path(), &format!("scene --size 64x48 --seed {seed} {name}"));
     }
@@ -40,7 +39,7 @@ fn the_seed_decides_every_byte() {
 
 #[test]
 fn bad_requests_are_refused_in_one_line() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let cases: [(&str, &str); 7] = [
         ("scene", "FOLDER"),
         ("scene --kind castle out", "castle"),

@@ -1,14 +1,15 @@
 //! Files that are broken, huge or endless: each ends itself, within the memory and time that
 //! `docs/security.md` states.
 
-use crate::support::{failed, json_lines, says, stderr, stdout, with_drawn_pairs, with_scene};
+use crate::support::{
+    Folder, failed, json_lines, says, stderr, stdout, with_drawn_pairs, with_scene,
+};
 use core::fmt::Write as _;
 use serde_json::{Value, json};
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
-use tempfile::TempDir;
 
 /// Address space of a call, KiB; the program alone takes a tenth.
 const MEMORY: usize = 768 << 10;
@@ -98,7 +99,7 @@ fn links_to_a_folder_above_end() {
         symlink(".", folder.path().join(name)).unwrap();
     }
     assert_eq!(frames(folder.path()).len(), 3);
-    let empty = TempDir::new().unwrap();
+    let empty = Folder::new();
     for name in ["a", "b"] {
         symlink(".", empty.path().join(name)).unwrap();
     }
@@ -107,7 +108,7 @@ fn links_to_a_folder_above_end() {
 
 #[test]
 fn masks_and_outlines_cost_what_they_show() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let (width, height) = (1280, 960);
     // 16 px of disparity: the same image twice is not fit to be used.
     for (side, first) in [("left.pgm", 0), ("right.pgm", 16)] {

@@ -3,8 +3,8 @@
 
 use crate::rectify::RIG;
 use crate::support::{
-    all_refused, failed, json_lines, linestereo, program, refused, says, signal, stderr, stdout,
-    succeed, tells, with_drawn_pairs,
+    Folder, all_refused, failed, json_lines, linestereo, program, refused, says, signal, stderr,
+    stdout, succeed, tells, with_drawn_pairs,
 };
 use core::time::Duration;
 use image::codecs::jpeg::JpegEncoder;
@@ -15,12 +15,11 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Instant;
-use tempfile::TempDir;
 
 const NUMBERS: [&str; 3] = ["1", "2", "3"];
 
 /// Three drawn pairs in `rec/1` to `rec/3`, without what else is known of them.
-fn drawn() -> TempDir {
+fn drawn() -> Folder {
     let folder = with_drawn_pairs();
     for number in NUMBERS {
         fs::remove_file(folder.path().join("rec").join(number).join("scene.json")).unwrap();
@@ -97,8 +96,7 @@ fn ffmpeg(folder: &Path, args: &str) -> bool {
 
 #[test]
 fn y4m_gives_what_its_images_give() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     let expected = of(at, "rec");
     assert_eq!(expected.len(), 3);
     with_y4m(at);
@@ -128,8 +126,7 @@ fn y4m_gives_what_its_images_give() {
 
 #[test]
 fn a_video_is_input_like_any_other() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     with_y4m(at);
     fs::write(at.join("rig.toml"), RIG).unwrap();
     let rig = "--rig rig.toml --size 320x240";
@@ -173,8 +170,7 @@ fn a_video_is_input_like_any_other() {
 
 #[test]
 fn the_shorter_of_two_videos_ends_them() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     with_y4m(at);
     let right = fs::read(at.join("right.y4m")).unwrap();
     fs::write(at.join("right.y4m"), &right[..right.len() - 50_000]).unwrap();
@@ -189,8 +185,7 @@ fn the_shorter_of_two_videos_ends_them() {
 
 #[test]
 fn what_ffmpeg_decodes_gives_what_its_images_give() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     with_y4m(at);
     let expected = of(at, "rec");
     for name in ["both.mkv", "both.avi", "-both.mkv", "a:b.mkv", "both.mov"] {
@@ -258,7 +253,7 @@ fn what_ffmpeg_decodes_gives_what_its_images_give() {
 
 #[test]
 fn hostile_heads_are_refused() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let frame = vec![vec![7; 64 * 48]];
     let long = format!("W64 H48 X{}", "x".repeat(2000));
     let cases: Vec<(Vec<u8>, &str)> = vec![
@@ -325,8 +320,7 @@ fn fake_refused(folder: &Path, script: &str, says: &str) {
 #[test]
 #[cfg(unix)]
 fn an_ffmpeg_that_fails_is_named() {
-    let folder = TempDir::new().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     let cases = [
         (
             "echo first >&2; echo \"x.mp4: [h264 @ 0x55ab] \\033[2Jno key\" >&2; exit 1",
@@ -389,7 +383,7 @@ fn is_gone(pid: &Path) -> bool {
 #[test]
 #[cfg(unix)]
 fn an_ffmpeg_that_never_ends_is_ended() {
-    let folder = TempDir::new().unwrap();
+    let folder = Folder::new();
     let start = Instant::now();
     fake_refused(
         folder.path(),
@@ -418,8 +412,7 @@ fn with_camera(folder: &Path, frames: &str) {
 #[test]
 #[cfg(target_os = "linux")]
 fn a_camera_gives_pairs_until_their_number_is_reached() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     with_camera(at, "while :; do cat frame0 frame1 frame2; done");
     let line = "sequence --camera /dev/null --camera-size 640x240 --camera-fps 30 \
                 --camera-format mjpeg --frames 1..3";
@@ -452,8 +445,7 @@ fn a_camera_gives_pairs_until_their_number_is_reached() {
 #[test]
 #[cfg(target_os = "linux")]
 fn an_interrupted_camera_or_video_keeps_what_is_done() {
-    let folder = drawn();
-    let at = folder.path();
+    let at: &Path = &drawn();
     // The end of the first line shows that pairs were matched.
     let interrupted = |line: &str, frames: &str| -> Output {
         with_camera(at, frames);

@@ -4,8 +4,8 @@
 use crate::monitor::{damaged_recording, frame, next_command, packet, sectors};
 use crate::rectify::RIG;
 use crate::support::{
-    all_refused, json, json_lines, linestereo, listening, program, says, signal, stderr, succeed,
-    with_drawn_pairs, with_file, with_pole, with_rig,
+    Folder, all_refused, json, json_lines, linestereo, listening, program, says, signal, stderr,
+    succeed, with_drawn_pairs, with_file, with_pole, with_rig,
 };
 use base64::{Engine as _, prelude::BASE64_STANDARD};
 use core::time::Duration;
@@ -24,7 +24,6 @@ use std::path::Path;
 use std::process::{Child, ChildStdout, Stdio};
 use std::thread;
 use std::time::Instant;
-use tempfile::TempDir;
 
 /// The program, serving.
 struct View {
@@ -245,8 +244,7 @@ fn the_page_is_for_this_computer_and_its_token_alone() {
 
 #[test]
 fn events_of_pairs_are_the_lines_of_a_sequence() {
-    let folder = with_drawn_pairs();
-    let at = folder.path();
+    let at: &Path = &with_drawn_pairs();
     let expected = succeed(at, "sequence rec");
     // The first pair is there for who comes before the second one.
     let view = View::start(at, "rec --rate 0.5");
@@ -561,8 +559,7 @@ fn a_photograph_of_another_size_than_the_rig_is_left_out() {
 
 #[test]
 fn what_cannot_be_shown_is_refused() {
-    let folder = TempDir::new().unwrap();
-    let at = folder.path();
+    let at: &Path = &Folder::new();
     fs::write(at.join("image.png"), [7; 3000]).unwrap();
     fs::create_dir(at.join("empty")).unwrap();
     let (_taken, address) = listening();
@@ -593,8 +590,7 @@ fn visit(view: &View, steps: &Value) -> Option<Visit> {
 
 #[test]
 fn a_visitor_sees_the_pair_its_health_and_the_depth_of_a_box() {
-    let folder = with_drawn_pairs();
-    let at = folder.path();
+    let at: &Path = &with_drawn_pairs();
     // One image twice: an object on the lens, or a camera that is delivered twice.
     fs::create_dir_all(at.join("same/1")).unwrap();
     let _ = ["left.png", "right.png"]

@@ -1,5 +1,6 @@
 //! The program as a user calls it, for every test of the command line.
 
+use core::ops::Deref;
 use linestereo::Dims;
 use linestereo_frames::GrayImage;
 use linestereo_tests::drawn::{Random, painted};
@@ -8,7 +9,27 @@ use std::fs;
 use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, Command, Output};
-use tempfile::TempDir;
+
+/// An empty folder, which is removed in the end.
+pub(crate) struct Folder(tempfile::TempDir);
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Deref for Folder {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        self.path()
+    }
+}
 
 /// The program with the arguments of a command line, which spaces divide.
 pub(crate) fn program(folder: &Path, line: &str) -> Command {
@@ -128,14 +149,14 @@ pub(crate) fn save(image: &GrayImage, path: &Path) {
 }
 
 /// A folder with a rendered scene in the folder `name`.
-pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> TempDir {
-    let folder = TempDir::new().unwrap();
+pub(crate) fn with_scene(kind: &str, size: &str, name: &str) -> Folder {
+    let folder = Folder::new();
     succeed(folder.path(), &format!("scene --kind {kind} --size {size} {name}"));
     folder
 }
 
 /// A folder with three drawn pairs, `rec/1` to `rec/3`.
-pub(crate) fn with_drawn_pairs() -> TempDir {
+pub(crate) fn with_drawn_pairs() -> Folder {
     let folder = with_scene("demo", "320x240", "rec/1");
     for seed in [2, 3] {
         let scene = format!("scene --kind demo --size 320x240 --seed {seed} rec/{seed}");
@@ -145,14 +166,14 @@ pub(crate) fn with_drawn_pairs() -> TempDir {
 }
 
 /// A folder with this file.
-pub(crate) fn with_file(name: &str, contents: impl AsRef<[u8]>) -> TempDir {
-    let folder = TempDir::new().unwrap();
+pub(crate) fn with_file(name: &str, contents: impl AsRef<[u8]>) -> Folder {
+    let folder = Folder::new();
     fs::write(folder.path().join(name), contents).unwrap();
     folder
 }
 
 /// A folder with a `rig.toml`.
-pub(crate) fn with_rig(rig: &str) -> TempDir {
+pub(crate) fn with_rig(rig: &str) -> Folder {
     with_file("rig.toml", rig)
 }
 
@@ -177,8 +198,8 @@ pub(crate) fn pole(columns: i32, disparity: i32, seed: u64) -> [GrayImage; 2] {
 }
 
 /// A folder with a pole of 5 columns at 24 px, `rec/1`.
-pub(crate) fn with_pole() -> TempDir {
-    let folder = TempDir::new().unwrap();
+pub(crate) fn with_pole() -> Folder {
+    let folder = Folder::new();
     let at = folder.path().join("rec/1");
     fs::create_dir_all(&at).unwrap();
     let [left, right] = pole(5, 24, 2);
