@@ -16,7 +16,7 @@ use crate::list::List;
 use crate::matching::MatchContext;
 use crate::memory::{Buffers, Scratch};
 use crate::objects::{NoDepth, ObjectDepth, ObjectQuery, Reason, Region};
-use crate::obstacles::{DOUBTFUL_GROUND, LEAST_CONFIDENCE, ObstaclePlan, Obstacles};
+use crate::obstacles::{self, DOUBTFUL_GROUND, LEAST_CONFIDENCE, ObstaclePlan, Obstacles};
 use crate::params::Parts;
 use crate::plan::Plan;
 use crate::query::{self, PixelDepth, PixelRejection, Query};
@@ -187,7 +187,12 @@ impl<'a> Matched<'a> {
                 credible.filter(move |side| !side.rejected && side.probability_q16 >= least_q16);
             credible.flat_map(|side| side.three_points(&candidate.segment))
         });
-        let support = self.support().credible_by(LEAST_CONFIDENCE, DOUBTFUL_GROUND);
+        let grid = self.support();
+        let support = grid.credible_by(LEAST_CONFIDENCE, DOUBTFUL_GROUND);
+        let support = support.map(move |point| {
+            let confidence = obstacles::confidence(&point, &grid);
+            Point { confidence, ..point }
+        });
         bars.chain(sides).chain(support).filter(move |_| is_fit)
     }
 

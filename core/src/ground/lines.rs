@@ -6,7 +6,7 @@
 //! image    of each row, at each disparity: the strips' largest gain within 2 px, less their mean,
 //!          summed
 //! lines    disparity at the lowest row every 4 px, horizon (where it is 0) -0.75 to 0.7 heights
-//!          every 4 rows, slope 0.08 to 2: sum of the image along each
+//!          every 4 rows, slope 0.04 to 2: sum of the image along each
 //! again    the best of each of six bands of slope, +-2 px, +-2 rows, then with roll of -2 to 2 px
 //!          per 100: sum of the strips' own gains within 1 px, less their means
 //! ```
@@ -18,8 +18,8 @@ use crate::curve::MAX_DISPARITIES;
 use crate::units::quotient;
 use core::ops::Range;
 
-/// Slopes at which bands begin, Q16: 0.08, 0.15, 0.25, 0.4, 0.65, 1; the last ends at 2.
-const BANDS_Q16: [i32; 7] = [5243, 9830, 16_384, 26_214, 42_598, 65_536, 131_072];
+/// Slopes at which bands begin, Q16: 0.04, 0.15, 0.25, 0.4, 0.65, 1; the last ends at 2.
+const BANDS_Q16: [i32; 7] = [2621, 9830, 16_384, 26_214, 42_598, 65_536, 131_072];
 /// Number of bands.
 const BANDS: usize = BANDS_Q16.len() - 1;
 /// Least disparity at which strips are looked at, px.

@@ -136,7 +136,8 @@ pub(crate) fn find(
     let seen = measured.and_then(|(strips, memory)| {
         let near = near.and_then(|plane| fit::fit(lend(&mut cores), &strips, plane));
         match given {
-            Some(_) => near,
+            // Beside a shallow plane a strip says less than the pose does.
+            Some(_) => near.filter(|plane| plane.down_q16 >= fit::SHALLOW_Q16),
             None => near.or_else(|| {
                 lines::best(lend(&mut cores), &strips, memory)
                     .and_then(|line| fit::fit(cores, &strips, line.plane(&strips)))
@@ -196,6 +197,21 @@ mod tests {
         // A plane before that is far off is no hindrance.
         let far = GroundPlane { origin_q16: plane.origin_q16 + (30 << 16), ..plane };
         assert_eq!(found(&images, Some(far)), Some(plane));
+    }
+
+    #[test]
+    fn a_shallow_floor_is_found_and_a_stated_pose_is_taken_as_it_is() {
+        let images = floor(20); // 0.078 px per row
+        let plane = found(&images, None).unwrap();
+        for y in [140, 230] {
+            let expected_q6 = (y - 80) * 20 / 4;
+            assert!((plane.at_q6(160, y) - expected_q6).abs() < 32, "{y}: {plane:?}");
+        }
+        let given = GroundPlane { origin_q16: plane.origin_q16 + (1 << 15), ..plane };
+        let images = images.each_ref().map(|pixels| Gray::new(pixels, DIMS, 320).unwrap());
+        let search = GroundSearch::Given(given);
+        let taken = find(None, None, images, 0, 64, search, &mut [0; 16_384]);
+        assert_eq!(taken, Some(given));
     }
 
     #[test]

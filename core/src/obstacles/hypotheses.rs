@@ -14,8 +14,6 @@ const KEPT_BELOW: usize = 8;
 pub(super) const POINT: u16 = 1;
 /// Tolerance of agreement, 1/64 px, in addition to a sixteenth of the nearness.
 const AGREE_Q6: i32 = 64;
-/// Least probability that all hypotheses within the range are wrong, for a sector to be free, Q16.
-const WEAK_Q16: u16 = 1 << 14;
 /// Largest error probability of a support point that is seen behind the range, and of a hypothesis
 /// between the range and 5/4 of it that forbids a free sector, Q16: 0.1. Surfaces behind the range
 /// are there as well.
@@ -171,14 +169,8 @@ impl Hypotheses {
         {
             return (nearness_q6 >= plan.far_q6).then_some((Some(nearness_q6), error_q16));
         }
-        let forbids = |&(nearness_q6, error_q16): &(i32, u16)| {
-            nearness_q6 >= plan.far_q6 || error_q16 <= STRONG_Q16
-        };
-        let doubts = iter(&self.near.0).filter(forbids);
-        let doubt_q16 = doubts.fold(u16::MAX, |error, hypothesis| both(error, hypothesis.1));
-        // Of large images two points count as one, as in `ObstaclePlan::error_of_point_q16`.
-        let least_q16 = if plan.is_large() { WEAK_Q16 << 1 } else { WEAK_Q16 };
-        let is_free = doubt_q16 > least_q16;
+        let is_free = iter(&self.near.0)
+            .all(|(nearness_q6, error_q16)| nearness_q6 < plan.far_q6 && error_q16 > STRONG_Q16);
         // In each half: something may stand in the other half.
         let is_covered = match plan.ground {
             // All rows in which something within the range would stand, and none that only doubtful

@@ -9,7 +9,8 @@
 //! ```text
 //! per match, in each sector that it crosses, per bar or side of a segment beside those that agree
 //!     with it, and per support point (with a probability of at most 0.8: errors of neighbours are
-//!     correlated; of images wider than 450 px two count as one):
+//!     correlated; of at most 0.6 up to 2 px before the ground, where more points around it lie on
+//!     that; of images wider than 450 px two count as one):
 //!   within the range and the height band     one of the nearest hypotheses of the sector
 //!   behind them                              a hypothesis that the sector is free
 //!   2 px and more behind the ground plane    a hypothesis of a drop-off, where the plane is seen
@@ -20,9 +21,9 @@
 //!       the product falls to the limit: something is at least so near, but for that probability
 //!   where it does not fall so far, but to 1/16: also of the support points of both sectors beside
 //!       it that agree; the obstacle is where its own product falls to 1/16
-//!   those within the range, and the credible ones up to 5/4 of it, are all wrong with a
-//!   probability above 1/4, and the error probabilities of credible hypotheses behind it, in each
-//!   half of the sector at the rows that count, have a product below the limit: free
+//!   none is within the range, no credible one up to 5/4 of it, and the error probabilities of
+//!   credible hypotheses behind it, in each half of the sector at the rows that count, have a
+//!   product below the limit: free
 //!   otherwise no result
 //!   drop-off: the product falls to the limit over hypotheses up to a quarter of the nearness
 //!       behind the nearest of them, which is told
@@ -75,6 +76,7 @@
 //! 600 bytes of state, 4.6 KB of stack. Instructions: `xtask/board-numbers.toml`.
 
 mod hypotheses;
+mod low;
 mod plan;
 mod tilt;
 
@@ -84,6 +86,7 @@ use crate::result::{ImagePosition, Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use hypotheses::{Hypotheses, POINT, Ray, STRONG_Q16, agree_q6};
+pub(crate) use low::confidence;
 use plan::Ground;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan};
 use tilt::Along;
