@@ -3,6 +3,7 @@
 
 use super::no_panic::{build, build_for, packages};
 use core::fmt::Write as _;
+use linestereo::ground::{CameraPose, GroundPlane};
 use linestereo::obstacles::{ObstacleParams, Obstacles, Sector};
 use linestereo::results::PixelRejection;
 use linestereo::units::{Confidence, Disparity};
@@ -109,10 +110,20 @@ pub(crate) fn expected(images: &[GrayImage; 2]) -> String {
     results(images).0
 }
 
-/// Output of the examples, by the PC's program: [`expected`], the bars of its JSON, its directions.
+/// Output of the examples, by the PC's program: [`expected`], the bars of its JSON, its directions, its
+/// ground.
 fn printed(images: &[GrayImage; 2]) -> String {
     let (text, result) = results(images);
-    text + &bars(images[0].dims, &result) + &sectors(images[0].dims, &result)
+    let ground =
+        result.ground.map_or(String::new(), |plane| format!("ground: {}\n", q16(plane, ",")));
+    text + &bars(images[0].dims, &result) + &sectors(images[0].dims, &result) + &ground
+}
+
+/// Numbers of a plane, 1/65536 px.
+fn q16(plane: GroundPlane, between: &str) -> String {
+    [plane.down_q16, plane.across_q16, plane.origin_q16]
+        .map(|number| number.to_string())
+        .join(between)
 }
 
 /// Directions in view as the examples print them, by the core.
@@ -204,7 +215,8 @@ fn results(images: &[GrayImage; 2]) -> (String, FrameResult) {
 /// True when one of the directions has one.
 fn has_drop_off(printed: &str) -> bool {
     let (_, sectors) = printed.split_once(SECTOR_NAMES).unwrap();
-    sectors.lines().any(|line| !line.ends_with(",0,0"))
+    let mut lines = sectors.lines().filter(|line| !line.starts_with("ground: "));
+    lines.any(|line| !line.ends_with(",0,0"))
 }
 
 #[track_caller]
@@ -251,10 +263,14 @@ fn reasons_have_the_texts_of_the_core() {
 #[test]
 fn what_no_caller_may_do_is_refused() {
     let source = folder().join("tests/refusals.c");
+    let pose = CameraPose { height_m: 0.5, pitch_deg: 10.0, roll_deg: -5.0 };
+    let rig = Rig::new(100.0, 0.1, 0.0).unwrap();
+    let stated = GroundPlane::of_pose(pose, &rig, Dims { width: 64, height: 48 }).unwrap();
     for (compiler, flags) in [("cc", &["-std=c99", "-pedantic"][..]), ("c++", &["-x", "c++"])] {
         if has(compiler) {
             let into = tempfile::tempdir().unwrap();
-            run(&mut Command::new(compiled(compiler, flags, &source, into.path())));
+            let said = run(&mut Command::new(compiled(compiler, flags, &source, into.path())));
+            assert_eq!(String::from_utf8(said).unwrap(), q16(stated, " ") + "\n");
         }
     }
 }
@@ -276,6 +292,7 @@ fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
         let expected = printed(&images);
         let names = format!("{BAR_NAMES}{SECTOR_NAMES}");
         assert!(name != POLE || !expected.contains(&names), "no bar on the pole");
+        assert!(name != EDGE || expected.contains("\nground: "), "no ground before the drop-off");
         assert!(name != EDGE || has_drop_off(&expected), "no drop-off of the floor that ends");
         assert_equal(&name, &found.stdout, &expected);
     }

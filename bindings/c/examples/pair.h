@@ -180,7 +180,24 @@ static LinestereoStatus sectors_print(Write write, LinestereoMatcher *matcher) {
     return LINESTEREO_STATUS_OK;
 }
 
-/* The last pair: segments, points, the depth of its middle, health, bars, with a rig directions. */
+/* The ground plane of the last pair: 1/65536 px per row, per column, and at the first pixel. */
+static LinestereoStatus ground_print(Write write, LinestereoMatcher *matcher) {
+    LinestereoGround ground;
+    LinestereoStatus status = linestereo_ground(matcher, &ground);
+    if (status == LINESTEREO_STATUS_NO_GROUND) return LINESTEREO_STATUS_OK;
+    if (status != LINESTEREO_STATUS_OK) return status;
+    text_print(write, "ground: ");
+    decimal_print(write, ground.down_q16, 0, 0);
+    text_print(write, ",");
+    decimal_print(write, ground.across_q16, 0, 0);
+    text_print(write, ",");
+    decimal_print(write, ground.origin_q16, 0, 0);
+    text_print(write, "\n");
+    return LINESTEREO_STATUS_OK;
+}
+
+/* The last pair: segments, points, the depth of its middle, health, bars, with a rig directions,
+   the ground. */
 static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, const LinestereoConfig *config) {
     int has_rig = config->focal_px != 0;
     LinestereoHealth health;
@@ -232,7 +249,8 @@ static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, c
         if ((status = linestereo_bar(matcher, index, &bar)) != LINESTEREO_STATUS_OK) return status;
         bar_print(write, has_rig, &bar);
     }
-    return has_rig ? sectors_print(write, matcher) : LINESTEREO_STATUS_OK;
+    if (has_rig && (status = sectors_print(write, matcher)) != LINESTEREO_STATUS_OK) return status;
+    return ground_print(write, matcher);
 }
 
 /* Two files, the arguments of the programs -> their text. */

@@ -126,6 +126,10 @@ enum LinestereoStatus
   LINESTEREO_STATUS_DROP_DEPTH = 55,
   // `error_probability` is outside its range.
   LINESTEREO_STATUS_ERROR_PROBABILITY = 56,
+  // A number of the camera's pose is outside its range.
+  LINESTEREO_STATUS_CAMERA_POSE = 60,
+  // No ground plane is known in the last pair.
+  LINESTEREO_STATUS_NO_GROUND = 61,
   // No depth: too few credible hypotheses in the region.
   LINESTEREO_STATUS_LITTLE_SUPPORT = 100,
   // No depth: two surfaces explain the region equally well.
@@ -430,6 +434,28 @@ typedef struct {
   int32_t depth_sigma_q16[2];
 } LinestereoBar;
 
+// Height and attitude of the left camera above a level ground.
+typedef struct {
+  // Height above the ground, m; 0.01 to 100, and a quarter of the baseline or more.
+  float height_m;
+  // How far the optical axis points down, degrees; -80 to 80.
+  float pitch_deg;
+  // How far the camera is rolled, clockwise as it looks, degrees; -80 to 80.
+  float roll_deg;
+} LinestereoCameraPose;
+
+// The ground plane of a pair: disparity = down * y + across * x + origin.
+typedef struct {
+  // Change of the disparity down the rows, 1/65536 px per row.
+  int32_t down_q16;
+  // Change along the columns, 1/65536 px per column.
+  int32_t across_q16;
+  // Disparity at the left top pixel, 1/65536 px.
+  int32_t origin_q16;
+  // The camera above this plane; all 0 without a rig.
+  LinestereoCameraPose camera;
+} LinestereoGround;
+
 // A pixel of the left image with a disparity.
 typedef struct {
   // Column, px.
@@ -567,6 +593,15 @@ LinestereoStatus linestereo_segment(LinestereoMatcher *matcher, size_t index, Li
 // Bar `index` of the last pair, from 0, by its first row. `LinestereoHealth.bars` says how many
 // there are.
 LinestereoStatus linestereo_bar(LinestereoMatcher *matcher, size_t index, LinestereoBar *bar);
+
+// States the camera's pose for the pairs that follow: measured by an IMU before each pair, or
+// once, as it is mounted. The ground is looked for there alone, and taken as stated where it is
+// not seen. Null, as at first: it is looked for in the images. A refused pose changes nothing.
+LinestereoStatus linestereo_expect_ground(LinestereoMatcher *matcher, const LinestereoCameraPose *pose);
+
+// The ground plane of the last pair, found or stated; `LINESTEREO_STATUS_NO_GROUND` where there
+// is none, as in a pair that is not fit to be used.
+LinestereoStatus linestereo_ground(LinestereoMatcher *matcher, LinestereoGround *ground);
 
 // Calls `each` with every point of the last pair, at most one per pixel: support points, then
 // those of bars, then those of segments, most probable first. The callback must return, and not

@@ -1,7 +1,8 @@
 //! A matcher with its memory, as the functions of the header use it.
 
 use crate::status::Status;
-use crate::types::{Bar, Camera, Config, Depth, Health, Owner, Point, Segment};
+use crate::types::{Bar, Camera, CameraPose, Config, Depth, Ground, Health, Owner, Point, Segment};
+use linestereo::ground::{CameraPose as CorePose, GroundPlane};
 use linestereo::health::{CameraHealth, HealthLimits};
 use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use linestereo::params::{Margin, Parts};
@@ -136,6 +137,32 @@ impl Engine {
         let memory = unsafe { &mut *self.memory };
         self.last = self.matcher.run_with(memory, left, right, options).map_err(Status::from);
         if self.matched()?.is_fit() { Ok(()) } else { Err(Status::PairUnfit) }
+    }
+
+    /// States the camera's pose for the pairs that follow, or that it is not known.
+    pub fn expect_ground(&mut self, pose: Option<&CameraPose>) -> Result<(), Status> {
+        let plane = match pose {
+            Some(&CameraPose { height_m, pitch_deg, roll_deg }) => {
+                let rig = self.params().rig.ok_or(Status::NoRig)?;
+                let pose = CorePose { height_m, pitch_deg, roll_deg };
+                Some(GroundPlane::of_pose(pose, &rig, self.dims())?)
+            }
+            None => None,
+        };
+        self.matcher.expect_ground(plane);
+        Ok(())
+    }
+
+    /// The ground plane of the last pair.
+    pub fn ground(&mut self) -> Result<Ground, Status> {
+        let (rig, dims) = (self.params().rig, self.dims());
+        let plane = self.matched()?.ground().ok_or(Status::NoGround)?;
+        let none = CorePose { height_m: 0.0, pitch_deg: 0.0, roll_deg: 0.0 };
+        let pose = rig.and_then(|rig| CorePose::of_plane(plane, &rig, dims)).unwrap_or(none);
+        let CorePose { height_m, pitch_deg, roll_deg } = pose;
+        let GroundPlane { down_q16, across_q16, origin_q16 } = plane;
+        let camera = CameraPose { height_m, pitch_deg, roll_deg };
+        Ok(Ground { down_q16, across_q16, origin_q16, camera })
     }
 
     /// The last pair.

@@ -9,7 +9,7 @@ use crate::engine::Engine;
 use crate::obstacles::Directions;
 use crate::status::Status;
 use crate::types::{
-    Area, Bar, Config, Depth, FAULT_NAMES, Health, Image, ObstacleConfig, Obstacles, Point, Run,
+    Area, Bar, CameraPose, Config, Depth, FAULT_NAMES, Ground, Health, Image, ObstacleConfig, Obstacles, Point, Run,
     Sector, Segment,
 };
 use core::cell::{Cell, UnsafeCell};
@@ -324,6 +324,35 @@ pub unsafe extern "C" fn linestereo_bar(
     };
     // SAFETY: as this function's.
     unsafe { with_room(matcher, bar, work) }
+}
+
+/// States the camera's pose for the pairs that follow: measured by an IMU before each pair, or
+/// once, as it is mounted. The ground is looked for there alone, and taken as stated where it is
+/// not seen. Null, as at first: it is looked for in the images. A refused pose changes nothing.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_expect_ground(
+    matcher: *mut Handle,
+    pose: *const CameraPose,
+) -> Status {
+    let work = |engine: &mut Engine| {
+        // SAFETY: as this function's.
+        let pose = if pose.is_null() { None } else { Some(unsafe { read(pose)? }) };
+        engine.expect_ground(pose)
+    };
+    // SAFETY: as this function's.
+    unsafe { with(matcher, work) }
+}
+
+/// The ground plane of the last pair, found or stated; `LINESTEREO_STATUS_NO_GROUND` where there
+/// is none, as in a pair that is not fit to be used.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn linestereo_ground(matcher: *mut Handle, ground: *mut Ground) -> Status {
+    let work = |engine: &mut Engine, room: &mut MaybeUninit<Ground>| {
+        room.write(engine.ground()?);
+        Ok(())
+    };
+    // SAFETY: as this function's.
+    unsafe { with_room(matcher, ground, work) }
 }
 
 /// Calls `each` with every point of the last pair, at most one per pixel: support points, then

@@ -1,6 +1,7 @@
 //! Codes of errors and of missing depths, with their texts.
 
 use core::ffi::CStr;
+use linestereo::ground::PoseError;
 use linestereo::objects::{Reason, RegionError};
 use linestereo::params::{Param, ParamError, RigError};
 use linestereo::{RunError, image::ViewError, results::PixelRejection};
@@ -95,6 +96,10 @@ pub enum Status {
     DropDepth = 55,
     /// `error_probability` is outside its range.
     ErrorProbability = 56,
+    /// A number of the camera's pose is outside its range.
+    CameraPose = 60,
+    /// No ground plane is known in the last pair.
+    NoGround = 61,
     /// No depth: too few credible hypotheses in the region.
     LittleSupport = 100,
     /// No depth: two surfaces explain the region equally well.
@@ -121,7 +126,7 @@ pub enum Status {
 
 impl Status {
     /// Every code in words, with the range of a number that is outside it.
-    const TEXTS: [(Self, &CStr); 53] = [
+    const TEXTS: [(Self, &CStr); 55] = [
         (Self::Ok, c"all is well"),
         (Self::Null, c"a pointer is null"),
         (
@@ -176,6 +181,11 @@ impl Status {
         (Self::Heights, c"heights_m is outside -1000 to 1000, or the lowest is above the highest"),
         (Self::DropDepth, c"drop_m is outside 0 to 100"),
         (Self::ErrorProbability, c"error_probability is outside 0.00002 to 0.5"),
+        (
+            Self::CameraPose,
+            c"height_m is outside 0.01 to 100 or below a quarter of the baseline, or pitch_deg or roll_deg outside -80 to 80",
+        ),
+        (Self::NoGround, c"no ground plane is known in the last pair"),
         (Self::LittleSupport, c"too few credible hypotheses in the region"),
         (Self::TwoSurfaces, c"two surfaces explain the region equally well"),
         (
@@ -238,6 +248,12 @@ impl From<RigError> for Status {
             RigError::Offset(_) => Self::Offset,
             _ => Self::PrincipalPoint,
         }
+    }
+}
+
+impl From<PoseError> for Status {
+    fn from(_: PoseError) -> Self {
+        Self::CameraPose
     }
 }
 

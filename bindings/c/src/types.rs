@@ -270,6 +270,32 @@ pub struct Sector {
     pub drop_off_age_ms: u32,
 }
 
+/// Height and attitude of the left camera above a level ground.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct CameraPose {
+    /// Height above the ground, m; 0.01 to 100, and a quarter of the baseline or more.
+    pub height_m: f32,
+    /// How far the optical axis points down, degrees; -80 to 80.
+    pub pitch_deg: f32,
+    /// How far the camera is rolled, clockwise as it looks, degrees; -80 to 80.
+    pub roll_deg: f32,
+}
+
+/// The ground plane of a pair: disparity = down * y + across * x + origin.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Ground {
+    /// Change of the disparity down the rows, 1/65536 px per row.
+    pub down_q16: i32,
+    /// Change along the columns, 1/65536 px per column.
+    pub across_q16: i32,
+    /// Disparity at the left top pixel, 1/65536 px.
+    pub origin_q16: i32,
+    /// The camera above this plane; all 0 without a rig.
+    pub camera: CameraPose,
+}
+
 /// Levels of one camera's image.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,8 @@
 //! The ground plane in JSON and in words: how the cameras stand above it.
 
 use super::directions::five_decimals;
-use linestereo::{Dims, Rig, ground::GroundPlane};
+use linestereo::ground::{CameraPose, GroundPlane};
+use linestereo::{Dims, Rig};
 use serde::Serialize;
 
 /// The ground plane of a pair: `d = down * y + across * x + origin`.
@@ -25,28 +26,16 @@ impl Ground {
     pub fn new(plane: GroundPlane, rig: Option<&Rig>, dims: Dims) -> Self {
         let [down, across, origin] = [plane.down_q16, plane.across_q16, plane.origin_q16]
             .map(|value| f64::from(value) / 65_536.0);
-        let stance = rig.map(|rig| {
-            let rig = rig.centred(dims);
-            let focal = rig.focal_q16() as f64 / 65_536.0;
-            let baseline = rig.focal_baseline_q16() as f64 / 65_536.0 / focal;
-            let [column, row] = rig
-                .principal_point_q16()
-                .unwrap_or_default()
-                .map(|value| f64::from(value) / 65_536.0);
-            let on_axis = down * row + across * column + origin + rig.offset_q6() as f64 / 64.0;
-            // The plane's normal, as long as baseline / height.
-            let normal = [across, down, on_axis / focal];
-            let length = normal.iter().map(|part| part * part).sum::<f64>().sqrt();
-            let pitch = (normal[2] / length).asin().to_degrees();
-            [baseline / length, pitch, across.atan2(down).to_degrees()].map(five_decimals)
-        });
+        let pose = rig.and_then(|rig| CameraPose::of_plane(plane, rig, dims));
+        let stated =
+            |value: fn(CameraPose) -> f32| pose.map(|pose| five_decimals(f64::from(value(pose))));
         Self {
             down_px_per_row: five_decimals(down),
             across_px_per_column: five_decimals(across),
             origin_px: five_decimals(origin),
-            camera_height_m: stance.map(|[height, ..]| height),
-            pitch_deg: stance.map(|[_, pitch, _]| pitch),
-            roll_deg: stance.map(|[.., roll]| roll),
+            camera_height_m: stated(|pose| pose.height_m),
+            pitch_deg: stated(|pose| pose.pitch_deg),
+            roll_deg: stated(|pose| pose.roll_deg),
         }
     }
 
@@ -64,7 +53,6 @@ impl Ground {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linestereo::ground::CameraPose;
 
     #[test]
     fn a_level_camera_has_the_height_that_its_slope_tells() {
