@@ -183,7 +183,8 @@ impl Status {
         (Self::ErrorProbability, c"error_probability is outside 0.00002 to 0.5"),
         (
             Self::CameraPose,
-            c"height_m is outside 0.01 to 100 or below a quarter of the baseline, or pitch_deg or roll_deg outside -80 to 80",
+            c"height_m is outside 0.01 to 100 or below a quarter of the baseline, \
+              or pitch_deg or roll_deg outside -80 to 80",
         ),
         (Self::NoGround, c"no ground plane is known in the last pair"),
         (Self::LittleSupport, c"too few credible hypotheses in the region"),

@@ -5,6 +5,7 @@ use crate::image::{grey, view};
 use crate::records::{self, Answer};
 use crate::refused;
 use core::fmt::Display;
+use linestereo::ground::{CameraPose, GroundPlane};
 use linestereo::image::{Span, shrink_to_valid};
 use linestereo::results::ImagePosition;
 use linestereo::units::{Disparity, Position};
@@ -24,6 +25,8 @@ pub(crate) struct PyMatcher {
     /// Nobody said how far to search.
     takes_what_fits: bool,
     calibration: Option<Py<Calibration>>,
+    /// What was stated, checked.
+    pose: Option<CameraPose>,
     state: Option<(Dims, linestereo::Matcher)>,
 }
 
@@ -58,7 +61,21 @@ impl PyMatcher {
                 return Err(PyValueError::new_err("rig is neither a Rig nor a Calibration"));
             }
         }
-        Ok(Self { params, takes_what_fits: max_disparity.is_none(), calibration, state: None })
+        let takes_what_fits = max_disparity.is_none();
+        Ok(Self { params, takes_what_fits, calibration, pose: None, state: None })
+    }
+
+    /// The camera's height (m), pitch and roll (degrees) in the pairs that follow, or nothing.
+    fn expect_ground(&mut self, pose: Option<[f32; 3]>) -> PyResult<()> {
+        let pose = pose.map(|[height_m, pitch_deg, roll_deg]| CameraPose {
+            height_m,
+            pitch_deg,
+            roll_deg,
+        });
+        // Refused here and not with the next pair: a pose that is right is so for all sizes.
+        self.plane(pose, Dims { width: 320, height: 240 })?;
+        self.pose = pose;
+        Ok(())
     }
 
     #[pyo3(name = "match")]
@@ -109,6 +126,17 @@ pub(crate) fn in_use<E: Display>(name: &str) -> impl FnOnce(E) -> PyErr {
 }
 
 impl PyMatcher {
+    /// The plane that a camera of this pose sees.
+    fn plane(&self, pose: Option<CameraPose>, dims: Dims) -> PyResult<Option<GroundPlane>> {
+        let Some(pose) = pose else { return Ok(None) };
+        let Some(rig) = &self.params.rig else {
+            return Err(PyValueError::new_err(
+                "the camera's pose needs a rig; give rig=linestereo.Rig(..) to the matcher",
+            ));
+        };
+        GroundPlane::of_pose(pose, rig, dims).map(Some).map_err(refused)
+    }
+
     fn matched(
         &mut self,
         images: [GrayImage; 2],
@@ -123,9 +151,11 @@ impl PyMatcher {
             self.state =
                 Some((dims, linestereo::Matcher::new(self.params, dims).map_err(refused)?));
         }
+        let expected = self.plane(self.pose, dims)?;
         let Some((_, matcher)) = &mut self.state else {
             return Err(PyValueError::new_err("no matcher"));
         };
+        matcher.expect_ground(expected);
         let start = Instant::now();
         let options = Options { times_us, ..Options::default() };
         let mut pair = MatchedPair::run(matcher, PairBuffers::new(images, usable), options)
@@ -190,6 +220,20 @@ impl PyMatched {
     /// Bytes of the bars, once.
     fn take_bars<'py>(&mut self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
         self.bars.take().unwrap_or_default().into_pyarray(py)
+    }
+
+    /// The ground plane: px per row, px per column, px at the first pixel; then the camera's height,
+    /// pitch and roll, not a number without a rig.
+    #[getter]
+    fn ground(&self) -> Option<[f64; 6]> {
+        let plane = self.pair().get().ground()?;
+        let [down, across, origin] = [plane.down_q16, plane.across_q16, plane.origin_q16]
+            .map(|number| f64::from(number) / 65536.0);
+        let pose = self.params.rig.and_then(|rig| CameraPose::of_plane(plane, &rig, self.dims));
+        let [height, pitch, roll] = pose.map_or([f64::NAN; 3], |pose| {
+            [pose.height_m, pose.pitch_deg, pose.roll_deg].map(f64::from)
+        });
+        Some([down, across, origin, height, pitch, roll])
     }
 
     /// Columns and rows.

@@ -422,6 +422,36 @@ def test_a_matcher_in_use_says_so(pair):
         thread.join()
 
 
+POSES = (
+    ((0.0, 0), r"height \(m\) of the camera is 0 but must be 0.01 to 100"),
+    ((0.01, 0), "baseline / height of the camera is 6.* but must be 0 to 4"),
+    ((0.15, 90), r"pitch \(degrees\) of the camera is 90 but must be -80 to 80"),
+    ((0.15, 0, -81), r"roll \(degrees\) of the camera is -81"),
+    ((np.nan, 0), "height"),
+)
+
+
+def test_the_ground_is_where_the_pose_says(pair):
+    """Of a wall, which hides the floor, the stated plane is taken."""
+    matcher = linestereo.Matcher(32, linestereo.Rig(200, 0.06))
+    matcher.expect_ground(0.15, 10.0, 4.0)
+    for pose, text in POSES:
+        with pytest.raises(ValueError, match=text):
+            matcher.expect_ground(*pose)
+    ground = matcher.match(*pair).ground
+    assert abs(ground.height_m - 0.15) < 0.0005 and abs(ground.pitch_deg - 10) < 0.15 and abs(ground.roll_deg - 4) < 0.15
+    pitch, roll = np.radians([10, 4])
+    found = ground.down_px_per_row, ground.across_px_per_column
+    assert np.allclose(found, 0.4 * np.cos(pitch) * np.array([np.cos(roll), np.sin(roll)]), atol=0.002)
+    assert pickle.loads(pickle.dumps(ground)) == ground
+    forgetful = linestereo.Matcher(32, linestereo.Rig(200, 0.06))
+    forgetful.expect_ground(0.15, 10.0)
+    forgetful.forget_ground()
+    assert forgetful.match(*pair).ground is None
+    with pytest.raises(ValueError, match="needs a rig"):
+        linestereo.Matcher(32).expect_ground(0.15, 0)
+
+
 def test_what_is_asked_for_at_a_prompt_is_said():
     rig = linestereo.Rig(182.5, 0.05, 3.0, (100, 90))
     assert repr(rig) == "Rig(focal_px=182.5, baseline_m=0.05, disparity_offset_px=3, principal_point_px=(100, 90))"
@@ -608,6 +638,9 @@ def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     assert result.bars["ends"].tolist() == [bar["left"] for bar in listing["bars"]]
     for name in ("width", "disparity", "sigma"):
         assert result.bars[name].tolist() == [bar[f"{name}_px"] for bar in listing["bars"]]
+    names = "down_px_per_row", "across_px_per_column", "origin_px", "height_m", "pitch_deg", "roll_deg"
+    ground = result.ground and [five_decimals(getattr(result.ground, name)) for name in names]
+    assert ground == (listing.get("ground") and [listing["ground"][name.replace("height", "camera_height")] for name in names])
     sectors = result.sectors()
     assert [linestereo.SectorState(state).name.lower() for state in sectors["state"]] == [sector["state"] for sector in listing["sectors"]]
     for name, field in (("distance", "distance_m"), ("drop_off", "drop_off_m")):

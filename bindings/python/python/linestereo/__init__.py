@@ -25,7 +25,7 @@ import numpy.typing as npt
 from . import _core
 from ._core import Calibration, Rig, __version__
 
-__all__ = ["BAR", "Calibration", "Fault", "Matcher", "Object", "Obstacles", "POINT", "Result", "Rig",
+__all__ = ["BAR", "Calibration", "Fault", "Ground", "Matcher", "Object", "Obstacles", "POINT", "Result", "Rig",
            "SECTOR", "SEGMENT", "SectorState", "match", "rectify"]
 
 def _calibration(image: bytes) -> Calibration:
@@ -153,6 +153,24 @@ class Object:
         return cls(*numbers, *(reason or (None, None)))
 
 
+@dataclass(frozen=True)
+class Ground:
+    """The ground plane of a pair, disparity = down * y + across * x + origin, and the left camera above it."""
+
+    down_px_per_row: float
+    """Change of the disparity down the rows: baseline / height of a level camera."""
+    across_px_per_column: float
+    """Change of the disparity along the columns: roll."""
+    origin_px: float
+    """Disparity at the left top pixel, px."""
+    height_m: float
+    """Height of the camera above the ground, m; nan without a rig."""
+    pitch_deg: float
+    """How far the optical axis points down, degrees; nan without a rig."""
+    roll_deg: float
+    """How far the camera is rolled, clockwise as it looks, degrees; nan without a rig."""
+
+
 class Result:
     """A matched pair."""
 
@@ -169,12 +187,17 @@ class Result:
     """False when results may be wrong or outdated: then there are no points, no segments and no
     bars, and no object and no pixel has a depth."""
 
+    ground: Optional[Ground]
+    """The ground plane that was found, or that the camera's pose states; None where there is none, and of a pair that is not fit."""
+
     def __init__(self, matched: _core.Matched) -> None:
         self._matched: Optional[_core.Matched] = matched
         self._rest = (matched.size, matched.milliseconds, matched.segments_found)
         self.points = matched.take_points().view(POINT)
         self.segments = matched.take_segments().view(SEGMENT)
         self.bars = matched.take_bars().view(BAR)
+        ground = matched.ground
+        self.ground = Ground(*ground) if ground is not None else None
         bits, self.is_fit, is_cut = matched.health
         faults = [fault for bit, fault in enumerate(_FAULTS) if bits >> bit & 1]
         self.health = frozenset(faults + [Fault.SEGMENTS_DROPPED] * is_cut)
@@ -287,12 +310,26 @@ class Matcher:
         self._matcher = _core.Matcher(*self._parameters)
 
     def __getstate__(self) -> Tuple[Any, ...]:
-        """Parameters alone: a matcher that is unpickled knows no pair before."""
+        """Parameters alone: a matcher that is unpickled knows no pair before, and no pose."""
         return self._parameters
 
     def __setstate__(self, state: Tuple[Any, ...]) -> None:
         self._parameters = state
         self._matcher = _core.Matcher(*state)
+
+    def expect_ground(self, height_m: float, pitch_deg: float, roll_deg: float = 0.0) -> None:
+        """States the camera's pose for the pairs that follow: measured by an IMU before each pair, or once, as it is mounted. The ground is looked
+        for there alone, and taken as stated where it is not seen. Needs a rig. A refused pose changes nothing.
+
+        height_m: of the left camera above the ground, m; 0.01 to 100, and a quarter of the baseline or more.
+        pitch_deg: how far the optical axis points down, degrees; -80 to 80.
+        roll_deg: how far the camera is rolled, clockwise as it looks, degrees; -80 to 80.
+        """
+        self._matcher.expect_ground((height_m, pitch_deg, roll_deg))
+
+    def forget_ground(self) -> None:
+        """The camera's pose is not known, as at first: the ground is looked for in the images."""
+        self._matcher.expect_ground(None)
 
     def match(self, left: npt.ArrayLike, right: npt.ArrayLike, times_us: Optional[Tuple[int, int]] = None, valid: Valid = None) -> Result:
         """Matches the next pair. Other threads run meanwhile; this matcher must not be used by two.
