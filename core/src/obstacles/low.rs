@@ -23,8 +23,8 @@ const REACH: i32 = 20;
 ///
 /// These were chosen on `robot_world`: of its clear sectors 2.6 % show an obstacle, 3.9 without
 /// this, and of 739 sectors with one 379 are told, 382 without. Sets that did not choose them: a
-/// flight 30 and 45 %, 79 and 73 of 106; drawn rooms under cameras 0.7 to 1.2 m high, with their
-/// pose, 61 and 81 of 784, 442 and 442 of 475; the other drives show no difference.
+/// flight 25 and 45 %, 80 and 73 of 106; drawn rooms under cameras 0.7 to 1.2 m high, with their
+/// pose, 59 and 81 of 784, 442 and 442 of 475; the other drives show no difference.
 const OUTNUMBERED: Confidence = Confidence::from_bits(0x9999);
 
 /// Probability of a support point for directions.
