@@ -110,8 +110,8 @@ pub(crate) fn expected(images: &[GrayImage; 2]) -> String {
     results(images).0
 }
 
-/// Output of the examples, by the PC's program: [`expected`], the bars of its JSON, its directions, its
-/// ground.
+/// Output of the examples, by the PC's program: [`expected`], the bars of its JSON, its directions,
+/// its ground.
 fn printed(images: &[GrayImage; 2]) -> String {
     let (text, result) = results(images);
     let ground =

@@ -222,8 +222,8 @@ impl PyMatched {
         self.bars.take().unwrap_or_default().into_pyarray(py)
     }
 
-    /// The ground plane: px per row, px per column, px at the first pixel; then the camera's height,
-    /// pitch and roll, not a number without a rig.
+    /// The ground plane: px per row, px per column, px at the first pixel; then the camera's
+    /// height, pitch and roll, not a number without a rig.
     #[getter]
     fn ground(&self) -> Option<[f64; 6]> {
         let plane = self.pair().get().ground()?;
