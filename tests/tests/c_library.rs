@@ -11,12 +11,12 @@ use linestereo::{Area, Dims, Params, Region, Rig, health::HealthFlags, objects::
 use linestereo_boards::Board;
 use linestereo_frames::GrayImage;
 use linestereo_sim::board::{qemu, toolchain::Toolchain};
-use linestereo_sim::engine::FrameResult;
+use linestereo_sim::engine::{Engine, FrameResult};
 use linestereo_sim::results::listing::{self, Answers};
 use linestereo_sim::scene::Kind;
 use linestereo_tests::board::or_skip;
 use linestereo_tests::browser::has;
-use linestereo_tests::{captured, drawn, matched};
+use linestereo_tests::{captured, drawn};
 use serde_json::Value;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -107,23 +107,18 @@ fn write_pair(folder: &Path, images: &[GrayImage; 2]) {
 /// Output of the examples before the bars, by the PC's program: its CSV, its points, an object, its
 /// health.
 pub(crate) fn expected(images: &[GrayImage; 2]) -> String {
-    results(images).0
+    results(images, None).0
 }
 
-/// Output of the examples, by the PC's program: [`expected`], the bars of its JSON, its directions,
-/// its ground.
-fn printed(images: &[GrayImage; 2]) -> String {
-    let (text, result) = results(images);
-    let ground =
-        result.ground.map_or(String::new(), |plane| format!("ground: {}\n", q16(plane, ",")));
-    text + &bars(images[0].dims, &result) + &sectors(images[0].dims, &result) + &ground
-}
-
-/// Numbers of a plane, 1/65536 px.
-fn q16(plane: GroundPlane, between: &str) -> String {
-    [plane.down_q16, plane.across_q16, plane.origin_q16]
-        .map(|number| number.to_string())
-        .join(between)
+/// Output of the examples, by the PC's program: [`expected`], its ground, the bars of its JSON,
+/// its directions.
+fn printed(images: &[GrayImage; 2], pose: Option<CameraPose>) -> String {
+    let (text, result) = results(images, pose);
+    let ground = result.ground.map_or(String::new(), |plane| {
+        let GroundPlane { down_q16, across_q16, origin_q16 } = plane;
+        format!("ground: {down_q16},{across_q16},{origin_q16}\n")
+    });
+    text + &ground + &bars(images[0].dims, &result) + &sectors(images[0].dims, &result)
 }
 
 /// Directions in view as the examples print them, by the core.
@@ -183,10 +178,14 @@ pub(crate) fn rig() -> Rig {
 }
 
 /// [`expected`], and the result that it is made from.
-fn results(images: &[GrayImage; 2]) -> (String, FrameResult) {
+fn results(images: &[GrayImage; 2], pose: Option<CameraPose>) -> (String, FrameResult) {
     let params = Params { rig: Some(rig()), ..Params::default() };
-    let (mut engine, result) = matched(&params, images.each_ref());
     let dims = images[0].dims;
+    let mut engine = Engine::new(&params, dims).unwrap();
+    engine
+        .matcher
+        .expect_ground(pose.map(|pose| GroundPlane::of_pose(pose, &rig(), dims).unwrap()));
+    let result = linestereo_tests::run(&mut engine, images.each_ref());
     let mut text = listing::csv(&result) + "x,y,disparity_px,confidence\n";
     let decimals = |value: f64| (value * 1e5).round() / 1e5;
     for point in &result.points {
@@ -215,8 +214,7 @@ fn results(images: &[GrayImage; 2]) -> (String, FrameResult) {
 /// True when one of the directions has one.
 fn has_drop_off(printed: &str) -> bool {
     let (_, sectors) = printed.split_once(SECTOR_NAMES).unwrap();
-    let mut lines = sectors.lines().filter(|line| !line.starts_with("ground: "));
-    lines.any(|line| !line.ends_with(",0,0"))
+    sectors.lines().any(|line| !line.ends_with(",0,0"))
 }
 
 #[track_caller]
@@ -263,14 +261,10 @@ fn reasons_have_the_texts_of_the_core() {
 #[test]
 fn what_no_caller_may_do_is_refused() {
     let source = folder().join("tests/refusals.c");
-    let pose = CameraPose { height_m: 0.5, pitch_deg: 10.0, roll_deg: -5.0 };
-    let rig = Rig::new(100.0, 0.1, 0.0).unwrap();
-    let stated = GroundPlane::of_pose(pose, &rig, Dims { width: 64, height: 48 }).unwrap();
     for (compiler, flags) in [("cc", &["-std=c99", "-pedantic"][..]), ("c++", &["-x", "c++"])] {
         if has(compiler) {
             let into = tempfile::tempdir().unwrap();
-            let said = run(&mut Command::new(compiled(compiler, flags, &source, into.path())));
-            assert_eq!(String::from_utf8(said).unwrap(), q16(stated, " ") + "\n");
+            run(&mut Command::new(compiled(compiler, flags, &source, into.path())));
         }
     }
 }
@@ -289,14 +283,24 @@ fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
     for (name, images) in pairs() {
         write_pair(into.path(), &images);
         let found = run_on(&["left.pgm", "right.pgm", "64", RIG[0], RIG[1]]);
-        let expected = printed(&images);
+        let expected = printed(&images, None);
         let names = format!("{BAR_NAMES}{SECTOR_NAMES}");
         assert!(name != POLE || !expected.contains(&names), "no bar on the pole");
         assert!(name != EDGE || expected.contains("\nground: "), "no ground before the drop-off");
         assert!(name != EDGE || has_drop_off(&expected), "no drop-off of the floor that ends");
         assert_equal(&name, &found.stdout, &expected);
+        // Lower than the drawn camera stands, and rolled.
+        let pose = CameraPose { height_m: 0.15, pitch_deg: 4.5, roll_deg: -2.5 };
+        let stated = ["left.pgm", "right.pgm", "64", RIG[0], RIG[1], "0.15", "4.5", "-2.5"];
+        let of_pose = printed(&images, Some(pose));
+        let [without, with] =
+            [&expected, &of_pose].map(|text| text.split_once(SECTOR_NAMES).unwrap().1);
+        assert!(name != EDGE || without != with, "the pose says nothing of directions");
+        assert_equal(&name, &run_on(&stated).stdout, &of_pose);
     }
     let of_baseline = "baseline_m is outside 0.0001 to 10: is it in mm?\n";
+    let of_pose = "height_m is outside 0.01 to 100 or below a quarter of the baseline, \
+                   or pitch_deg or roll_deg outside -80 to 80\n";
     let of_focal = "focal_px is outside 1 to 100000\n";
     for (arguments, text) in [
         (
@@ -306,6 +310,8 @@ fn the_example_for_a_pc_prints_the_bytes_of_the_program() {
         (&["64", "300.5", "0,1"], of_baseline), // not 1 m
         (&["64", "300.5", "-0.1"], of_baseline),
         (&["64", "3e2", "0.1"], of_focal),
+        (&["64", "300", "0.1", "0.3", "4", "5,0"], of_pose),
+        (&["64", "300", "0.1", "0.02", "4", "5"], of_pose),
     ] {
         let refused = run_on(&[&["left.pgm", "right.pgm"], arguments].concat());
         assert_eq!(refused.status.code(), Some(2), "{arguments:?}");
@@ -373,7 +379,7 @@ fn the_example_for_a_cortex_m7_prints_the_bytes_of_the_program() {
         else {
             return;
         };
-        assert_equal(&name, &run(machine.args(["-serial", "none"])), &printed(&images));
+        assert_equal(&name, &run(machine.args(["-serial", "none"])), &printed(&images, None));
     }
 }
 
@@ -415,7 +421,7 @@ fn a_fresh_cmake_project_links_it() {
             .current_dir(into.path())
             .args(["left.pgm", "right.pgm", "64"])
             .args(RIG.map(OsStr::new)));
-        assert_equal(folder, &found, &printed(&images));
+        assert_equal(folder, &found, &printed(&images, None));
     }
 }
 

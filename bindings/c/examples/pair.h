@@ -196,8 +196,8 @@ static LinestereoStatus ground_print(Write write, LinestereoMatcher *matcher) {
     return LINESTEREO_STATUS_OK;
 }
 
-/* The last pair: segments, points, the depth of its middle, health, bars, with a rig directions,
-   the ground. */
+/* The last pair: segments, points, the depth of its middle, health, the ground, bars, with a rig
+   directions. */
 static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, const LinestereoConfig *config) {
     int has_rig = config->focal_px != 0;
     LinestereoHealth health;
@@ -241,6 +241,7 @@ static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, c
     }
     text_print(write, health.faults ? "" : "good");
     text_print(write, health.is_fit ? ", fit\n" : ", not fit\n");
+    if ((status = ground_print(write, matcher)) != LINESTEREO_STATUS_OK) return status;
 
     text_print(write, "x0,y0,x1,y1,width_px,disparity0_px,disparity1_px,sigma_px,confidence,"
                       "depth0_m,depth1_m,depth0_sigma_m,depth1_sigma_m\n");
@@ -249,12 +250,13 @@ static LinestereoStatus results_print(Write write, LinestereoMatcher *matcher, c
         if ((status = linestereo_bar(matcher, index, &bar)) != LINESTEREO_STATUS_OK) return status;
         bar_print(write, has_rig, &bar);
     }
-    if (has_rig && (status = sectors_print(write, matcher)) != LINESTEREO_STATUS_OK) return status;
-    return ground_print(write, matcher);
+    return has_rig ? sectors_print(write, matcher) : LINESTEREO_STATUS_OK;
 }
 
-/* Two files, the arguments of the programs -> their text. */
-static LinestereoStatus pair_print(Write write, const uint8_t *const files[2], const size_t bytes[2], LinestereoConfig *config,
+/* Two files, the arguments of the programs -> their text. The pose may be null. */
+static LinestereoStatus pair_print(Write write, const uint8_t *const files[2],
+                                   const size_t bytes[2], LinestereoConfig *config,
+                                   const LinestereoCameraPose *pose,
                                    void *(*memory_of)(size_t size)) {
     LinestereoImage images[2];
     uint16_t width, height;
@@ -266,6 +268,7 @@ static LinestereoStatus pair_print(Write write, const uint8_t *const files[2], c
     size_t size = linestereo_scratch_size(config);
     LinestereoMatcher *matcher;
     LinestereoStatus status = linestereo_init(memory_of(size), size, config, &matcher);
+    if (status == LINESTEREO_STATUS_OK) status = linestereo_expect_ground(matcher, pose);
     if (status == LINESTEREO_STATUS_OK) status = linestereo_run(matcher, &images[0], &images[1], 0);
     /* Of a pair that is not fit to be used the health says why. */
     if (status != LINESTEREO_STATUS_OK && status != LINESTEREO_STATUS_PAIR_UNFIT) return status;

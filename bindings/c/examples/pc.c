@@ -1,7 +1,8 @@
 /* A rectified pair of PGM images -> segments, points, the depth of the middle, health,
-   bars, with a rig directions:
+   the ground, bars, with a rig directions:
 
-       pc left.pgm right.pgm [MAX_DISPARITY [FOCAL_PX BASELINE_M]] */
+       pc left.pgm right.pgm [MAX_DISPARITY [FOCAL_PX BASELINE_M [HEIGHT_M PITCH_DEG ROLL_DEG]]] */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -20,9 +21,17 @@ static uint8_t *file_read(const char *path, size_t *bytes) {
 
 static void write_stdout(const char *text, size_t length) { fwrite(text, 1, length, stdout); }
 
+/* A number that may be negative; other text is no number, which is refused. */
+static float angle_read(const char *text) {
+    char *end;
+    float value = strtof(text, &end);
+    return *text && !*end ? value : NAN;
+}
+
 int main(int argc, char **argv) {
-    if (argc != 3 && argc != 4 && argc != 6) {
-        fprintf(stderr, "pc left.pgm right.pgm [MAX_DISPARITY [FOCAL_PX BASELINE_M]]\n");
+    if (argc != 3 && argc != 4 && argc != 6 && argc != 9) {
+        fprintf(stderr, "pc left.pgm right.pgm [MAX_DISPARITY [FOCAL_PX BASELINE_M "
+                        "[HEIGHT_M PITCH_DEG ROLL_DEG]]]\n");
         return 2;
     }
     const uint8_t *files[2];
@@ -36,7 +45,13 @@ int main(int argc, char **argv) {
     LinestereoConfig config = linestereo_config(0, 0);
     if (argc > 3) config.max_disparity = (uint16_t)strtoul(argv[3], NULL, 10);
     if (argc > 5) config.focal_px = number_read(argv[4]), config.baseline_m = number_read(argv[5]);
-    LinestereoStatus status = pair_print(write_stdout, files, bytes, &config, malloc);
+    LinestereoCameraPose pose, *stated = NULL;
+    if (argc > 8) {
+        pose.height_m = number_read(argv[6]);
+        pose.pitch_deg = angle_read(argv[7]), pose.roll_deg = angle_read(argv[8]);
+        stated = &pose;
+    }
+    LinestereoStatus status = pair_print(write_stdout, files, bytes, &config, stated, malloc);
     if (status != LINESTEREO_STATUS_OK) {
         fprintf(stderr, "%s\n", linestereo_status_text(status));
         return 2;

@@ -9,8 +9,8 @@ use crate::engine::Engine;
 use crate::obstacles::Directions;
 use crate::status::Status;
 use crate::types::{
-    Area, Bar, CameraPose, Config, Depth, FAULT_NAMES, Ground, Health, Image, ObstacleConfig, Obstacles, Point, Run,
-    Sector, Segment,
+    Area, Bar, CameraPose, Config, Depth, FAULT_NAMES, Ground, Health, Image, ObstacleConfig,
+    Obstacles, Point, Run, Sector, Segment,
 };
 use core::cell::{Cell, UnsafeCell};
 use core::ffi::{c_char, c_void};

@@ -1,6 +1,5 @@
 /* What no caller may do is refused with a status: ends with 0, or with the line of the first check
    that fails. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -192,14 +191,15 @@ int main(void) {
     CHECK(xyz[2] == 2 * 65536 && xyz[0] > 0 && xyz[0] < 1000);
     REFUSED(linestereo_position(matcher, 0, 0, 0, xyz), INFINITE);
 
-    /* The ground: a wall has none, but where it is stated it is taken. 0.1 m / 0.5 m px per row. */
+    /* The ground: a wall has none, but one that is stated is taken. 0.1 m / 0.5 m px per row. */
     LinestereoCameraPose pose = {0.5f, 10, -5}, off = pose;
     LinestereoGround ground;
     REFUSED(linestereo_ground(matcher, &ground), NO_GROUND);
     REFUSED(linestereo_ground(matcher, 0), NULL);
     REFUSED(linestereo_expect_ground(0, &pose), NULL);
-    REFUSED(linestereo_expect_ground(matcher, (LinestereoCameraPose *)((char *)&pose + 1)), MISALIGNED);
-    REFUSED(linestereo_init(memory, size, &config, &matcher), OK); /* the same images again were frozen ones */
+    LinestereoCameraPose *apart = (LinestereoCameraPose *)((char *)&pose + 1);
+    REFUSED(linestereo_expect_ground(matcher, apart), MISALIGNED);
+    REFUSED(linestereo_init(memory, size, &config, &matcher), OK); /* or images are frozen */
     REFUSED(linestereo_expect_ground(matcher, &pose), OK);
     off.height_m = 0.02f; /* a fifth of the baseline */
     REFUSED(linestereo_expect_ground(matcher, &off), CAMERA_POSE);
@@ -207,11 +207,11 @@ int main(void) {
     REFUSED(linestereo_expect_ground(matcher, &off), CAMERA_POSE);
     off = pose, off.roll_deg = -81;
     REFUSED(linestereo_expect_ground(matcher, &off), CAMERA_POSE);
-    CHECK(strstr(linestereo_status_text(LINESTEREO_STATUS_CAMERA_POSE), "roll_deg outside -80 to 80"));
+    const char *text = linestereo_status_text(LINESTEREO_STATUS_CAMERA_POSE);
+    CHECK(strstr(text, "roll_deg outside -80 to 80"));
     REFUSED(linestereo_run(matcher, &left, &right, 0), OK);
     REFUSED(linestereo_ground(matcher, &ground), OK);
     CHECK(ground.down_q16 > 12700 && ground.down_q16 < 13000 && ground.across_q16 < -1000);
-    printf("%ld %ld %ld\n", (long)ground.down_q16, (long)ground.across_q16, (long)ground.origin_q16);
     CHECK(ground.camera.height_m > 0.499f && ground.camera.height_m < 0.501f);
     CHECK(ground.camera.pitch_deg > 9.8f && ground.camera.pitch_deg < 10.2f);
     CHECK(ground.camera.roll_deg > -5.2f && ground.camera.roll_deg < -4.8f);

@@ -84,7 +84,7 @@ __attribute__((noinline)) static void run(void) {
     char *disparities = word(&rest), *focal = word(&rest), *baseline = word(&rest);
     if (*disparities) config.max_disparity = (uint16_t)(int32_t)number_read(disparities);
     if (*focal) config.focal_px = number_read(focal), config.baseline_m = number_read(baseline);
-    LinestereoStatus status = pair_print(write_output, images, bytes, &config, memory_of);
+    LinestereoStatus status = pair_print(write_output, images, bytes, &config, 0, memory_of);
     if (status != LINESTEREO_STATUS_OK) {
         text_print(write_output, linestereo_status_text(status));
         text_print(write_output, "\n");
