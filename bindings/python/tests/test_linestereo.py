@@ -439,7 +439,8 @@ def test_the_ground_is_where_the_pose_says(pair):
         with pytest.raises(ValueError, match=text):
             matcher.expect_ground(*pose)
     ground = matcher.match(*pair).ground
-    assert abs(ground.height_m - 0.15) < 0.0005 and abs(ground.pitch_deg - 10) < 0.15 and abs(ground.roll_deg - 4) < 0.15
+    found = ground.height_m, ground.pitch_deg, ground.roll_deg
+    assert np.allclose(found, (0.15, 10, 4), rtol=0, atol=(0.0005, 0.15, 0.15))
     pitch, roll = np.radians([10, 4])
     found = ground.down_px_per_row, ground.across_px_per_column
     assert np.allclose(found, 0.4 * np.cos(pitch) * np.array([np.cos(roll), np.sin(roll)]), atol=0.002)
@@ -614,7 +615,7 @@ def five_decimals(value):
 
 
 @pytest.mark.skipif(program() is None, reason="no program of the PC: cargo build --release, or LINESTEREO_PROGRAM")
-@pytest.mark.parametrize("kind", ["drawn", "raw", "teddy", "pole"])
+@pytest.mark.parametrize("kind", ["drawn", "raw", "teddy", "pole", "stated"])
 def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     if kind == "teddy":
         folder = pathlib.Path(os.environ.get("LINESTEREO_FRAMES", TOP.parent / "shared/frames")) / "qvga/teddy"
@@ -626,9 +627,14 @@ def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
         cv2.imwrite(str(tmp_path / name), image)
     command = [program(), "run", "left.png", "right.png", "--max-disparity", "32", "--quiet", "--sectors", "--json", "-"]
     command += ["--rig", "rig.toml"] if kind == "raw" else ["--focal-px", "200", "--baseline-m", "0.06"]
+    if kind == "stated":
+        command += ["--camera-height", "0.15", "--camera-pitch", "-10", "--camera-roll", "4"]
     listing = json.loads(subprocess.run(command, cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout)
     rig = linestereo.Calibration.load(rig_file) if kind == "raw" else linestereo.Rig(200, 0.06)
-    result = linestereo.match(*pair, max_disparity=32, rig=rig)
+    matcher = linestereo.Matcher(32, rig)
+    if kind == "stated":
+        matcher.expect_ground(0.15, -10, 4)
+    result = matcher.match(*pair)
     points = [(int(p["x"]), int(p["y"]), float(p["disparity"]), five_decimals(float(p["confidence"]))) for p in result.points]
     assert points == [tuple(point) for point in listing["points"]]
     assert result.segments["ends"].tolist() == [segment["left"] for segment in listing["segments"]]
@@ -641,6 +647,7 @@ def test_numbers_are_those_of_the_program(pair, rig_file, tmp_path, kind):
     names = "down_px_per_row", "across_px_per_column", "origin_px", "height_m", "pitch_deg", "roll_deg"
     ground = result.ground and [five_decimals(getattr(result.ground, name)) for name in names]
     assert ground == (listing.get("ground") and [listing["ground"][name.replace("height", "camera_height")] for name in names])
+    assert ground or kind != "stated"
     sectors = result.sectors()
     assert [linestereo.SectorState(state).name.lower() for state in sectors["state"]] == [sector["state"] for sector in listing["sectors"]]
     for name, field in (("distance", "distance_m"), ("drop_off", "drop_off_m")):

@@ -155,7 +155,8 @@ class Object:
 
 @dataclass(frozen=True)
 class Ground:
-    """The ground plane of a pair, disparity = down * y + across * x + origin, and the left camera above it."""
+    """The ground plane of a pair, disparity = down * y + across * x + origin, and how the left
+    camera stands above it."""
 
     down_px_per_row: float
     """Change of the disparity down the rows: baseline / height of a level camera."""
@@ -188,7 +189,8 @@ class Result:
     bars, and no object and no pixel has a depth."""
 
     ground: Optional[Ground]
-    """The ground plane that was found, or that the camera's pose states; None where there is none, and of a pair that is not fit."""
+    """The ground plane that was found, or that the camera's pose states; None where there is none,
+    and of a pair that is not fit."""
 
     def __init__(self, matched: _core.Matched) -> None:
         self._matched: Optional[_core.Matched] = matched
@@ -318,10 +320,12 @@ class Matcher:
         self._matcher = _core.Matcher(*state)
 
     def expect_ground(self, height_m: float, pitch_deg: float, roll_deg: float = 0.0) -> None:
-        """States the camera's pose for the pairs that follow: measured by an IMU before each pair, or once, as it is mounted. The ground is looked
-        for there alone, and taken as stated where it is not seen. Needs a rig. A refused pose changes nothing.
+        """States the camera's pose for the pairs that follow: measured by an IMU before each pair,
+        or once, as it is mounted. The ground is looked for there alone, and taken as stated where
+        it is not seen. Needs a rig. A refused pose changes nothing.
 
-        height_m: of the left camera above the ground, m; 0.01 to 100, and a quarter of the baseline or more.
+        height_m: of the left camera above the ground, m; 0.01 to 100, and a quarter of the baseline
+            or more.
         pitch_deg: how far the optical axis points down, degrees; -80 to 80.
         roll_deg: how far the camera is rolled, clockwise as it looks, degrees; -80 to 80.
         """
