@@ -11,6 +11,7 @@
 pub mod firmware;
 
 use core::panic::PanicInfo;
+use linestereo::ground::{CameraPose, GroundPlane};
 use linestereo::health::{HealthFlags, HealthLimits, HealthMonitor, PairHealth};
 use linestereo::image::{Span, ViewError};
 use linestereo::objects::{LabelRows, RegionError, Run};
@@ -75,6 +76,13 @@ pub fn proof_depth(rig: &Rig, disparity: Disparity, sigma: Disparity) -> (Depth,
 #[unsafe(no_mangle)]
 pub fn proof_interval(rig: &Rig, disparity: Disparity, nearer: Depth, farther: Depth) -> (Disparity, Disparity) {
     rig.disparity_interval(disparity, nearer, farther)
+}
+
+#[unsafe(no_mangle)]
+pub fn proof_pose(matcher: &mut Matcher, pose: CameraPose, rig: &Rig) -> Option<CameraPose> {
+    let plane = GroundPlane::of_pose(pose, rig, matcher.dims()).ok();
+    matcher.expect_ground(plane);
+    CameraPose::of_plane(plane?, rig, matcher.dims())
 }
 
 #[unsafe(no_mangle)]

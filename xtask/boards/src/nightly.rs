@@ -12,6 +12,13 @@ use std::time::Instant;
 /// Seconds for each function of `tests/src/fuzz.rs`.
 const FUZZ_S: &str = "60";
 
+/// Tests of the Python package, in an environment of its own, against the program that tests build.
+const PYTHON: [&str; 3] = [
+    "python3 -m venv target/python",
+    "target/python/bin/python -m pip install --quiet ./bindings/python[test] mypy",
+    "target/python/bin/python -m pytest bindings/python",
+];
+
 /// Runs every step and prints a table of them.
 pub(crate) fn run(top: &Path) -> Result<()> {
     let oldest = oldest_compiler(top)?;
@@ -19,7 +26,7 @@ pub(crate) fn run(top: &Path) -> Result<()> {
     let check = format!(
         "cargo +{oldest} check --target-dir target/oldest -p linestereo-sim -p linestereo-mavlink"
     );
-    let steps: [&str; 9] = [
+    let mut steps = vec![
         "cargo xtask images",
         "cargo test --workspace --no-fail-fast -- --include-ignored",
         // The digests of the built-in pairs without debug assertions.
@@ -33,7 +40,12 @@ pub(crate) fn run(top: &Path) -> Result<()> {
     ];
     let mut table = String::new();
     let mut failed = Vec::new();
-    for step in steps {
+    if has_python() {
+        steps.extend(PYTHON);
+    } else {
+        table.push_str("SKIPPED   Python's tests: install python3 and its module venv\n");
+    }
+    for &step in &steps {
         println!("\n== {step}");
         let started = Instant::now();
         let mut words = step.split(' ');
@@ -42,6 +54,7 @@ pub(crate) fn run(top: &Path) -> Result<()> {
             .current_dir(top)
             .env("LINESTEREO_LONG", "1")
             .env("LINESTEREO_FUZZ_S", FUZZ_S)
+            .env("LINESTEREO_PROGRAM", top.join("target/debug/linestereo"))
             // Of this program's own build: `cargo +1.93.0` has to choose again.
             .env_remove("CARGO")
             .env_remove("RUSTUP_TOOLCHAIN")
@@ -58,6 +71,12 @@ pub(crate) fn run(top: &Path) -> Result<()> {
         bail!("{} of {} steps failed: {}", failed.len(), steps.len(), failed.join("; "));
     }
     Ok(())
+}
+
+/// True where an environment with pip can be made.
+fn has_python() -> bool {
+    let modules = Command::new("python3").args(["-c", "import ensurepip, venv"]).output();
+    modules.is_ok_and(|output| output.status.success())
 }
 
 /// The version of the compiler that `rust-version` of the workspace names.
