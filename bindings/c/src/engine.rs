@@ -8,13 +8,23 @@ use linestereo::image::{MAX_HEIGHT, MAX_WIDTH, MIN_SIDE};
 use linestereo::params::{Margin, Parts};
 use linestereo::results::{ImagePosition, Match, Source};
 use linestereo::units::{Confidence, Disparity, Position};
-use linestereo::{Capacity, Dims, Gray, Matched, Matcher, MemorySlice, ObjectDepth, Options, Params, Region, Rig};
+use linestereo::{
+    Capacity, Dims, Gray, Matched, Matcher, MemorySlice, ObjectDepth, Options, Params, Region, Rig,
+};
 
 impl Config {
     /// The core's defaults for images of this size.
     pub const fn new(width: u16, height: u16) -> Self {
-        let Params { min_disparity, max_disparity, anchor_gradient, edge_gradient, min_extent, cell, reach, .. } =
-            Params::DEFAULT;
+        let Params {
+            min_disparity,
+            max_disparity,
+            anchor_gradient,
+            edge_gradient,
+            min_extent,
+            cell,
+            reach,
+            ..
+        } = Params::DEFAULT;
         let margin_q6 = match Params::DEFAULT.margin {
             Margin::Pixels(margin) => margin.to_bits(),
             Margin::Metres { .. } => 0,
@@ -24,7 +34,11 @@ impl Config {
             height,
             segments: 1024,
             min_disparity,
-            max_disparity: if width >= MIN_SIDE && max_disparity >= width { width - 1 } else { max_disparity },
+            max_disparity: if width >= MIN_SIDE && max_disparity >= width {
+                width - 1
+            } else {
+                max_disparity
+            },
             anchor_gradient,
             edge_gradient,
             min_extent,
@@ -55,13 +69,18 @@ impl Config {
             return Ok(None);
         }
         let rig = Rig::new(self.focal_px, self.baseline_m, self.disparity_offset_px)?;
-        Ok(Some(if self.has_principal_point == 0 { rig } else { rig.with_principal_point(self.principal_point_px)? }))
+        Ok(Some(if self.has_principal_point == 0 {
+            rig
+        } else {
+            rig.with_principal_point(self.principal_point_px)?
+        }))
     }
 
     /// True for sizes that are accepted.
     #[inline(never)] // what follows from the bounds would be worked into the code behind it: 200 bytes
     fn has_size(&self) -> bool {
-        (MIN_SIDE..=MAX_WIDTH).contains(&self.width) && (MIN_SIDE..=MAX_HEIGHT).contains(&self.height)
+        (MIN_SIDE..=MAX_WIDTH).contains(&self.width)
+            && (MIN_SIDE..=MAX_HEIGHT).contains(&self.height)
     }
 
     /// A matcher with these parameters, all of them checked.
@@ -332,7 +351,8 @@ impl Point {
             Source::Side => -1,
             _ => -2,
         };
-        let (disparity_q6, confidence_q16) = (point.disparity.to_bits(), point.confidence.to_bits());
+        let (disparity_q6, confidence_q16) =
+            (point.disparity.to_bits(), point.confidence.to_bits());
         Self { x: point.x, y: point.y, disparity_q6, confidence_q16, segment }
     }
 }

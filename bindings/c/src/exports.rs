@@ -124,7 +124,10 @@ unsafe fn enter<'a>(matcher: *mut Handle) -> Result<&'a Handle, Status> {
 ///
 /// # Safety
 /// The pointer is what `linestereo_init` gave, or null; another thread does not use it.
-unsafe fn with(matcher: *mut Handle, work: impl FnOnce(&mut Engine) -> Result<(), Status>) -> Status {
+unsafe fn with(
+    matcher: *mut Handle,
+    work: impl FnOnce(&mut Engine) -> Result<(), Status>,
+) -> Status {
     // SAFETY: as this function's.
     let found = match unsafe { enter(matcher) } {
         Ok(found) => found,
@@ -299,15 +302,27 @@ unsafe fn run(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn linestereo_health(matcher: *mut Handle, health: *mut Health) -> Status {
     // SAFETY: as this function's.
-    unsafe { with_room(matcher, health, |engine, room| engine.health().map(|health| _ = room.write(health))) }
+    unsafe {
+        with_room(matcher, health, |engine, room| {
+            engine.health().map(|health| _ = room.write(health))
+        })
+    }
 }
 
 /// Segment `index` of the last pair, from 0, most confident first.
 /// `LinestereoHealth.segments_matched` says how many there are.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_segment(matcher: *mut Handle, index: usize, segment: *mut Segment) -> Status {
+pub unsafe extern "C" fn linestereo_segment(
+    matcher: *mut Handle,
+    index: usize,
+    segment: *mut Segment,
+) -> Status {
     // SAFETY: as this function's.
-    unsafe { with_room(matcher, segment, |engine, room| engine.segment(index).map(|found| _ = room.write(found))) }
+    unsafe {
+        with_room(matcher, segment, |engine, room| {
+            engine.segment(index).map(|found| _ = room.write(found))
+        })
+    }
 }
 
 /// Bar `index` of the last pair, from 0, by its first row. `LinestereoHealth.bars` says how many
@@ -359,7 +374,11 @@ pub unsafe extern "C" fn linestereo_ground(matcher: *mut Handle, ground: *mut Gr
 /// those of bars, then those of segments, most probable first. The callback must return, and not
 /// call the same matcher.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_points(matcher: *mut Handle, each: PointCallback, context: *mut c_void) -> Status {
+pub unsafe extern "C" fn linestereo_points(
+    matcher: *mut Handle,
+    each: PointCallback,
+    context: *mut c_void,
+) -> Status {
     let Some(each) = each else { return Status::Null };
     // SAFETY: the callback is one of C's with these arguments.
     let tell = |point: Point| unsafe { each(context, &raw const point) };
@@ -396,7 +415,11 @@ pub unsafe extern "C" fn linestereo_point_list(
 
 /// The depth of what lies in a box of the left image, or from 100 on why there is none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_box(matcher: *mut Handle, area: *const Area, depth: *mut Depth) -> Status {
+pub unsafe extern "C" fn linestereo_box(
+    matcher: *mut Handle,
+    area: *const Area,
+    depth: *mut Depth,
+) -> Status {
     let work = |engine: &mut Engine, depth: &mut Depth| {
         // SAFETY: as this function's; both structures have the same fields in the layout of C.
         let area = *unsafe { read(area.cast::<CoreArea>())? };
@@ -426,7 +449,12 @@ pub unsafe extern "C" fn linestereo_mask(
 
 /// The depth of a pixel of the left image, on a segment or not, or from 100 on why there is none.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn linestereo_pixel(matcher: *mut Handle, x: u16, y: u16, depth: *mut Depth) -> Status {
+pub unsafe extern "C" fn linestereo_pixel(
+    matcher: *mut Handle,
+    x: u16,
+    y: u16,
+    depth: *mut Depth,
+) -> Status {
     // SAFETY: as this function's.
     unsafe { with_depth(matcher, depth, |engine, depth| engine.pixel((x, y), depth)) }
 }

@@ -33,5 +33,7 @@ extern "C" fn linestereo_panic(location: *const u8) -> ! {
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
-    linestereo_panic(info.location().map_or(core::ptr::null(), |location| core::ptr::from_ref(location).cast()))
+    linestereo_panic(
+        info.location().map_or(core::ptr::null(), |location| core::ptr::from_ref(location).cast()),
+    )
 }

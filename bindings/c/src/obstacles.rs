@@ -4,8 +4,7 @@ use crate::engine::Engine;
 use crate::status::Status;
 use crate::types::{ObstacleConfig, Obstacles, Sector, SectorState};
 use linestereo::obstacles::{
-    self, DropOff, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan,
-    Sector as CoreSector,
+    self, DropOff, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan, Sector as CoreSector,
 };
 
 /// The content of [`Obstacles`].
@@ -22,7 +21,14 @@ const _: () = assert!(align_of::<Directions>() <= align_of::<Obstacles>());
 impl ObstacleConfig {
     pub const fn new() -> Self {
         let ObstacleParams {
-            yaw_deg, sectors, range_m, heights_m, drop_m, keep_ms, error_probability, ..
+            yaw_deg,
+            sectors,
+            range_m,
+            heights_m,
+            drop_m,
+            keep_ms,
+            error_probability,
+            ..
         } = ObstacleParams::DEFAULT;
         let drop_m = match drop_m {
             Some(drop_m) => drop_m,
@@ -73,11 +79,8 @@ impl Directions {
     pub fn sector(&self, index: usize, time_us: u64) -> Result<Sector, Status> {
         let index = u8::try_from(index).ok().filter(|&index| index < self.plan.sectors());
         let index = index.ok_or(Status::NoSuchSector)?;
-        let none = DropOff {
-            distance_cm: 0,
-            confidence: linestereo::units::Confidence::ZERO,
-            age_ms: 0,
-        };
+        let none =
+            DropOff { distance_cm: 0, confidence: linestereo::units::Confidence::ZERO, age_ms: 0 };
         let drop_off = self.known.drop_off(&self.plan, index, time_us).unwrap_or(none);
         let (state, distance_cm, confidence_q16, age_ms) =
             match self.known.sector(&self.plan, index, time_us) {

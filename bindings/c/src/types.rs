@@ -421,7 +421,11 @@ pub static FAULT_NAMES: [[u8; NAME]; HealthFlags::NAMES.len()] = {
 const _: () = {
     assert!(Fault::RowsFar as u32 == HealthFlags::ROWS_FAR.bits());
     assert!(Fault::Skew as u32 == HealthFlags::SKEW.bits());
-    assert!(size_of::<Span>() == size_of::<CoreSpan>() && align_of::<Span>() == align_of::<CoreSpan>());
-    assert!(size_of::<Area>() == size_of::<CoreArea>() && align_of::<Area>() == align_of::<CoreArea>());
+    assert!(
+        size_of::<Span>() == size_of::<CoreSpan>() && align_of::<Span>() == align_of::<CoreSpan>()
+    );
+    assert!(
+        size_of::<Area>() == size_of::<CoreArea>() && align_of::<Area>() == align_of::<CoreArea>()
+    );
     assert!(size_of::<Run>() == size_of::<CoreRun>() && align_of::<Run>() == align_of::<CoreRun>());
 };

@@ -5,9 +5,12 @@ use std::path::Path;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut config = cbindgen::Config::from_file(library.join("cbindgen.toml"))?;
-    config.after_includes = config.after_includes.map(|text| versioned(&text, env!("CARGO_PKG_VERSION")));
-    let sources = ["exports", "status", "types"].map(|name| library.join("src").join(name).with_extension("rs"));
-    let builder = sources.iter().fold(cbindgen::Builder::new(), |builder, source| builder.with_src(source));
+    config.after_includes =
+        config.after_includes.map(|text| versioned(&text, env!("CARGO_PKG_VERSION")));
+    let sources = ["exports", "status", "types"]
+        .map(|name| library.join("src").join(name).with_extension("rs"));
+    let builder =
+        sources.iter().fold(cbindgen::Builder::new(), |builder, source| builder.with_src(source));
     let header = builder.with_config(config).generate()?;
     match std::env::args().nth(1) {
         Some(path) => {
