@@ -25,7 +25,7 @@ pub(crate) struct PyMatcher {
     /// Nobody said how far to search.
     takes_what_fits: bool,
     calibration: Option<Py<Calibration>>,
-    /// What was stated, checked.
+    /// Stated pose of the camera, m and degrees, checked; `None` where it is not known.
     pose: Option<CameraPose>,
     state: Option<(Dims, linestereo::Matcher)>,
 }

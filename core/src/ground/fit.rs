@@ -27,8 +27,8 @@ const FEWEST_OF_PLANE: u32 = 18;
 /// Slopes of a plane that is taken, Q16: 0.05 to 2.2.
 const SLOPES_Q16: core::ops::RangeInclusive<i32> = 3277..=144_179;
 /// Slope below which walls and furniture come near a plane, and half of the strips that see it have
-/// to lie on it, Q16: 0.14. In drawn rooms under high cameras, which chose both, 30 of 36 such
-/// planes are within 0.75 px of the floor all over the lower border; in others 26 of 35.
+/// to lie on it, Q16: 0.14. Chosen on drawn rooms under high cameras; `docs/experiments.md` has
+/// others.
 pub(super) const SHALLOW_Q16: i32 = 9175;
 /// Shrinks roll: 1000 px^2 of columns at weight 1, as weights are counted.
 const SHRINK: i64 = 63_000;

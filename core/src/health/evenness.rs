@@ -84,7 +84,7 @@ pub(super) struct Evenness {
 
 impl Evenness {
     /// True when the samples show that the pair is matched on the right rows: of look-alikes they
-    /// scatter.
+    /// scatter. `docs/experiments.md` says how both lie beside nine tenths.
     pub(super) fn is_witness(self) -> bool {
         self.samples >= LEAST_OF_WITNESS
             && u32::from(self.agree) * 10 >= u32::from(self.samples) * 9

@@ -14,7 +14,8 @@
 //! ```
 //! Images wider than 450 px are compared by means of two pixels, and 3 px grow in proportion to the
 //! width. A scene has no reason to look alike at the same pixel where its parallax is larger; a
-//! periodic texture, which may, is alike at other lags too.
+//! periodic texture, which may, is alike at other lags too. `docs/experiments.md` has what damaged
+//! and undamaged pairs show.
 //!
 //! A pair that a board or the PC has rectified is looked at as rectified: what is at the same pixel
 //! of both sensors is not at the same pixel then.

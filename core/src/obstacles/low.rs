@@ -19,17 +19,13 @@ use crate::units::Confidence;
 const CLEAR_Q6: i32 = 128;
 /// Distance of the points that count, px: two columns to both sides, two rows upward.
 const REACH: i32 = 20;
-/// Largest probability of a point that is outnumbered: 0.6.
-///
-/// These were chosen on `robot_world`: of its clear sectors 2.6 % show an obstacle, 3.9 without
-/// this, and of 739 sectors with one 379 are told, 382 without. Sets that did not choose them: a
-/// flight 25 and 45 %, 80 and 73 of 106; drawn rooms under cameras 0.7 to 1.2 m high, with their
-/// pose, 59 and 81 of 784, 442 and 442 of 475; the other drives show no difference.
+/// Largest probability of a point that is outnumbered: 0.6. `docs/experiments.md` says what chose
+/// the three, and what others do.
 const OUTNUMBERED: Confidence = Confidence::from_bits(0x9999);
 
 /// Probability of a support point for directions.
 #[inline(never)] // in each place that asks for points of obstacles
-pub(crate) fn confidence(point: &Point, support: &Support<'_>) -> Confidence {
+pub(crate) fn beside_ground(point: &Point, support: &Support<'_>) -> Confidence {
     let Some(plane) = support.plane else { return point.confidence };
     let (own_x, own_y) = (i32::from(point.x), i32::from(point.y));
     let own_q6 = i32::from(point.disparity.to_bits());
@@ -82,7 +78,7 @@ mod tests {
         let support = Support::new(&Params::default(), DIMS, &points, 0).with_plane(Some(plane));
         let (disparity, confidence) = (Disparity::from_bits(d_q6), credible);
         let point = Point { x: 20, y: 20, disparity, confidence, source: Source::Support };
-        super::confidence(&point, &support).to_bits()
+        beside_ground(&point, &support).to_bits()
     }
 
     #[test]

@@ -60,13 +60,6 @@
 //!   seen; a dark or blank pit has no hypotheses, and its sector is unknown. A sector with a
 //!   drop-off within the range is never free. Without a ground plane nothing is said.
 //!
-//! # Measured
-//! 14 captured scenes as if seen by a camera of 56 degrees, 154 sectors with truth: 153 show an
-//! obstacle (segments alone: 149), one of them nearer than all that is there by 10 %; 9 (37) are
-//! farther than the nearest tenth of the sector's pixels by 25 %, whose surface gives no credible
-//! hypothesis. With six ranges that most of the scene lies behind, 26 are free, and in 5 of these
-//! at least a hundredth of the pixels is within the range.
-//!
 //! # Bounds
 //! At most [`MAX_IN_VIEW`] sectors are in view (less than half a turn), 72 in a turn. Nearness
 //! (disparity plus offset, by the distance along the ground per depth) is below 2^22 in 1/64 px;
@@ -86,7 +79,7 @@ use crate::result::{ImagePosition, Match, Point, Source};
 use crate::support::SUPPORT_PITCH;
 use crate::units::{Confidence, Disparity, Position, quotient};
 use hypotheses::{Hypotheses, POINT, Ray, STRONG_Q16, agree_q6};
-pub(crate) use low::confidence;
+pub(crate) use low::beside_ground;
 use plan::Ground;
 pub use plan::{MAX_IN_VIEW, ObstacleError, ObstacleParam, ObstacleParams, ObstaclePlan};
 use tilt::Along;
